@@ -1,0 +1,35 @@
+"""Units: SI and rad/s inside, what people write outside. The one place where a factor stands."""
+
+import math
+from typing import Literal
+
+SpeedUnit = Literal["rpm", "rad/s", "Hz"]
+AmplitudeUnit = Literal["m", "mm", "um", "mil", "V"]
+AmplitudeKind = Literal["peak", "peak-to-peak"]
+PhaseConvention = Literal["lead", "lag"]
+PhaseUnit = Literal["deg", "rad"]
+
+RAD_PER_S: dict[SpeedUnit, float] = {"rpm": math.pi / 30.0, "rad/s": 1.0, "Hz": 2.0 * math.pi}
+"""Factor from a declared speed unit to rad/s."""
+
+METRES: dict[AmplitudeUnit, float] = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "mil": 2.54e-5}
+"""Factor from a declared length unit to metres. Volts need the probe's sensitivity and are not in this table."""
+
+PEAK: dict[AmplitudeKind, float] = {"peak": 1.0, "peak-to-peak": 0.5}
+"""Factor from a declared amplitude to 0-to-peak."""
+
+LEAD: dict[PhaseConvention, float] = {"lead": 1.0, "lag": -1.0}
+"""Sign that makes a declared phase a lead, the phase of X in x(t) = Re(X e^{jωt})."""
+
+RADIANS: dict[PhaseUnit, float] = {"deg": math.pi / 180.0, "rad": 1.0}
+"""Factor from a declared phase unit to radians."""
+
+
+def rpm_to_rad_per_s(rpm: float) -> float:
+    """Spin speed [rad/s] of a speed [r/min]."""
+    return rpm * RAD_PER_S["rpm"]
+
+
+def rad_per_s_to_rpm(rad_per_s: float) -> float:
+    """Speed [r/min] of a spin speed [rad/s]."""
+    return rad_per_s / RAD_PER_S["rpm"]
