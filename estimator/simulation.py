@@ -1,0 +1,115 @@
+"""A plant's machine, simulated: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats, condense
+from estimator.machine import Machine, Noise
+from estimator.misalignment import neighbouring_bearings
+from estimator.parameters import Unknowns, unknowns
+from estimator.response import response
+from estimator.rotor import assemble_rotor
+from estimator.segmentation import RunKind
+from estimator.units import rpm_to_rad_per_s
+
+Story = Literal["healthy", "misalignment", "unbalance"]
+
+TRUTH_SPREAD = 0.08
+"""A machine differs from its document: standard deviation of the logarithm of each coefficient."""
+RUN_SCATTER = {"stiffness": 0.005, "angular stiffness": 0.005, "damping": 0.02, "unbalance": 0.01}
+"""Relative run-to-run scatter of the true parameters."""
+COUPLING_STIFFENING = 0.6
+"""Relative growth of a coupling's coefficients at the end of the misalignment story."""
+BEARING_STIFFENING = 0.25
+"""The same for the bearings beside it."""
+UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
+"""Factor on one disc's unbalance in the unbalance story: larger and elsewhere."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """True parameters of a simulated machine, SI: coefficients (K,) and complex unbalances (P,)."""
+
+    unknowns: Unknowns
+    coefficients: Floats
+    unbalances: Complexes
+
+
+def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
+    """A machine near its document: every coefficient off by some per cent, unknown unbalances drawn.
+
+    Raises ValueError when the document leaves a direct term or the disc unbalances without a nominal value.
+    """
+    unknown = unknowns(machine, assemble_rotor(machine))
+    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None]
+    missing += [p.name for p in unknown.unbalances if p.nominal is None]
+    if missing:
+        raise ValueError(f"to simulate '{machine.id}' its document must give nominal values of {', '.join(missing)}")
+    expected = np.array([c.expected for c in unknown.coefficients])
+    factor = np.exp(TRUTH_SPREAD * rng.standard_normal(expected.size))
+    nominal = np.array([p.nominal for p in unknown.unbalances], dtype=complex)
+    turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
+    return Truth(unknown, expected * factor, turned)
+
+
+def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
+    """The truth when a story has gone a part of its way, from 0 (healthy) to 1."""
+    if story == "misalignment":
+        return _misaligned(truth, machine, progress)
+    if story == "unbalance":
+        unbalances = truth.unbalances.copy()
+        unbalances[0] *= 1.0 + progress * (UNBALANCE_GROWTH - 1.0)
+        return replace(truth, unbalances=unbalances)
+    return truth
+
+
+def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
+    """The first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
+    if not machine.couplings:
+        raise ValueError(f"'{machine.id}' has no coupling that could be misaligned")
+    coupling = machine.couplings[0]
+    growth = {f"coupling.{coupling.id}": COUPLING_STIFFENING}
+    growth |= {f"bearing.{bearing}": BEARING_STIFFENING for bearing in neighbouring_bearings(machine, coupling)}
+    factor = np.array([1.0 + progress * growth.get(c.element, 0.0) for c in truth.unknowns.coefficients])
+    return replace(truth, coefficients=truth.coefficients * factor)
+
+
+def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
+    """The truth of one run: load and temperature are never quite the same."""
+    size = np.array([RUN_SCATTER[c.quantity] for c in truth.unknowns.coefficients])
+    coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
+    turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
+    return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
+
+
+def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int) -> tuple[Floats, Floats]:
+    """Times [s] and spin speeds [rad/s] of a sweep over the machine's speed range, each (samples,).
+
+    A coast-down under dry friction, viscous and windage drag, ω̇ = -(a + bω + cω²), each a third of the drag at full speed;
+    a run-up under constant torque less the same drag, which is its mirror image in time to good approximation. Ends just
+    inside the speed range.
+    """
+    top = 0.999 * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    bottom = 1.001 * rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
+    grid = np.linspace(1.0, bottom / top, 2001)
+    drag = (1.0 + grid + grid**2) / 3.0
+    elapsed = np.concatenate([[0.0], np.cumsum(np.diff(1.0 - grid) * (1 / drag[1:] + 1 / drag[:-1]) / 2)])
+    elapsed *= duration / elapsed[-1]
+    times = np.linspace(0.0, duration, samples)
+    speeds = top * np.interp(times, elapsed, grid)
+    return times, speeds if kind == "run-down" else speeds[::-1].copy()
+
+
+def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
+    """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
+    train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
+    clean = response(train, coefficients=truth.coefficients, unbalances=truth.unbalances)
+    return clean + noise(machine.noise, clean, rng)
+
+
+def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:
+    """Circular complex Gaussian errors whose rms is sqrt((relative·|X|)² + floor²) [m]."""
+    size = np.sqrt((model.relative * np.abs(clean)) ** 2 + model.floor**2)
+    return np.asarray(size / np.sqrt(2) * (rng.standard_normal(clean.shape) + 1j * rng.standard_normal(clean.shape)))

@@ -1,0 +1,181 @@
+"""Repository of identifications and of the parameter history that they make."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from sqlalchemy import Select, select
+from sqlalchemy.orm import Session, undefer
+
+from estimator.baseline import Point
+from estimator.identification import Identification
+from storage.clock import now
+from storage.jobs import RUN
+from storage.tables import EstimateRow, IdentificationRow
+
+
+class IdentificationUnknown(KeyError):
+    """No identification of that id."""
+
+
+@dataclass(frozen=True)
+class Origin:
+    """What an identification was made from: machine revision, job, runs and options."""
+
+    machine_id: str
+    revision: int
+    job_id: int
+    scope: str
+    run_kind: str
+    run_ids: list[int]
+    measured_at: int
+    options: dict[str, Any]
+    code_version: str
+
+
+def add(session: Session, origin: Origin, result: Identification) -> IdentificationRow:
+    """Store an identification with all its estimates."""
+    row = IdentificationRow(
+        machine_id=origin.machine_id,
+        revision=origin.revision,
+        job_id=origin.job_id,
+        scope=origin.scope,
+        run_kind=origin.run_kind,
+        run_ids=origin.run_ids,
+        measured_at=origin.measured_at,
+        computed_at=now(),
+        accepted=result.accepted,
+        verdict=result.verdict,
+        chi_square=result.chi_square,
+        degrees_of_freedom=result.degrees_of_freedom,
+        condition_number=result.condition_number,
+        samples=result.samples,
+        speed_minimum=result.speed_minimum,
+        speed_maximum=result.speed_maximum,
+        starts=result.starts,
+        iterations=result.iterations,
+        options=origin.options,
+        code_version=origin.code_version,
+        coordinates=list(result.coordinates),
+        covariance=result.covariance.astype("<f8").tobytes(),
+    )
+    session.add(row)
+    session.flush()
+    session.add_all(
+        EstimateRow(
+            identification_id=row.id,
+            parameter=estimate.name,
+            machine_id=origin.machine_id,
+            measured_at=origin.measured_at,
+            quantity=estimate.quantity,
+            element=estimate.element,
+            unit=estimate.unit,
+            value=estimate.value,
+            standard_error=estimate.standard_error,
+            lower=estimate.lower,
+            upper=estimate.upper,
+            imaginary=estimate.imaginary,
+            imaginary_standard_error=estimate.imaginary_standard_error,
+            reason=estimate.reason,
+        )
+        for estimate in result.estimates
+    )
+    return row
+
+
+def get(session: Session, identification_id: int) -> IdentificationRow:
+    """With its covariance. Raises IdentificationUnknown."""
+    row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.covariance)])
+    if row is None:
+        raise IdentificationUnknown(identification_id)
+    return row
+
+
+def estimates(session: Session, identification_id: int) -> Sequence[EstimateRow]:
+    """All estimates of one identification, in the order of the machine's document."""
+    query = select(EstimateRow).where(EstimateRow.identification_id == identification_id)
+    order = {name.removesuffix(".real"): i for i, name in enumerate(get(session, identification_id).coordinates)}
+    return sorted(session.scalars(query).all(), key=lambda row: order.get(row.parameter, len(order)))
+
+
+def covariance(row: IdentificationRow) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """Covariance matrix over `row.coordinates`; direct terms as logarithms, else SI."""
+    size = len(row.coordinates)
+    return np.frombuffer(row.covariance, "<f8").reshape(size, size)
+
+
+def of_machine(
+    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+) -> Sequence[IdentificationRow]:
+    """Identifications of a machine measured between two times [ns], newest first."""
+    query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id)
+    query = query.order_by(IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    if first is not None:
+        query = query.where(IdentificationRow.measured_at >= first)
+    if last is not None:
+        query = query.where(IdentificationRow.measured_at <= last)
+    return session.scalars(query.limit(limit)).all()
+
+
+def first_accepted(
+    session: Session, machine_id: str, *, revision: int, run_kind: str, limit: int
+) -> Sequence[IdentificationRow]:
+    """The first accepted identifications of single runs of one kind and revision, oldest first."""
+    query = _accepted_runs(machine_id, revision, run_kind)
+    return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
+
+
+def last_accepted(
+    session: Session, machine_id: str, *, revision: int, run_kind: str, limit: int
+) -> Sequence[IdentificationRow]:
+    """The newest accepted identifications of single runs of one kind and revision, newest first."""
+    query = _accepted_runs(machine_id, revision, run_kind)
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(limit)).all()
+
+
+def _accepted_runs(machine_id: str, revision: int, run_kind: str) -> Select[IdentificationRow]:
+    return (
+        select(IdentificationRow)
+        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision == revision)
+        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == run_kind, IdentificationRow.accepted)
+        .options(undefer(IdentificationRow.covariance))
+    )
+
+
+def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
+    """The direct terms that the data determined, as logarithms, with their covariance."""
+    query = (
+        select(EstimateRow.parameter, EstimateRow.value)
+        .where(EstimateRow.identification_id == row.id)
+        .where(EstimateRow.value.is_not(None), EstimateRow.quantity != "unbalance")
+    )
+    values = {name: value for name, value in session.execute(query) if value is not None and _direct(name)}
+    names = [name for name in row.coordinates if name in values]
+    index = [row.coordinates.index(name) for name in names]
+    return Point(
+        tuple(names), np.log(np.array([values[name] for name in names])), covariance(row)[np.ix_(index, index)].copy()
+    )
+
+
+def _direct(name: str) -> bool:
+    return name.rsplit(".", 1)[-1] in {"kxx", "kyy", "cxx", "cyy", "k_phix", "k_phiy"}
+
+
+def history(
+    session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
+) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
+    """The history of some parameters between two times [ns], oldest first."""
+    query = (
+        select(EstimateRow, IdentificationRow)
+        .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
+        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
+        .where(IdentificationRow.scope == scope)
+        .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
+    )
+    if first is not None:
+        query = query.where(EstimateRow.measured_at >= first)
+    if last is not None:
+        query = query.where(EstimateRow.measured_at <= last)
+    return [(estimate, identification) for estimate, identification in session.execute(query)]

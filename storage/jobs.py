@@ -1,0 +1,87 @@
+"""Repository of identification jobs: a queue that survives restarts."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select, update
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import JobRow
+
+QUEUED, RUNNING, DONE, FAILED = "queued", "running", "done", "failed"
+
+RUN, GATHERED = "run", "gathered"
+"""Scope of a job: a run just closed, or the newest runs gathered so far."""
+
+LARGEST_ATTEMPTS = 3
+
+
+def ask(session: Session, machine_id: str, *, scope: str, run_ids: list[int]) -> JobRow | None:
+    """Queue an identification of these runs; None when the same was asked for before."""
+    request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
+    if session.scalars(select(JobRow.id).where(JobRow.request == request)).first() is not None:
+        return None
+    row = JobRow(
+        machine_id=machine_id,
+        scope=scope,
+        run_ids=run_ids,
+        request=request,
+        state=QUEUED,
+        attempts=0,
+        created_at=now(),
+        finished_at=None,
+        error=None,
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def take(session: Session, limit: int) -> Sequence[JobRow]:
+    """The oldest queued jobs, marked as running."""
+    rows = session.scalars(select(JobRow).where(JobRow.state == QUEUED).order_by(JobRow.id).limit(limit)).all()
+    for row in rows:
+        row.state = RUNNING
+        row.attempts += 1
+    return rows
+
+
+def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
+    """Record how a job ended: DONE, or FAILED with the reason."""
+    row.state, row.error, row.finished_at = state, error, now()
+
+
+def put_back(row: JobRow, error: str) -> None:
+    """Queue a job again after its worker was lost; a job that has cost several workers fails."""
+    if row.attempts >= LARGEST_ATTEMPTS:
+        finish(row, state=FAILED, error=f"given up after {row.attempts} attempts: {error}")
+    else:
+        row.state = QUEUED
+
+
+def put_back_running(session: Session) -> int:
+    """At start: queue again what an earlier process left running. Returns how many."""
+    rows = session.scalars(select(JobRow).where(JobRow.state == RUNNING)).all()
+    for row in rows:
+        put_back(row, "the service stopped while it was computed")
+    return len(rows)
+
+
+def unfinished(session: Session) -> int:
+    """Jobs queued or running."""
+    return len(session.scalars(select(JobRow.id).where(JobRow.state.in_([QUEUED, RUNNING]))).all())
+
+
+def failed(session: Session, machine_id: str, limit: int) -> Sequence[JobRow]:
+    """The newest failed jobs of a machine."""
+    query = select(JobRow).where(JobRow.machine_id == machine_id, JobRow.state == FAILED)
+    return session.scalars(query.order_by(JobRow.id.desc()).limit(limit)).all()
+
+
+def forget_failures(session: Session, machine_id: str) -> None:
+    """Queue a machine's failed jobs again."""
+    session.execute(
+        update(JobRow)
+        .where(JobRow.machine_id == machine_id, JobRow.state == FAILED)
+        .values(state=QUEUED, attempts=0, error=None, finished_at=None)
+    )

@@ -1,0 +1,86 @@
+"""Repository of machines and the revisions of their documents."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from estimator.machine import Machine, parse_machine
+from storage.clock import now
+from storage.tables import MachineRow, RevisionRow
+
+
+class MachineExists(ValueError):
+    """A machine of that id is there already."""
+
+
+class MachineUnknown(KeyError):
+    """No machine of that id."""
+
+
+class PlantChanged(ValueError):
+    """A revision may not move a machine to another plant: its key on the wire would change."""
+
+
+def create(session: Session, machine: Machine) -> RevisionRow:
+    """Store a new machine as revision 1. Raises MachineExists."""
+    if session.get(MachineRow, machine.id) is not None:
+        raise MachineExists(f"machine '{machine.id}' exists already; revise it instead")
+    session.add(MachineRow(id=machine.id, plant=machine.plant, revision=1, created_at=now()))
+    session.flush()
+    return _add_revision(session, machine, 1)
+
+
+def revise(session: Session, machine: Machine) -> RevisionRow:
+    """Store a new revision of a machine; a document equal to the one in force changes nothing.
+
+    Raises MachineUnknown, PlantChanged.
+    """
+    row = get(session, machine.id)
+    if row.plant != machine.plant:
+        raise PlantChanged(f"machine '{machine.id}' belongs to plant '{row.plant}', not '{machine.plant}'")
+    current = revision(session, machine.id, row.revision)
+    if current.document == machine.model_dump(mode="json"):
+        return current
+    row.revision += 1
+    return _add_revision(session, machine, row.revision)
+
+
+def get(session: Session, machine_id: str) -> MachineRow:
+    """Raises MachineUnknown."""
+    row = session.get(MachineRow, machine_id)
+    if row is None:
+        raise MachineUnknown(machine_id)
+    return row
+
+
+def every(session: Session) -> Sequence[MachineRow]:
+    """All machines, by id."""
+    return session.scalars(select(MachineRow).order_by(MachineRow.id)).all()
+
+
+def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
+    """Raises MachineUnknown when the machine or that revision of it is not there."""
+    row = session.get(RevisionRow, (machine_id, number))
+    if row is None:
+        raise MachineUnknown(f"{machine_id} revision {number}")
+    return row
+
+
+def revisions(session: Session, machine_id: str) -> Sequence[RevisionRow]:
+    """All revisions of a machine, oldest first."""
+    query = select(RevisionRow).where(RevisionRow.machine_id == machine_id).order_by(RevisionRow.revision)
+    return session.scalars(query).all()
+
+
+def document(session: Session, machine_id: str, number: int | None = None) -> Machine:
+    """The machine's document, by default the revision in force. Raises MachineUnknown."""
+    number = get(session, machine_id).revision if number is None else number
+    return parse_machine(revision(session, machine_id, number).document)
+
+
+def _add_revision(session: Session, machine: Machine, number: int) -> RevisionRow:
+    row = RevisionRow(machine_id=machine.id, revision=number, document=machine.model_dump(mode="json"), created_at=now())
+    session.add(row)
+    session.flush()
+    return row

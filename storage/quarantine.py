@@ -1,0 +1,66 @@
+"""Repository of rejected input: counted for ever, kept as long as there is room."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy import delete, func, select
+from sqlalchemy.orm import Session
+
+from storage.tables import QuarantineCountRow, QuarantineRow
+
+KEPT_ROWS = 10_000
+KEPT_BYTES = 4096
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """A message or sample that was not taken, with the reason and what would have been right."""
+
+    received_at: int
+    key: str
+    machine_id: str | None
+    reason: str
+    detail: str
+    payload: bytes
+
+
+def add(session: Session, rejections: Sequence[Rejection]) -> None:
+    """Keep and count rejections; the oldest are let go beyond KEPT_ROWS."""
+    for one in rejections[-KEPT_ROWS:]:
+        session.add(
+            QuarantineRow(
+                received_at=one.received_at,
+                key=one.key[:512],
+                machine_id=one.machine_id,
+                reason=one.reason,
+                detail=one.detail[:2000],
+                size=len(one.payload),
+                payload=one.payload[:KEPT_BYTES],
+            )
+        )
+    for reason in sorted({one.reason for one in rejections}):
+        count = sum(one.reason == reason for one in rejections)
+        row = session.get(QuarantineCountRow, reason)
+        if row is None:
+            session.add(QuarantineCountRow(reason=reason, count=count))
+        else:
+            row.count += count
+    session.flush()
+    newest = session.scalar(select(func.max(QuarantineRow.id))) or 0
+    session.execute(delete(QuarantineRow).where(QuarantineRow.id <= newest - KEPT_ROWS))
+
+
+def newest(session: Session, *, reason: str | None, machine_id: str | None, limit: int) -> Sequence[QuarantineRow]:
+    """The newest rejections that are still kept."""
+    query = select(QuarantineRow).order_by(QuarantineRow.id.desc()).limit(limit)
+    if reason is not None:
+        query = query.where(QuarantineRow.reason == reason)
+    if machine_id is not None:
+        query = query.where(QuarantineRow.machine_id == machine_id)
+    return session.scalars(query).all()
+
+
+def counts(session: Session) -> dict[str, int]:
+    """How much was ever rejected, by reason."""
+    query = select(QuarantineCountRow.reason, QuarantineCountRow.count).order_by(QuarantineCountRow.reason)
+    return {row.reason: row.count for row in session.execute(query)}

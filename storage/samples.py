@@ -1,0 +1,97 @@
+"""Repository of sample blocks and of how far each source has been received."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from storage.blocks import Samples, decode, encode, join
+from storage.tables import SampleBlockRow, SourceRow
+
+
+@dataclass(frozen=True)
+class SourceKey:
+    """One start of one source of one machine."""
+
+    machine_id: str
+    source: str
+    epoch: int
+
+
+def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence: int, samples: Samples) -> None:
+    """Store consecutive samples."""
+    session.add(
+        SampleBlockRow(
+            machine_id=key.machine_id,
+            revision=revision,
+            source=key.source,
+            epoch=key.epoch,
+            first_sequence=first_sequence,
+            count=len(samples),
+            time_first=int(samples.time.min()),
+            time_last=int(samples.time.max()),
+            data=encode(samples),
+        )
+    )
+
+
+def between(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Samples:
+    """Samples of one revision with first <= time <= last [ns], by time."""
+    query = (
+        select(SampleBlockRow.data)
+        .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
+        .where(SampleBlockRow.time_last >= first, SampleBlockRow.time_first <= last)
+        .order_by(SampleBlockRow.time_first, SampleBlockRow.id)
+    )
+    return _by_time([decode(data) for data in session.scalars(query)]).between(first, last)
+
+
+def latest(session: Session, machine_id: str, *, revision: int, count: int) -> Samples:
+    """The newest samples of one revision, by time."""
+    query = (
+        select(SampleBlockRow.data, SampleBlockRow.count)
+        .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
+        .order_by(SampleBlockRow.time_last.desc(), SampleBlockRow.id.desc())
+        .limit(count)
+    )
+    parts: list[Samples] = []
+    held = 0
+    for data, size in session.execute(query):
+        parts.append(decode(data))
+        held += size
+        if held >= count:
+            break
+    return _by_time(parts).pick(slice(-count, None))
+
+
+def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceRow]:
+    """Known sources, of one machine or of all."""
+    query = select(SourceRow).order_by(SourceRow.machine_id, SourceRow.source, SourceRow.epoch)
+    if machine_id is not None:
+        query = query.where(SourceRow.machine_id == machine_id)
+    return session.scalars(query).all()
+
+
+def source(session: Session, key: SourceKey) -> SourceRow:
+    """How far a source has been received; a new row when it was never heard of."""
+    row = session.get(SourceRow, (key.machine_id, key.source, key.epoch))
+    if row is None:
+        row = SourceRow(
+            machine_id=key.machine_id,
+            source=key.source,
+            epoch=key.epoch,
+            next_sequence=0,
+            received=0,
+            duplicates=0,
+            lost=0,
+            last_time=0,
+        )
+        session.add(row)
+    return row
+
+
+def _by_time(parts: Sequence[Samples]) -> Samples:
+    samples = join(parts, channels=parts[0].phasor.shape[1] if parts else 0)
+    return samples.pick(np.argsort(samples.time, kind="stable"))

@@ -1,0 +1,258 @@
+"""The tables. Times are nanoseconds since 1970 in UTC; physical values are SI."""
+
+from typing import Any
+
+from sqlalchemy import (
+    JSON,
+    BigInteger,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Index,
+    Integer,
+    LargeBinary,
+    MetaData,
+    String,
+    Text,
+    UniqueConstraint,
+    text,
+)
+from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
+
+# SQLite numbers only INTEGER primary keys by itself.
+Key = BigInteger().with_variant(Integer, "sqlite")
+
+NAMING = {
+    "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+    "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+    "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+    "pk": "pk_%(table_name)s",
+}
+
+
+class Base(DeclarativeBase):
+    """Parent of all tables."""
+
+    metadata = MetaData(naming_convention=NAMING)
+    type_annotation_map = {int: BigInteger, dict[str, Any]: JSON, list[int]: JSON, list[str]: JSON}  # noqa: RUF012
+
+
+class MachineRow(Base):
+    """A machine and the revision of its document that is in force."""
+
+    __tablename__ = "machines"
+
+    id: Mapped[str] = mapped_column(String(64), primary_key=True)
+    plant: Mapped[str] = mapped_column(String(64))
+    revision: Mapped[int]
+    created_at: Mapped[int]
+
+
+class RevisionRow(Base):
+    """One revision of a machine's document; never changed."""
+
+    __tablename__ = "machine_revisions"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    revision: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    created_at: Mapped[int]
+
+
+class SourceRow(Base):
+    """How far one start (epoch) of one source has been received."""
+
+    __tablename__ = "sources"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    source: Mapped[str] = mapped_column(String(64), primary_key=True)
+    epoch: Mapped[int] = mapped_column(primary_key=True)
+    next_sequence: Mapped[int]
+    received: Mapped[int]
+    duplicates: Mapped[int]
+    lost: Mapped[int]
+    last_time: Mapped[int]
+
+
+class SampleBlockRow(Base):
+    """Consecutive samples of one source, compressed; see `storage.blocks`."""
+
+    __tablename__ = "sample_blocks"
+    __table_args__ = (
+        UniqueConstraint("machine_id", "source", "epoch", "first_sequence"),
+        ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
+        Index(None, "machine_id", "time_last"),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    revision: Mapped[int]
+    source: Mapped[str] = mapped_column(String(64))
+    epoch: Mapped[int]
+    first_sequence: Mapped[int]
+    count: Mapped[int]
+    time_first: Mapped[int]
+    time_last: Mapped[int]
+    data: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class CollectorRow(Base):
+    """Where a machine's run collection stands, stored with the samples that brought it there."""
+
+    __tablename__ = "collectors"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    state: Mapped[dict[str, Any]]
+
+
+class RunRow(Base):
+    """A run-up or run-down. Once closed it carries its own samples and never changes."""
+
+    __tablename__ = "runs"
+    __table_args__ = (
+        UniqueConstraint("machine_id", "time_first"),
+        ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
+        Index(None, "state"),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    revision: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(16))
+    direction: Mapped[int]
+    state: Mapped[str] = mapped_column(String(16))
+    reason: Mapped[str | None] = mapped_column(Text)
+    time_first: Mapped[int]
+    time_last: Mapped[int | None]
+    speed_minimum: Mapped[float | None]
+    speed_maximum: Mapped[float | None]
+    count: Mapped[int | None]
+    data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+
+
+class JobRow(Base):
+    """An identification that is to be computed, is being computed, or was."""
+
+    __tablename__ = "identification_jobs"
+    __table_args__ = (Index(None, "state"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    scope: Mapped[str] = mapped_column(String(16))
+    run_ids: Mapped[list[int]]
+    request: Mapped[str] = mapped_column(String(200), unique=True)
+    state: Mapped[str] = mapped_column(String(16))
+    attempts: Mapped[int]
+    created_at: Mapped[int]
+    finished_at: Mapped[int | None]
+    error: Mapped[str | None] = mapped_column(Text)
+
+
+class IdentificationRow(Base):
+    """One finished fit, with what is needed to repeat it."""
+
+    __tablename__ = "identifications"
+    __table_args__ = (
+        ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
+        Index(None, "machine_id", "measured_at"),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    revision: Mapped[int]
+    job_id: Mapped[int] = mapped_column(ForeignKey("identification_jobs.id"), unique=True)
+    scope: Mapped[str] = mapped_column(String(16))
+    run_kind: Mapped[str] = mapped_column(String(16))
+    run_ids: Mapped[list[int]]
+    measured_at: Mapped[int]
+    computed_at: Mapped[int]
+    accepted: Mapped[bool]
+    verdict: Mapped[str] = mapped_column(Text)
+    chi_square: Mapped[float]
+    degrees_of_freedom: Mapped[int]
+    condition_number: Mapped[float]
+    samples: Mapped[int]
+    speed_minimum: Mapped[float]
+    speed_maximum: Mapped[float]
+    starts: Mapped[int]
+    iterations: Mapped[int]
+    options: Mapped[dict[str, Any]]
+    code_version: Mapped[str] = mapped_column(String(64))
+    coordinates: Mapped[list[str]]
+    covariance: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
+
+
+class EstimateRow(Base):
+    """One parameter of one identification: the parameter history. Values are null where the data do not determine them."""
+
+    __tablename__ = "estimates"
+    __table_args__ = (Index(None, "machine_id", "parameter", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    parameter: Mapped[str] = mapped_column(String(160), primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    measured_at: Mapped[int]
+    quantity: Mapped[str] = mapped_column(String(32))
+    element: Mapped[str] = mapped_column(String(80))
+    unit: Mapped[str] = mapped_column(String(16))
+    value: Mapped[float | None]
+    standard_error: Mapped[float | None]
+    lower: Mapped[float | None]
+    upper: Mapped[float | None]
+    imaginary: Mapped[float | None]
+    imaginary_standard_error: Mapped[float | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+
+
+class AlertRow(Base):
+    """A statement about a machine that wants a person's attention; one open per machine, rule and element."""
+
+    __tablename__ = "alerts"
+    __table_args__ = (
+        Index(
+            "uq_alerts_open",
+            "machine_id",
+            "rule",
+            "element",
+            unique=True,
+            sqlite_where=text("closed_at IS NULL"),
+            postgresql_where=text("closed_at IS NULL"),
+        ),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    rule: Mapped[str] = mapped_column(String(64))
+    element: Mapped[str] = mapped_column(String(80))
+    state: Mapped[str] = mapped_column(String(32))
+    message: Mapped[str] = mapped_column(Text)
+    evidence: Mapped[dict[str, Any]]
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"))
+    measured_at: Mapped[int]
+    opened_at: Mapped[int]
+    updated_at: Mapped[int]
+    closed_at: Mapped[int | None]
+
+
+class QuarantineRow(Base):
+    """A rejected message or sample, as far as it is kept, and why it was rejected."""
+
+    __tablename__ = "quarantine"
+    __table_args__ = (Index(None, "reason"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    received_at: Mapped[int]
+    key: Mapped[str] = mapped_column(String(512))
+    machine_id: Mapped[str | None] = mapped_column(String(64))
+    reason: Mapped[str] = mapped_column(String(32))
+    detail: Mapped[str] = mapped_column(Text)
+    size: Mapped[int]
+    payload: Mapped[bytes] = mapped_column(LargeBinary)
+
+
+class QuarantineCountRow(Base):
+    """How much was ever rejected for each reason, whether or not it is still kept."""
+
+    __tablename__ = "quarantine_counts"
+
+    reason: Mapped[str] = mapped_column(String(32), primary_key=True)
+    count: Mapped[int]
