@@ -88,11 +88,11 @@ def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int)
     """Times [s] and spin speeds [rad/s] of a sweep over the machine's speed range, each (samples,).
 
     A coast-down under dry friction, viscous and windage drag, ω̇ = -(a + bω + cω²), each a third of the drag at full speed;
-    a run-up under constant torque less the same drag, which is its mirror image in time to good approximation. Ends just
-    inside the speed range.
+    a run-up is its mirror image in time. The top is just inside the speed range, the bottom just below it, where a run is
+    over.
     """
     top = 0.999 * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    bottom = 1.001 * rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
+    bottom = 0.95 * rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
     grid = np.linspace(1.0, bottom / top, 2001)
     drag = (1.0 + grid + grid**2) / 3.0
     elapsed = np.concatenate([[0.0], np.cumsum(np.diff(1.0 - grid) * (1 / drag[1:] + 1 / drag[:-1]) / 2)])

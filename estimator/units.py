@@ -4,7 +4,7 @@ import math
 from typing import Literal
 
 SpeedUnit = Literal["rpm", "rad/s", "Hz"]
-AmplitudeUnit = Literal["m", "mm", "um", "mil", "V"]
+AmplitudeUnit = Literal["m", "mm", "um", "mil"]
 AmplitudeKind = Literal["peak", "peak-to-peak"]
 PhaseConvention = Literal["lead", "lag"]
 PhaseUnit = Literal["deg", "rad"]

@@ -1,0 +1,1 @@
+"""Rundown as a running service: wire, ingest, run collection, identification jobs, alerts, REST, simulator, commands."""

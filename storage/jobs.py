@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import select, update
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
@@ -14,6 +14,10 @@ RUN, GATHERED = "run", "gathered"
 """Scope of a job: a run just closed, or the newest runs gathered so far."""
 
 LARGEST_ATTEMPTS = 3
+
+
+class JobUnknown(KeyError):
+    """No job of that id."""
 
 
 def ask(session: Session, machine_id: str, *, scope: str, run_ids: list[int]) -> JobRow | None:
@@ -67,21 +71,26 @@ def put_back_running(session: Session) -> int:
     return len(rows)
 
 
-def unfinished(session: Session) -> int:
-    """Jobs queued or running."""
-    return len(session.scalars(select(JobRow.id).where(JobRow.state.in_([QUEUED, RUNNING]))).all())
+def waiting(session: Session) -> bool:
+    """Whether any job is queued."""
+    return session.scalars(select(JobRow.id).where(JobRow.state == QUEUED).limit(1)).first() is not None
 
 
-def failed(session: Session, machine_id: str, limit: int) -> Sequence[JobRow]:
-    """The newest failed jobs of a machine."""
-    query = select(JobRow).where(JobRow.machine_id == machine_id, JobRow.state == FAILED)
-    return session.scalars(query.order_by(JobRow.id.desc()).limit(limit)).all()
+def get(session: Session, job_id: int) -> JobRow:
+    """Raises JobUnknown."""
+    row = session.get(JobRow, job_id)
+    if row is None:
+        raise JobUnknown(job_id)
+    return row
 
 
-def forget_failures(session: Session, machine_id: str) -> None:
-    """Queue a machine's failed jobs again."""
-    session.execute(
-        update(JobRow)
-        .where(JobRow.machine_id == machine_id, JobRow.state == FAILED)
-        .values(state=QUEUED, attempts=0, error=None, finished_at=None)
-    )
+def of_machine(session: Session, machine_id: str, *, limit: int) -> Sequence[JobRow]:
+    """The newest jobs of a machine, newest first."""
+    query = select(JobRow).where(JobRow.machine_id == machine_id).order_by(JobRow.id.desc()).limit(limit)
+    return session.scalars(query).all()
+
+
+def count(session: Session) -> dict[str, int]:
+    """How many jobs are in each state."""
+    query = select(JobRow.state, func.count()).group_by(JobRow.state)
+    return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

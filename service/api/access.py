@@ -1,0 +1,34 @@
+"""What the endpoints are given: the database, and reading or writing sessions of it."""
+
+from collections.abc import Iterator
+from datetime import datetime
+from typing import Annotated, cast
+
+from fastapi import Depends, Path, Query, Request
+from sqlalchemy.orm import Session
+
+from storage.clock import from_datetime
+from storage.database import Database
+
+
+def database(request: Request) -> Database:
+    """The application's database."""
+    return cast(Database, request.app.state.database)
+
+
+def _reading(request: Request) -> Iterator[Session]:
+    with database(request).reading() as session:
+        yield session
+
+
+def moment(value: datetime | None) -> int | None:
+    """A time of a query as the store counts it [ns]."""
+    return None if value is None else from_datetime(value)
+
+
+Reading = Annotated[Session, Depends(_reading)]
+MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the machine")]
+Number = Annotated[int, Path(ge=0, le=2**62)]
+From = Annotated[datetime | None, Query(alias="from", description="RFC 3339; without a zone it counts as UTC")]
+To = Annotated[datetime | None, Query(alias="to", description="RFC 3339; without a zone it counts as UTC")]
+Limit = Annotated[int, Query(ge=1, le=1000)]

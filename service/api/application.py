@@ -1,0 +1,43 @@
+"""The web application: all routers over one database."""
+
+from importlib.metadata import version
+
+from fastapi import APIRouter, FastAPI
+from fastapi.responses import RedirectResponse
+from fastapi_offline import FastAPIOffline
+
+from service.api import alerts, identifications, machines, measurements, operations
+from service.api.operations import Parts
+from service.api.problems import add_handlers
+from storage.database import Database
+
+PREFIX = "/api/v1"
+
+
+def application(database: Database, parts: Parts) -> FastAPI:
+    """The application over a database. `parts` tells how each part of the service is doing.
+
+    The documentation page is served without any other host: plants have no internet.
+    """
+    app = FastAPIOffline(
+        title="Rundown",
+        version=version("rundown"),
+        description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
+        docs_url=f"{PREFIX}/docs",
+        redoc_url=f"{PREFIX}/redoc",
+        openapi_url=f"{PREFIX}/openapi.json",
+        static_url=f"{PREFIX}/docs/static",
+    )
+    app.state.database = database
+    app.state.parts = parts
+    add_handlers(app)
+    router = APIRouter(prefix=PREFIX)
+    for part in (machines, measurements, identifications, alerts, operations):
+        router.include_router(part.router)
+    app.include_router(router)
+
+    @app.get("/", include_in_schema=False)
+    def root() -> RedirectResponse:
+        return RedirectResponse(f"{PREFIX}/docs")
+
+    return app

@@ -1,0 +1,59 @@
+"""Identifications, the jobs that compute them, and the parameter trends that they make."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query
+
+from service.api import rendering, schemas
+from service.api.access import From, Limit, MachineId, Number, Reading, To, moment
+from service.api.problems import RESPONSES
+from storage import identifications, jobs, machines
+
+router = APIRouter(tags=["identifications"], responses=RESPONSES)
+
+Scope = Annotated[Literal["run", "gathered"], Query(description="of single runs, or of the newest runs together")]
+
+
+@router.get("/machines/{machine_id}/identifications", operation_id="list_identifications")
+def list_identifications(
+    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
+) -> list[schemas.IdentificationSummary]:
+    """Identifications measured in a time range, newest first."""
+    machines.get(session, machine_id)
+    rows = identifications.of_machine(session, machine_id, first=moment(first), last=moment(last), limit=limit)
+    return [rendering.identification(row) for row in rows]
+
+
+@router.get("/identifications/{identification_id}", operation_id="read_identification")
+def read_identification(session: Reading, identification_id: Number, covariance: bool = False) -> schemas.IdentificationDetail:
+    """One identification with every estimate, its uncertainty, and the reason where there is none."""
+    row = identifications.get(session, identification_id)
+    return schemas.IdentificationDetail(
+        **rendering.identification(row).model_dump(),
+        estimates=[rendering.estimate(one) for one in identifications.estimates(session, identification_id)],
+        coordinates=row.coordinates if covariance else None,
+        covariance=identifications.covariance(row).tolist() if covariance else None,
+    )
+
+
+@router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")
+def list_jobs(session: Reading, machine_id: MachineId, limit: Limit = 100) -> list[schemas.JobOut]:
+    """Identification jobs, newest first: what waits, what runs, and what failed and why."""
+    machines.get(session, machine_id)
+    return [rendering.job(row) for row in jobs.of_machine(session, machine_id, limit=limit)]
+
+
+@router.get("/machines/{machine_id}/trends", operation_id="read_trends")
+def read_trends(
+    session: Reading,
+    machine_id: MachineId,
+    parameter: Annotated[list[str], Query(min_length=1, max_length=100, description="such as bearing.B1.kxx")],
+    first: From = None,
+    last: To = None,
+    scope: Scope = "run",
+) -> schemas.Trends:
+    """History of one or more parameters over a time range, oldest first."""
+    machines.get(session, machine_id)
+    rows = identifications.history(session, machine_id, parameter, scope=scope, first=moment(first), last=moment(last))
+    series = [rendering.series(name, [row for row in rows if row[0].parameter == name]) for name in dict.fromkeys(parameter)]
+    return schemas.Trends(machine=machine_id, scope=scope, series=series)

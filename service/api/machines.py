@@ -1,0 +1,55 @@
+"""Machines and the revisions of their documents."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body, Request, Response, status
+
+from estimator.machine import Machine
+from service.api import rendering, schemas
+from service.api.access import MachineId, Reading, database
+from service.api.problems import RESPONSES, Problem
+from storage import machines
+from storage.machines import MachineUnknown
+
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
+
+Document = Annotated[Machine, Body(description="the whole machine document")]
+
+
+@router.get("", operation_id="list_machines")
+def list_machines(session: Reading) -> list[schemas.MachineSummary]:
+    """All machines, by id."""
+    rows = machines.every(session)
+    return [rendering.machine_summary(row, machines.document(session, row.id, row.revision)) for row in rows]
+
+
+@router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})
+def create_machine(request: Request, response: Response, document: Document) -> schemas.MachineRevision:
+    """Create a machine from its document. Its sources may publish from now on."""
+    with database(request).transaction() as session:
+        row = machines.create(session, document)
+    response.headers["Location"] = f"/api/v1/machines/{document.id}"
+    return rendering.revision(row)
+
+
+@router.get("/{machine_id}", operation_id="read_machine")
+def read_machine(session: Reading, machine_id: MachineId) -> schemas.MachineRevision:
+    """The machine's document in force."""
+    return rendering.revision(machines.revision(session, machine_id, machines.get(session, machine_id).revision))
+
+
+@router.put("/{machine_id}", operation_id="revise_machine", responses={409: {"model": Problem}})
+def revise_machine(request: Request, machine_id: MachineId, document: Document) -> schemas.MachineRevision:
+    """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
+    if document.id != machine_id:
+        raise MachineUnknown(f"{machine_id} has id '{document.id}' in this document: the two must be equal")
+    with database(request).transaction() as session:
+        row = machines.revise(session, document)
+    return rendering.revision(row)
+
+
+@router.get("/{machine_id}/revisions", operation_id="list_revisions")
+def list_revisions(session: Reading, machine_id: MachineId) -> list[schemas.MachineRevision]:
+    """All revisions of the document, oldest first."""
+    machines.get(session, machine_id)
+    return [rendering.revision(row) for row in machines.revisions(session, machine_id)]

@@ -1,0 +1,54 @@
+"""Samples and runs."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from service.api import rendering, schemas
+from service.api.access import From, Limit, MachineId, Number, Reading, To, moment
+from service.api.problems import RESPONSES
+from storage import machines, runs, samples
+from storage.clock import now
+
+router = APIRouter(tags=["measurements"], responses=RESPONSES)
+
+LARGEST_SAMPLE_COUNT = 10_000
+
+
+@router.get("/machines/{machine_id}/samples", operation_id="read_samples")
+def read_samples(
+    session: Reading,
+    machine_id: MachineId,
+    limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
+) -> schemas.Phasors:
+    """The newest samples, as they were received under the document in force, oldest of them first."""
+    revision = machines.get(session, machine_id).revision
+    machine = machines.document(session, machine_id, revision)
+    return rendering.phasors(machine, samples.latest(session, machine_id, revision=revision, count=limit))
+
+
+@router.get("/machines/{machine_id}/runs", operation_id="list_runs")
+def list_runs(
+    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
+) -> list[schemas.Run]:
+    """Run-ups and run-downs that began in a time range, newest first."""
+    machines.get(session, machine_id)
+    rows = runs.of_machine(session, machine_id, first=moment(first), last=moment(last), limit=limit)
+    return [rendering.run(row) for row in rows]
+
+
+@router.get("/runs/{run_id}", operation_id="read_run")
+def read_run(session: Reading, run_id: Number) -> schemas.Run:
+    """One run."""
+    return rendering.run(runs.get(session, run_id))
+
+
+@router.get("/runs/{run_id}/phasors", operation_id="read_run_phasors")
+def read_run_phasors(session: Reading, run_id: Number) -> schemas.Phasors:
+    """The run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
+    row = runs.get(session, run_id)
+    machine = machines.document(session, row.machine_id, row.revision)
+    held = runs.samples(session, run_id)
+    if held is None:
+        held = samples.between(session, row.machine_id, revision=row.revision, first=row.time_first, last=now())
+    return rendering.phasors(machine, held)

@@ -1,0 +1,69 @@
+"""How the service itself is doing: health, readiness, sources, quarantine."""
+
+from collections.abc import Callable
+from importlib.metadata import version
+from typing import Annotated, get_args
+
+from fastapi import APIRouter, Query, Request, Response, status
+
+from service.api import rendering, schemas
+from service.api.access import Limit, Reading, database
+from service.wire import Reason
+from storage import jobs, quarantine, samples
+from storage.database import DatabaseUnusable
+
+router = APIRouter(tags=["operations"])
+
+Parts = Callable[[], dict[str, str]]
+
+
+def _health(request: Request) -> schemas.Health:
+    parts: dict[str, str] = request.app.state.parts()
+    counts: dict[str, int] = {}
+    try:
+        database(request).check()
+        parts["database"] = "ok"
+        with database(request).reading() as session:
+            counts = jobs.count(session)
+    except DatabaseUnusable as error:
+        parts["database"] = str(error)
+    # A stream without a peer is waiting, not broken.
+    healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
+    ready = healthy and parts.get("stream", "ok") == "ok"
+    return schemas.Health(healthy=healthy, ready=ready, version=version("rundown"), parts=parts, jobs=counts)
+
+
+@router.get("/health", operation_id="read_health", responses={503: {"model": schemas.Health}})
+def read_health(request: Request, response: Response) -> schemas.Health:
+    """Whether every part works; 503 when one does not."""
+    health = _health(request)
+    if not health.healthy:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return health
+
+
+@router.get("/ready", operation_id="read_readiness", responses={503: {"model": schemas.Health}})
+def read_readiness(request: Request, response: Response) -> schemas.Health:
+    """Whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
+    health = _health(request)
+    if not health.ready:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return health
+
+
+@router.get("/sources", operation_id="list_sources")
+def list_sources(session: Reading) -> list[schemas.SourceOut]:
+    """Every source heard of: how far it was received, what came twice, what is lost."""
+    return [rendering.source(row) for row in samples.sources(session)]
+
+
+@router.get("/quarantine", operation_id="read_quarantine")
+def read_quarantine(
+    session: Reading,
+    reason: Annotated[str | None, Query(description="one of " + ", ".join(get_args(Reason)))] = None,
+    machine: Annotated[str | None, Query()] = None,
+    limit: Limit = 100,
+) -> schemas.Quarantine:
+    """Rejected input: counts by reason since ever, and the newest entries."""
+    rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=limit)
+    return schemas.Quarantine(counts=quarantine.counts(session), entries=[rendering.quarantine_entry(row) for row in rows])

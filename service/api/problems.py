@@ -1,0 +1,88 @@
+"""Errors as problem details (RFC 9457): one shape for every error of the API."""
+
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, Field
+from starlette.exceptions import HTTPException as StarletteHTTPException
+
+from estimator.machine import DocumentError, field_path
+from storage.alerts import AlertUnknown
+from storage.database import DatabaseUnusable
+from storage.identifications import IdentificationUnknown
+from storage.machines import MachineExists, MachineUnknown, PlantChanged
+from storage.runs import RunUnknown
+
+
+class FieldProblem(BaseModel):
+    """What is wrong with one field."""
+
+    field: str
+    message: str
+
+
+class Problem(BaseModel):
+    """A problem detail."""
+
+    type: str = "about:blank"
+    title: str
+    status: int
+    detail: str
+    errors: list[FieldProblem] = Field(default_factory=list)
+
+
+_STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
+    MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}"),
+    RunUnknown: (HTTPStatus.NOT_FOUND, "no run {0}"),
+    IdentificationUnknown: (HTTPStatus.NOT_FOUND, "no identification {0}"),
+    AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}"),
+    MachineExists: (HTTPStatus.CONFLICT, "{0}"),
+    PlantChanged: (HTTPStatus.CONFLICT, "{0}"),
+    DatabaseUnusable: (HTTPStatus.SERVICE_UNAVAILABLE, "{0}"),
+}
+
+
+def _response(status: int, detail: str, errors: list[FieldProblem] | None = None) -> JSONResponse:
+    problem = Problem(title=HTTPStatus(status).phrase, status=status, detail=detail, errors=errors or [])
+    return JSONResponse(problem.model_dump(), status, media_type="application/problem+json")
+
+
+def add_handlers(app: FastAPI) -> None:
+    """Make the application answer every error with a problem detail."""
+
+    async def known(_request: Request, error: Exception) -> JSONResponse:
+        status, text = _STATUS[type(error)]
+        return _response(status, text.format(error.args[0] if error.args else error))
+
+    for kind in _STATUS:
+        app.add_exception_handler(kind, known)
+
+    @app.exception_handler(DocumentError)
+    async def document(_request: Request, error: DocumentError) -> JSONResponse:
+        problems = [FieldProblem(field=field, message=message) for field, message in error.problems]
+        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the machine document is wrong", problems)
+
+    @app.exception_handler(RequestValidationError)
+    async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
+        problems = [FieldProblem(field=_place(item["loc"]), message=item["msg"]) for item in error.errors()]
+        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", problems)
+
+    @app.exception_handler(StarletteHTTPException)
+    async def http(_request: Request, error: StarletteHTTPException) -> JSONResponse:
+        return _response(error.status_code, str(error.detail))
+
+
+def _place(location: tuple[int | str, ...]) -> str:
+    """The field of a body, or the parameter's name behind where it stands."""
+    return field_path(location[1:]) if location[:1] == ("body",) else field_path(location)
+
+
+RESPONSES: dict[int | str, dict[str, Any]] = {
+    code: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus(code).phrase}
+    for code in (404, 422)
+}
+"""For the OpenAPI document of routers."""

@@ -1,0 +1,204 @@
+"""From rows of the store to answers of the API."""
+
+import math
+from datetime import datetime
+
+import numpy as np
+
+from estimator.machine import Machine
+from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
+from service.api import schemas
+from storage.blocks import Samples
+from storage.clock import to_datetime
+from storage.tables import (
+    AlertRow,
+    EstimateRow,
+    IdentificationRow,
+    JobRow,
+    MachineRow,
+    QuarantineRow,
+    RevisionRow,
+    RunRow,
+    SourceRow,
+)
+
+
+def direction(sign: int) -> str:
+    """`positive` turns +x towards +y."""
+    return "positive" if sign > 0 else "negative"
+
+
+def _time(nanoseconds: int | None) -> datetime | None:
+    return None if nanoseconds is None else to_datetime(nanoseconds)
+
+
+def _rpm(speed: float | None) -> float | None:
+    return None if speed is None else rad_per_s_to_rpm(speed)
+
+
+def machine_summary(row: MachineRow, document: Machine) -> schemas.MachineSummary:
+    return schemas.MachineSummary(
+        id=row.id, plant=row.plant, name=document.name, revision=row.revision, created_at=to_datetime(row.created_at)
+    )
+
+
+def revision(row: RevisionRow) -> schemas.MachineRevision:
+    return schemas.MachineRevision(
+        id=row.machine_id,
+        revision=row.revision,
+        created_at=to_datetime(row.created_at),
+        document=Machine.model_validate(row.document),
+    )
+
+
+def phasors(machine: Machine, samples: Samples) -> schemas.Phasors:
+    """Samples in the units that vibration analysts expect."""
+    amplitude = np.abs(samples.phasor) / (METRES["um"] * PEAK["peak-to-peak"])
+    # The modulo of a tiny negative lag would be a full turn.
+    lag = np.mod(-np.angle(samples.phasor) / RADIANS["deg"], 360.0) % 360.0
+    return schemas.Phasors(
+        machine=machine.id,
+        channels=list(machine.channels),
+        time=[to_datetime(moment) for moment in samples.time.tolist()],
+        speed_rpm=[rad_per_s_to_rpm(speed) for speed in samples.speed.tolist()],
+        direction=[direction(sign) for sign in samples.direction.tolist()],
+        amplitude_um_pp=_columns(amplitude, samples),
+        phase_lag_deg=_columns(lag, samples),
+    )
+
+
+def _columns(table: np.ndarray[tuple[int, ...], np.dtype[np.float64]], samples: Samples) -> list[list[float | None]]:
+    columns = zip(table.T.tolist(), samples.usable.T.tolist(), strict=True)
+    return [[value if good else None for value, good in zip(*column, strict=True)] for column in columns]
+
+
+def run(row: RunRow) -> schemas.Run:
+    return schemas.Run(
+        id=row.id,
+        machine=row.machine_id,
+        revision=row.revision,
+        kind=row.kind,
+        direction=direction(row.direction),
+        state=row.state,
+        reason=row.reason,
+        started_at=to_datetime(row.time_first),
+        ended_at=_time(row.time_last),
+        samples=row.count,
+        speed_minimum_rpm=_rpm(row.speed_minimum),
+        speed_maximum_rpm=_rpm(row.speed_maximum),
+    )
+
+
+def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
+    return schemas.IdentificationSummary(
+        id=row.id,
+        machine=row.machine_id,
+        revision=row.revision,
+        scope=row.scope,
+        run_kind=row.run_kind,
+        runs=row.run_ids,
+        measured_at=to_datetime(row.measured_at),
+        computed_at=to_datetime(row.computed_at),
+        accepted=row.accepted,
+        verdict=row.verdict,
+        chi_square=row.chi_square,
+        degrees_of_freedom=row.degrees_of_freedom,
+        condition_number=row.condition_number if math.isfinite(row.condition_number) else 1e308,
+        samples=row.samples,
+        speed_minimum_rpm=rad_per_s_to_rpm(row.speed_minimum),
+        speed_maximum_rpm=rad_per_s_to_rpm(row.speed_maximum),
+        starts=row.starts,
+        iterations=row.iterations,
+        options=row.options,
+        code_version=row.code_version,
+    )
+
+
+def estimate(row: EstimateRow) -> schemas.EstimateOut:
+    return schemas.EstimateOut(
+        parameter=row.parameter,
+        element=row.element,
+        quantity=row.quantity,
+        unit=row.unit,
+        value=row.value,
+        standard_error=row.standard_error,
+        lower=row.lower,
+        upper=row.upper,
+        imaginary=row.imaginary,
+        imaginary_standard_error=row.imaginary_standard_error,
+        reason=row.reason,
+    )
+
+
+def job(row: JobRow) -> schemas.JobOut:
+    return schemas.JobOut(
+        id=row.id,
+        machine=row.machine_id,
+        scope=row.scope,
+        runs=row.run_ids,
+        state=row.state,
+        attempts=row.attempts,
+        error=row.error,
+        created_at=to_datetime(row.created_at),
+        finished_at=_time(row.finished_at),
+    )
+
+
+def series(parameter: str, rows: list[tuple[EstimateRow, IdentificationRow]]) -> schemas.Series:
+    return schemas.Series(
+        parameter=parameter,
+        unit=rows[0][0].unit if rows else None,
+        measured_at=[to_datetime(e.measured_at) for e, _ in rows],
+        computed_at=[to_datetime(i.computed_at) for _, i in rows],
+        value=[e.value for e, _ in rows],
+        standard_error=[e.standard_error for e, _ in rows],
+        lower=[e.lower for e, _ in rows],
+        upper=[e.upper for e, _ in rows],
+        imaginary=[e.imaginary for e, _ in rows],
+        accepted=[i.accepted for _, i in rows],
+        run_kind=[i.run_kind for _, i in rows],
+        identification=[i.id for _, i in rows],
+    )
+
+
+def alert(row: AlertRow) -> schemas.AlertOut:
+    return schemas.AlertOut(
+        id=row.id,
+        machine=row.machine_id,
+        rule=row.rule,
+        element=row.element,
+        state=row.state,
+        message=row.message,
+        evidence=row.evidence,
+        identification=row.identification_id,
+        measured_at=to_datetime(row.measured_at),
+        opened_at=to_datetime(row.opened_at),
+        updated_at=to_datetime(row.updated_at),
+        closed_at=_time(row.closed_at),
+    )
+
+
+def source(row: SourceRow) -> schemas.SourceOut:
+    return schemas.SourceOut(
+        machine=row.machine_id,
+        source=row.source,
+        epoch=row.epoch,
+        next_sequence=row.next_sequence,
+        received=row.received,
+        duplicates=row.duplicates,
+        lost=row.lost,
+        newest_sample_at=_time(row.last_time or None),
+    )
+
+
+def quarantine_entry(row: QuarantineRow) -> schemas.QuarantineEntry:
+    return schemas.QuarantineEntry(
+        id=row.id,
+        received_at=to_datetime(row.received_at),
+        key=row.key,
+        machine=row.machine_id,
+        reason=row.reason,
+        detail=row.detail,
+        size=row.size,
+        payload=row.payload.decode("utf-8", "backslashreplace"),
+    )

@@ -1,0 +1,204 @@
+"""What the API answers with. Times are RFC 3339 in UTC; a value that is not there is null, never NaN."""
+
+from datetime import datetime
+from typing import Any
+
+from pydantic import BaseModel, Field
+
+from estimator.machine import Machine
+
+
+class MachineSummary(BaseModel):
+    """A machine in a list."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    created_at: datetime
+
+
+class MachineRevision(BaseModel):
+    """A machine's document at one revision."""
+
+    id: str
+    revision: int
+    created_at: datetime
+    document: Machine
+
+
+class Phasors(BaseModel):
+    """1× phasors in columns; the rows of each table belong to `channels`."""
+
+    machine: str
+    channels: list[str]
+    time: list[datetime]
+    speed_rpm: list[float]
+    direction: list[str] = Field(description="positive turns +x towards +y")
+    amplitude_um_pp: list[list[float | None]] = Field(description="per channel, peak-to-peak [µm]; null where unusable")
+    phase_lag_deg: list[list[float | None]] = Field(description="per channel, lag behind the keyphasor [°], 0 to 360")
+
+
+class Run(BaseModel):
+    """A run-up or run-down."""
+
+    id: int
+    machine: str
+    revision: int
+    kind: str
+    direction: str
+    state: str = Field(description="open, closed, or discarded as not worth an identification")
+    reason: str | None = Field(description="why it ended, and why it was discarded")
+    started_at: datetime
+    ended_at: datetime | None
+    samples: int | None
+    speed_minimum_rpm: float | None
+    speed_maximum_rpm: float | None
+
+
+class EstimateOut(BaseModel):
+    """One estimated parameter with its uncertainty, SI. Null values: the data do not determine it, `reason` says why."""
+
+    parameter: str
+    element: str
+    quantity: str
+    unit: str
+    value: float | None = Field(description="of an unbalance the part along +x at the keyphasor mark")
+    standard_error: float | None
+    lower: float | None = Field(description="of the 95 % interval; of an unbalance's magnitude")
+    upper: float | None
+    imaginary: float | None = Field(default=None, description="of an unbalance")
+    imaginary_standard_error: float | None = None
+    reason: str | None = None
+
+
+class IdentificationSummary(BaseModel):
+    """One identification, without its estimates."""
+
+    id: int
+    machine: str
+    revision: int
+    scope: str = Field(description="run: of one run; gathered: of the newest runs together")
+    run_kind: str
+    runs: list[int]
+    measured_at: datetime
+    computed_at: datetime
+    accepted: bool
+    verdict: str
+    chi_square: float
+    degrees_of_freedom: int
+    condition_number: float
+    samples: int
+    speed_minimum_rpm: float
+    speed_maximum_rpm: float
+    starts: int
+    iterations: int
+    options: dict[str, Any]
+    code_version: str
+
+
+class IdentificationDetail(IdentificationSummary):
+    """One identification with its estimates and, where asked for, their covariance."""
+
+    estimates: list[EstimateOut]
+    coordinates: list[str] | None = Field(default=None, description="rows of the covariance; direct terms as logarithms")
+    covariance: list[list[float]] | None = None
+
+
+class JobOut(BaseModel):
+    """An identification that is waiting, being computed, done or failed."""
+
+    id: int
+    machine: str
+    scope: str
+    runs: list[int]
+    state: str
+    attempts: int
+    error: str | None
+    created_at: datetime
+    finished_at: datetime | None
+
+
+class Series(BaseModel):
+    """History of one parameter, in columns."""
+
+    parameter: str
+    unit: str | None
+    measured_at: list[datetime]
+    computed_at: list[datetime]
+    value: list[float | None]
+    standard_error: list[float | None]
+    lower: list[float | None]
+    upper: list[float | None]
+    imaginary: list[float | None]
+    accepted: list[bool]
+    run_kind: list[str]
+    identification: list[int]
+
+
+class Trends(BaseModel):
+    """Histories of parameters of one machine."""
+
+    machine: str
+    scope: str
+    series: list[Series]
+
+
+class AlertOut(BaseModel):
+    """A statement about a machine with its evidence."""
+
+    id: int
+    machine: str
+    rule: str
+    element: str
+    state: str
+    message: str
+    evidence: dict[str, Any]
+    identification: int
+    measured_at: datetime
+    opened_at: datetime
+    updated_at: datetime
+    closed_at: datetime | None
+
+
+class SourceOut(BaseModel):
+    """How far one start of a source has been received."""
+
+    machine: str
+    source: str
+    epoch: int
+    next_sequence: int
+    received: int
+    duplicates: int
+    lost: int
+    newest_sample_at: datetime | None
+
+
+class QuarantineEntry(BaseModel):
+    """A rejected message or sample."""
+
+    id: int
+    received_at: datetime
+    key: str
+    machine: str | None
+    reason: str
+    detail: str
+    size: int
+    payload: str = Field(description="its beginning, with what is not text escaped")
+
+
+class Quarantine(BaseModel):
+    """Rejected input: counts since ever, and the newest entries."""
+
+    counts: dict[str, int]
+    entries: list[QuarantineEntry]
+
+
+class Health(BaseModel):
+    """Whether each part of the service works, and what is the matter where it does not."""
+
+    healthy: bool
+    version: str
+    ready: bool
+    parts: dict[str, str] = Field(description="`ok`, or what is wrong, per part")
+    jobs: dict[str, int] = Field(description="identification jobs by state")

@@ -1,0 +1,185 @@
+"""The command `rundown`."""
+
+import logging
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Annotated, Any, NoReturn, get_args
+
+import numpy as np
+import typer
+from pydantic import ValidationError
+
+from estimator.identification import NotEnoughData, identify
+from estimator.machine import Machine, field_path
+from estimator.simulation import Story
+from service import demo as demonstration
+from service.documents import UnreadableFile, read_machine
+from service.printing import identification_text
+from service.recording import read_recording, split
+from service.running import PortUnusable
+from service.running import serve as run_service
+from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
+from service.simulator import BATCH_SAMPLES, Plan
+from service.simulator import simulate as run_simulation
+from service.source import Source
+from service.stream import StreamUnusable, wait_connected
+from service.stream import session as zenoh_session
+from service.wire import Key, Rejected, to_samples
+from storage.clock import now
+from storage.database import DatabaseUnusable
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition monitoring of coupled rotor trains.")
+
+Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
+LINGER_S = 5.0
+
+
+@app.command()
+def serve(
+    database: Annotated[str | None, typer.Option(help="SQLAlchemy URL")] = None,
+    host: Annotated[str | None, typer.Option(help="address of the REST API")] = None,
+    port: Annotated[int | None, typer.Option(help="port of the REST API; 0 takes a free one")] = None,
+    zenoh_listen: Annotated[list[str] | None, typer.Option(help="endpoint on which to be a zenoh router")] = None,
+    zenoh_connect: Annotated[list[str] | None, typer.Option(help="zenoh router to connect to")] = None,
+    workers: Annotated[int | None, typer.Option(help="identification processes")] = None,
+) -> None:
+    """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
+    given: dict[str, Any] = {
+        "database": database,
+        "host": host,
+        "port": port,
+        "zenoh_listen": zenoh_listen,
+        "zenoh_connect": zenoh_connect,
+        "workers": workers,
+    }
+    if zenoh_connect and not zenoh_listen:
+        given["zenoh_listen"] = []
+    try:
+        settings = Settings(**{name: value for name, value in given.items() if value is not None})
+    except ValidationError as error:
+        _fail("\n".join(f"setting {field_path(item['loc'])}: {item['msg']}" for item in error.errors()))
+    _log_to_terminal(settings.log_level)
+    try:
+        run_service(settings)
+    except (DatabaseUnusable, PortUnusable, StreamUnusable) as error:
+        _fail(str(error))
+
+
+@app.command()
+def simulate(
+    machines: Annotated[list[str], typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
+    cycles: Annotated[int, typer.Option(min=1, help="run-ups and run-downs of each machine")] = 12,
+    interval_days: Annotated[float, typer.Option(min=0.01, help="between them, in the machines' time")] = 7.0,
+    samples: Annotated[int, typer.Option(min=10, help="in each run-up and run-down")] = 200,
+    rate: Annotated[float | None, typer.Option(min=0.1, help="samples/s per machine; real time without it")] = None,
+    seed: Annotated[int, typer.Option(min=0)] = 1,
+    truth: Annotated[Path | None, typer.Option(help="file for the true parameters of each run")] = None,
+) -> None:
+    """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
+    _log_to_terminal("INFO")
+    plan = Plan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
+    stop = _stop_on_signal()
+    try:
+        parsed = [_machine_and_story(text) for text in machines]
+        with zenoh_session(listen=[], connect=connect) as session:
+            if wait_connected(session, connect, give_up=stop.wait):
+                run_simulation(session, parsed, plan, truth, stop)
+    except (UnreadableFile, StreamUnusable, ValueError) as error:
+        _fail(str(error))
+
+
+@app.command()
+def replay(
+    file: Annotated[Path, typer.Argument(help="CSV with a header line; FILE.yaml beside it says what its columns mean")],
+    sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
+    connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
+    speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
+) -> None:
+    """Publish a recorded run over zenoh, in real or compressed time."""
+    _log_to_terminal("INFO")
+    stop = _stop_on_signal()
+    try:
+        batch = read_recording(file, sidecar)
+        with zenoh_session(listen=[], connect=connect) as session:
+            if not wait_connected(session, connect, give_up=stop.wait):
+                return
+            with Source(session, Key(batch.plant, batch.machine), name=batch.source) as source:
+                began, first = time.monotonic(), batch.time_ns[0]
+                for piece in split(batch, BATCH_SAMPLES):
+                    due = began + (piece.time_ns[-1] - first) / 1e9 / speedup
+                    if stop.wait(max(0.0, due - time.monotonic())):
+                        return
+                    source.publish(piece)
+                logging.getLogger(__name__).info("%d samples published", source.sequence)
+                stop.wait(LINGER_S)  # to answer replay queries
+    except (UnreadableFile, StreamUnusable) as error:
+        _fail(str(error))
+
+
+@app.command("identify")
+def identify_offline(
+    machine: Annotated[Path, typer.Argument(help="machine document")],
+    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
+    sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
+) -> None:
+    """Identify a machine from a recorded run, without a service, and print estimates ± standard errors.
+
+    Ends with status 1 when the fit is not accepted.
+    """
+    try:
+        document = read_machine(machine)
+        samples, taken, faults = to_samples(read_recording(file, sidecar), document, received_at=now())
+        for fault in faults:
+            typer.echo(f"row {fault.index + 1} left out: {fault.detail}", err=True)
+        result = identify(document, samples.pick(np.asarray(taken)).measurement())
+    except (UnreadableFile, Rejected, NotEnoughData) as error:
+        _fail(str(error))
+    typer.echo(identification_text(result))
+    if not result.accepted:
+        raise typer.Exit(1)
+
+
+@app.command()
+def demo(
+    leave: Annotated[bool, typer.Option("--exit", help="stop after the summary; status 0 only if it came out right")] = False,
+    port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
+) -> None:
+    """The main job from end to end: three simulated machines, one of them going out of alignment."""
+    try:
+        right = demonstration.run(leave=leave, port=port)
+    except demonstration.DemoFailed as error:
+        _fail(str(error))
+    if leave and not right:
+        raise typer.Exit(1)
+
+
+def _machine_and_story(text: str) -> tuple[Machine, Story]:
+    name, _, story = text.rpartition(":")
+    if story in get_args(Story):
+        return read_machine(Path(name)), story  # type: ignore[return-value]
+    return read_machine(Path(text)), "healthy"
+
+
+def _stop_on_signal() -> threading.Event:
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    return stop
+
+
+def _log_to_terminal(level: str) -> None:
+    logging.basicConfig(level=level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s", stream=sys.stderr)
+
+
+def _fail(message: str) -> NoReturn:
+    typer.echo(f"rundown: {message}", err=True)
+    raise typer.Exit(1)
+
+
+def main() -> None:
+    """Entry point."""
+    app()

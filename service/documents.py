@@ -1,0 +1,29 @@
+"""Machine documents and other YAML or JSON files, read with errors that a person can act on."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from estimator.machine import DocumentError, Machine, parse_machine
+
+
+class UnreadableFile(ValueError):
+    """A file cannot be read or is not what it should be; the message names the file."""
+
+
+def read_yaml(path: Path) -> Any:
+    """The content of a YAML or JSON file. Raises UnreadableFile."""
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise UnreadableFile(f"{path}: {error}") from error
+
+
+def read_machine(path: Path) -> Machine:
+    """The machine document in a file. Raises UnreadableFile, which names every wrong field."""
+    try:
+        return parse_machine(read_yaml(path))
+    except DocumentError as error:
+        problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
+        raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error

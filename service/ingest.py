@@ -1,0 +1,214 @@
+"""From zenoh to the journal: receives messages, notices gaps, asks the source's log for what is missing."""
+
+import logging
+import threading
+import time
+
+import zenoh
+from sqlalchemy.exc import DBAPIError
+
+from service.journal import Arrived, Journal
+from service.wire import ALL_LIVE, ALL_SAMPLES, LARGEST_MESSAGE, Key, Rejected, decode_batch, source_key
+from storage.clock import now
+from storage.quarantine import Rejection
+from storage.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+QUEUE_SIZE = 50_000
+LARGEST_CYCLE = 1_000
+"""Messages stored in one transaction."""
+CYCLE_S = 0.05
+"""Pause between looks into an empty queue."""
+TAIL_CHECK_S = 2.0
+"""How often a live source's log is asked for samples that never came."""
+REPLAY_TIMEOUT_S = 2.0
+REPLAY_TRIES = 3
+REPLAY_PAUSE_S = 10.0
+"""How long a log that did not answer is left alone."""
+RETRY_S = 1.0
+"""Pause after the database refused to store."""
+
+
+class Ingest:
+    """The thread that takes what zenoh delivers. Callbacks only enqueue; everything else happens here."""
+
+    def __init__(self, session: zenoh.Session, journal: Journal, *, silence_s: float) -> None:
+        self._session = session
+        self._journal = journal
+        self._silence_s = silence_s
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="ingest", daemon=True)
+        self._expected: dict[SourceKey, int] = {}
+        self._live: dict[Key, SourceKey | None] = {}
+        self._silent_logs: dict[SourceKey, float] = {}
+        self._heard: dict[SourceKey, float] = {}
+        self._arrived: list[Arrived] = []
+        self._rejections: list[Rejection] = []
+        self.backlog = False
+        """Whether more came in the last cycle than one cycle takes."""
+        self.trouble: str | None = None
+        """Why the last cycle could not be stored."""
+
+    def start(self) -> None:
+        """Subscribe and begin."""
+        self._samples = self._session.declare_subscriber(ALL_SAMPLES, zenoh.handlers.FifoChannel(QUEUE_SIZE))
+        self._tokens = self._session.liveliness().declare_subscriber(
+            ALL_LIVE, zenoh.handlers.FifoChannel(QUEUE_SIZE), history=True
+        )
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Take no more, store what is queued, end the thread."""
+        self._stop.set()
+        self._thread.join()
+        self._samples.undeclare()
+        self._tokens.undeclare()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    def _run(self) -> None:
+        next_check = 0.0
+        while True:
+            stopping = self._stop.is_set()
+            try:
+                count = self._cycle()
+                if time.monotonic() >= next_check and not stopping:
+                    self._check_tails()
+                    self._journal.close_silent(silence_s=self._silence_s)
+                    next_check = time.monotonic() + TAIL_CHECK_S
+                self.trouble = None
+            except DBAPIError as error:
+                # What was received stays in memory and in the queue until the database takes it.
+                self.trouble = str(error.orig)
+                logger.error("samples cannot be stored, trying again: %s", error.orig)
+                self._expected.clear()
+                if stopping:
+                    return
+                self._stop.wait(RETRY_S)
+                continue
+            except Exception:
+                # One message must never end the ingest of all others.
+                logger.exception("unexpected error in ingest; the cycle's messages are dropped")
+                self._arrived.clear()
+                self._rejections.clear()
+                self._expected.clear()
+                continue
+            if stopping and count == 0:
+                return
+            if count == 0:
+                self._stop.wait(CYCLE_S)
+
+    def _cycle(self) -> int:
+        """Take what is queued, at most LARGEST_CYCLE messages, and store it. Returns how many there were."""
+        while (token := self._tokens.try_recv()) is not None:
+            self._token(token)
+        count = 0
+        while count < LARGEST_CYCLE and (sample := self._samples.try_recv()) is not None:
+            count += 1
+            self._admit(str(sample.key_expr), sample.payload, str(sample.encoding), healing=True)
+        self.backlog = count == LARGEST_CYCLE
+        self._store()
+        return count
+
+    def _store(self) -> None:
+        if self._arrived or self._rejections:
+            self._journal.store(self._arrived, self._rejections)
+            self._arrived.clear()
+            self._rejections.clear()
+
+    def _admit(self, key_text: str, payload: zenoh.ZBytes, encoding: str, *, healing: bool) -> SourceKey | None:
+        """Decode a message and queue it for storing, after whatever is missing before it."""
+        received_at = now()
+        # An oversized message is not even copied whole: its head is enough for the quarantine.
+        data = bytes(payload) if len(payload) <= LARGEST_MESSAGE else bytes(payload)[: LARGEST_MESSAGE + 1]
+        try:
+            key = Key.parse(key_text)
+            batch = decode_batch(key, data, encoding)
+            self._require_machine(key)
+        except Rejected as rejected:
+            machine_id = key_text.split("/")[3][:64] if key_text.count("/") == 4 else None
+            self._rejections.append(Rejection(received_at, key_text, machine_id, rejected.reason, rejected.detail, data))
+            return None
+        source = source_key(batch)
+        if key in self._live:
+            self._live[key] = source
+        self._heard[source] = time.monotonic()
+        if healing and batch.sequence > self._next(source):
+            self._heal(key, source, until=batch.sequence)
+        self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
+        self._arrived.append(Arrived(batch, key_text, data, received_at))
+        if len(self._arrived) >= LARGEST_CYCLE:
+            self._store()
+        return source
+
+    def _require_machine(self, key: Key) -> None:
+        plant = self._journal.plant_of(key.machine)
+        if plant is None:
+            raise Rejected("unknown_machine", f"no machine '{key.machine}' is known; create it from its document first")
+        if plant != key.plant:
+            raise Rejected("unknown_machine", f"machine '{key.machine}' belongs to plant '{plant}', not '{key.plant}'")
+
+    def _next(self, source: SourceKey) -> int:
+        if source not in self._expected:
+            self._expected[source] = self._journal.next_sequence(source)
+        return self._expected[source]
+
+    def _token(self, token: zenoh.Sample) -> None:
+        parts = str(token.key_expr).split("/")
+        key = Key(parts[3], parts[4])
+        if token.kind == zenoh.SampleKind.PUT:
+            logger.info("a source of %s/%s is alive", key.plant, key.machine)
+            self._live[key] = None
+        else:
+            logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
+            self._live.pop(key, None)
+
+    def _check_tails(self) -> None:
+        """Ask each live source for what it has published beyond what came."""
+        for key, source in list(self._live.items()):
+            if source is None:
+                # Its oldest logged batch tells which start of which source this is.
+                for found in self._replies(key, "from=0;limit=1"):
+                    self._live[key] = source = found
+            # While samples come, their numbers show every gap; only a quiet source can hide one.
+            if source is not None and time.monotonic() - self._heard.get(source, 0.0) > TAIL_CHECK_S:
+                self._heal(key, source, until=None)
+        self._store()
+
+    def _heal(self, key: Key, source: SourceKey, *, until: int | None) -> None:
+        """Pull from the source's log what is missing before sample `until`, or all that it has."""
+        if self._silent_logs.get(source, 0.0) > time.monotonic():
+            return
+        tries = REPLAY_TRIES if until is not None and key in self._live else 1
+        while until is None or self._next(source) < until:
+            before = self._next(source)
+            answered = self._replies(key, f"from={before};epoch={source.epoch}")
+            if self._next(source) > before:
+                continue
+            tries -= 1
+            if tries <= 0 or (answered and until is None):
+                if until is not None and not answered:
+                    self._silent_logs[source] = time.monotonic() + REPLAY_PAUSE_S
+                return
+
+    def _replies(self, key: Key, question: str) -> list[SourceKey]:
+        """Admit every batch in the answer to a log query; returns whose they were."""
+        found = []
+        replies = self._session.get(
+            f"{key.log}?{question}",
+            zenoh.handlers.FifoChannel(QUEUE_SIZE),
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=REPLAY_TIMEOUT_S,
+            priority=zenoh.Priority.DATA_LOW,
+        )
+        for reply in replies:
+            if reply.ok is None:
+                continue
+            source = self._admit(key.samples, reply.ok.payload, str(reply.ok.encoding), healing=False)
+            if source is not None:
+                found.append(source)
+        return found

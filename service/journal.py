@@ -1,0 +1,150 @@
+"""The journal: messages become stored samples, once each, together with everything that follows from them.
+
+One call of `store` is one transaction: sample blocks, how far each source was received, run collection, quarantine. A
+restart therefore finds all of it or none of it.
+"""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from estimator.machine import Machine
+from service.collection import Collector
+from service.order import Order
+from service.wire import Fault, Rejected, SampleBatch, source_key, to_samples
+from storage import machines, quarantine, samples
+from storage.blocks import Samples, join
+from storage.database import Database
+from storage.quarantine import Rejection
+from storage.samples import SourceKey
+
+
+@dataclass(frozen=True)
+class Arrived:
+    """A batch as it came: its key, payload and time of arrival [ns]."""
+
+    batch: SampleBatch
+    key: str
+    payload: bytes
+    received_at: int
+
+
+@dataclass
+class _Pending:
+    """What one transaction has gathered before it writes blocks."""
+
+    parts: dict[SourceKey, list[Samples]] = field(default_factory=lambda: defaultdict(list))
+    first: dict[SourceKey, int] = field(default_factory=dict)
+    rejections: list[Rejection] = field(default_factory=list)
+
+
+class Journal:
+    """Writes what arrives. Not for use from several threads at once."""
+
+    def __init__(self, database: Database, collector: Collector) -> None:
+        self._database = database
+        self._collector = collector
+        self._orders: dict[SourceKey, Order] = {}
+        self._plants: dict[str, str] = {}
+
+    def next_sequence(self, key: SourceKey) -> int:
+        """Number of the next sample expected from a source; 0 when it was never heard of."""
+        with self._database.reading() as session:
+            return samples.source(session, key).next_sequence
+
+    def plant_of(self, machine_id: str) -> str | None:
+        """The plant of a machine, which never changes; None when the machine is unknown."""
+        if machine_id not in self._plants:
+            with self._database.reading() as session:
+                try:
+                    self._plants[machine_id] = machines.get(session, machine_id).plant
+                except machines.MachineUnknown:
+                    return None
+        return self._plants[machine_id]
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> None:
+        """Store batches and rejections. Raises what the database raises; then nothing was stored."""
+        try:
+            with self._database.transaction() as session:
+                self._store(session, arrived, rejections)
+        except BaseException:
+            self._orders.clear()  # they may know of samples that were not stored
+            raise
+
+    def close_silent(self, *, silence_s: float) -> None:
+        """Close the runs of machines that have fallen silent."""
+        with self._database.transaction() as session:
+            for row in machines.every(session):
+                self._collector.close_silent(session, machines.document(session, row.id), silence_s=silence_s)
+
+    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> None:
+        pending = _Pending(rejections=list(rejections))
+        documents: dict[str, tuple[int, Machine]] = {}
+        for one in arrived:
+            machine_id = one.batch.machine
+            if machine_id not in documents:
+                revision = machines.get(session, machine_id).revision
+                documents[machine_id] = revision, machines.document(session, machine_id, revision)
+            self._take(session, pending, one, documents[machine_id][1])
+        fresh: dict[str, list[Samples]] = defaultdict(list)
+        for key, parts in pending.parts.items():
+            revision, machine = documents[key.machine_id]
+            joined = join(parts, channels=len(machine.probes))
+            samples.add_block(session, key, revision=revision, first_sequence=pending.first[key], samples=joined)
+            fresh[key.machine_id].append(joined)
+        session.flush()
+        for machine_id, parts in fresh.items():
+            revision, machine = documents[machine_id]
+            joined = join(parts, channels=len(machine.probes))
+            in_time = joined.pick(np.argsort(joined.time, kind="stable"))
+            self._collector.feed(session, machine, revision, in_time)
+        if pending.rejections:
+            quarantine.add(session, pending.rejections)
+
+    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> None:
+        """Number, convert and check one batch; what is left of it joins `pending`."""
+        batch, key = one.batch, source_key(one.batch)
+        row = samples.source(session, key)
+        count = len(batch.time_ns)
+        known = min(max(row.next_sequence - batch.sequence, 0), count)
+        row.duplicates += known
+        if known == count:
+            return
+        row.lost += max(batch.sequence - row.next_sequence, 0)
+        row.next_sequence = batch.sequence + count
+        try:
+            converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
+        except Rejected as rejected:
+            pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
+            return
+        taken[:known] = False
+        order = self._orders.setdefault(key, Order(time=row.last_time))
+        faults += order.check(machine, converted, taken)
+        pending.rejections += [_sample_rejection(one, fault) for fault in faults if fault.index >= known]
+        if taken.any():
+            kept = converted.pick(taken)
+            pending.parts[key].append(kept)
+            pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
+            row.received += len(kept)
+            row.last_time = int(kept.time[-1])
+
+
+def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:
+    return Rejection(one.received_at, one.key, one.batch.machine, reason, detail, one.payload)
+
+
+def _sample_rejection(one: Arrived, fault: Fault) -> Rejection:
+    batch, i = one.batch, fault.index
+    sample = {
+        "source": batch.source,
+        "epoch": batch.epoch,
+        "sequence": batch.sequence + i,
+        "time_ns": batch.time_ns[i],
+        "speed": batch.speed[i],
+        "channels": batch.channels,
+        "amplitude": batch.amplitude[i],
+        "phase": batch.phase[i],
+    }
+    return Rejection(one.received_at, one.key, batch.machine, fault.reason, fault.detail, repr(sample).encode())

@@ -1,0 +1,61 @@
+"""Samples of one source in the order of time, with speeds that a shaft can follow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.machine import Machine
+from estimator.units import rpm_to_rad_per_s
+from service.wire import Fault
+from storage.blocks import Samples
+
+FASTEST_CHANGE = 0.5
+"""Largest change of speed that is believed: this part of the machine's maximum speed in a second, …"""
+JITTER = 0.02
+"""… and this part of it on top, for the errors of single speed readings."""
+STRIKES = 3
+"""So many speeds in a row that agree with each other are believed after all: the one before them was wrong."""
+
+
+@dataclass
+class Order:
+    """What was last believed of one source. time [ns], speed [rad/s]; doubted: the last speed not believed."""
+
+    time: int = 0
+    speed: float | None = None
+    doubted: tuple[int, float] | None = None
+    strikes: int = 0
+
+    def check(self, machine: Machine, samples: Samples, taken: NDArray[np.bool_]) -> list[Fault]:
+        """Go through a batch in order; clears `taken` where a sample is not believed and returns why."""
+        highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+        faults: list[Fault] = []
+        for index in np.flatnonzero(taken):
+            time, speed = int(samples.time[index]), float(samples.speed[index])
+            fault = self._fault(int(index), time, speed, highest)
+            if fault is None:
+                self.time, self.speed, self.doubted, self.strikes = time, speed, None, 0
+            else:
+                faults.append(fault)
+                taken[index] = False
+        return faults
+
+    def _fault(self, index: int, time: int, speed: float, highest: float) -> Fault | None:
+        if time <= self.time:
+            return Fault(index, "time_out_of_order", f"time {time} ns is not after {self.time} ns, the sample before it")
+        if self.speed is None or _follows((self.time, self.speed), (time, speed), highest):
+            return None
+        agrees = self.doubted is not None and _follows(self.doubted, (time, speed), highest)
+        self.strikes = self.strikes + 1 if agrees else 1
+        self.doubted = (time, speed)
+        if self.strikes >= STRIKES:
+            return None
+        seconds = (time - self.time) / 1e9
+        detail = f"speed {speed:.6g} rad/s cannot follow {self.speed:.6g} rad/s within {seconds:.3g} s"
+        return Fault(index, "speed_out_of_order", detail)
+
+
+def _follows(before: tuple[int, float], after: tuple[int, float], highest: float) -> bool:
+    seconds = (after[0] - before[0]) / 1e9
+    return abs(after[1] - before[1]) <= highest * (FASTEST_CHANGE * seconds + JITTER)

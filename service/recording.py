@@ -1,0 +1,127 @@
+"""Recorded runs: a CSV file with a header line, and a sidecar YAML beside it that says what its columns mean."""
+
+import csv
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Literal
+
+import msgspec
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from estimator.machine import Identifier, Positive, field_path
+from service.documents import UnreadableFile, read_yaml
+from service.wire import WIRE_SCHEMA, SampleBatch
+from storage.clock import from_datetime
+
+
+class RecordedChannel(BaseModel):
+    """The columns of one channel."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    channel: Identifier
+    amplitude: str
+    phase: str
+
+
+class Sidecar(BaseModel):
+    """What the columns of a recording mean; `FILE.yaml` beside `FILE.csv`."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    plant: Identifier
+    machine: Identifier
+    source: Identifier = "recording"
+    direction: Literal["positive", "negative"] = "positive"
+    start: datetime = Field(default=datetime(2000, 1, 2, tzinfo=UTC), description="time of the first row")
+    time: str | None = Field(default=None, description="column with seconds since the start")
+    interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
+    speed: str = Field(description="column")
+    speed_unit: str
+    channels: Annotated[list[RecordedChannel], Field(min_length=1)]
+    amplitude_unit: str
+    amplitude_kind: str
+    phase_convention: str
+    phase_unit: str
+
+
+def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
+    """All rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
+    sidecar = read_sidecar(sidecar_path or path.with_suffix(".yaml"))
+    if (sidecar.time is None) == (sidecar.interval_s is None):
+        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
+    columns = _columns(path)
+
+    def column(name: str) -> list[float]:
+        if name not in columns:
+            raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(columns)}")
+        return columns[name]
+
+    speed = column(sidecar.speed)
+    seconds = column(sidecar.time) if sidecar.time is not None else [i * (sidecar.interval_s or 0) for i in range(len(speed))]
+    start = from_datetime(sidecar.start)
+    amplitude = [column(channel.amplitude) for channel in sidecar.channels]
+    phase = [column(channel.phase) for channel in sidecar.channels]
+    return SampleBatch(
+        schema=WIRE_SCHEMA,
+        plant=sidecar.plant,
+        machine=sidecar.machine,
+        source=sidecar.source,
+        epoch=0,
+        sequence=0,
+        channels=[channel.channel for channel in sidecar.channels],
+        speed_unit=sidecar.speed_unit,
+        amplitude_unit=sidecar.amplitude_unit,
+        amplitude_kind=sidecar.amplitude_kind,
+        phase_convention=sidecar.phase_convention,
+        phase_unit=sidecar.phase_unit,
+        direction=sidecar.direction,
+        time_ns=[start + round(s * 1e9) for s in seconds],
+        speed=speed,
+        amplitude=[list(row) for row in zip(*amplitude, strict=True)],
+        phase=[list(row) for row in zip(*phase, strict=True)],
+    )
+
+
+def read_sidecar(path: Path) -> Sidecar:
+    """Raises UnreadableFile, which names every wrong field."""
+    try:
+        return Sidecar.model_validate(read_yaml(path))
+    except ValidationError as error:
+        problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
+        raise UnreadableFile(f"{path} is not a recording's sidecar:\n{problems}") from error
+
+
+def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
+    """The batch in pieces of at most `size` samples."""
+    for start in range(0, len(batch.time_ns), size):
+        piece = slice(start, start + size)
+        yield msgspec.structs.replace(
+            batch,
+            sequence=batch.sequence + start,
+            time_ns=batch.time_ns[piece],
+            speed=batch.speed[piece],
+            amplitude=batch.amplitude[piece],
+            phase=batch.phase[piece],
+            status=None if batch.status is None else batch.status[piece],
+            scatter=None if batch.scatter is None else batch.scatter[piece],
+        )
+
+
+def _columns(path: Path) -> dict[str, list[float]]:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise UnreadableFile(f"{path}: {error}") from error
+    if not rows:
+        raise UnreadableFile(f"{path} has no rows below its header")
+    columns: dict[str, list[float]] = {name: [] for name in rows[0]}
+    for number, row in enumerate(rows, start=2):
+        for name in columns:
+            try:
+                columns[name].append(float(row[name]))
+            except (TypeError, ValueError):
+                raise UnreadableFile(f"{path}, line {number}: '{row[name]}' in column '{name}' is not a number") from None
+    return columns

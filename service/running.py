@@ -1,0 +1,83 @@
+"""The service as one process: everything is opened, started, stopped and closed here, in visible steps."""
+
+import logging
+import socket
+
+import uvicorn
+
+from service.api.application import application
+from service.collection import Collector
+from service.identifying import Identifying
+from service.ingest import Ingest
+from service.journal import Journal
+from service.settings import Settings
+from service.stream import connected, open_session
+from storage.database import Database
+
+logger = logging.getLogger(__name__)
+
+
+class PortUnusable(RuntimeError):
+    """The REST API cannot listen where it should."""
+
+
+def serve(settings: Settings) -> None:
+    """Run until SIGINT or SIGTERM. Raises DatabaseUnusable, PortUnusable or StreamUnusable before anything has started."""
+    database = Database(settings.database)
+    listener = _listen(settings.host, settings.port)
+    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
+    ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s)
+    identifying = Identifying(database, settings)
+
+    def parts() -> dict[str, str]:
+        return {
+            "ingest": _state(alive=ingest.alive, trouble=ingest.trouble),
+            "identifying": _state(alive=identifying.alive, trouble=identifying.trouble),
+            "stream": "ok" if settings.zenoh_listen or connected(session) else _waiting(settings),
+        }
+
+    try:
+        identifying.start()
+        ingest.start()
+        if not settings.zenoh_listen and not connected(session):
+            logger.warning(_waiting(settings))
+        config = uvicorn.Config(application(database, parts), log_config=None, access_log=False, lifespan="off")
+        host, port = listener.getsockname()[:2]
+        logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
+        uvicorn.Server(config).run(sockets=[listener])
+    finally:
+        logger.info("stopping: no more samples")
+        ingest.stop()
+        session.close()
+        logger.info("stopping: identifications under way are left for the next start")
+        identifying.stop()
+        database.close()
+        listener.close()
+        logger.info("stopped")
+
+
+def _endpoints(settings: Settings) -> str:
+    return ", ".join([*settings.zenoh_listen, *(f"by way of {e}" for e in settings.zenoh_connect)])
+
+
+def _waiting(settings: Settings) -> str:
+    return f"no zenoh router answers at {', '.join(settings.zenoh_connect)} yet; trying again until one does"
+
+
+def _state(*, alive: bool, trouble: str | None) -> str:
+    if not alive:
+        return "its thread has ended"
+    return trouble or "ok"
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    """Take the port before anything else starts, so that one in use is found out at once."""
+    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(128)
+    except OSError as error:
+        listener.close()
+        raise PortUnusable(f"cannot listen on {host}:{port}: {error.strerror}; choose another with --port") from error
+    return listener

@@ -1,0 +1,39 @@
+"""All settings of the service, from the environment (`RUNDOWN_…`) or the command line."""
+
+from typing import Annotated
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
+
+
+class Settings(BaseSettings):
+    """Settings of `rundown serve`; each can be given as `RUNDOWN_<NAME>`."""
+
+    model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")
+
+    database: str = Field(default="sqlite:///rundown.db", description="SQLAlchemy URL of the database")
+    host: str = Field(default="127.0.0.1", description="address on which the REST API listens")
+    port: Annotated[int, Field(ge=0, le=65535)] = Field(default=8080, description="its port; 0 takes a free one")
+    zenoh_listen: list[str] = Field(
+        default=[DEFAULT_ZENOH_ENDPOINT], description="endpoints on which the service is a zenoh router for its sources"
+    )
+    zenoh_connect: list[str] = Field(
+        default=[], description="endpoints of zenoh routers to connect to; retried until they answer"
+    )
+    workers: Annotated[int, Field(ge=1, le=64)] = Field(default=2, description="identification processes")
+    identification_timeout_s: Annotated[float, Field(gt=0)] = Field(
+        default=300.0, description="an identification that takes longer is given up, its worker ended"
+    )
+    gathered_interval_s: Annotated[float, Field(gt=0)] = Field(
+        default=3600.0, description="how often the newest runs are identified together"
+    )
+    gathered_runs: Annotated[int, Field(ge=2, le=20)] = Field(default=4, description="how many runs that takes together")
+    baseline_runs: Annotated[int, Field(ge=3, le=100)] = Field(
+        default=5, description="accepted identifications of each kind of run that make a machine's baseline"
+    )
+    silence_s: Annotated[float, Field(gt=0)] = Field(
+        default=30.0, description="an open run is closed when its machine has sent nothing for this long"
+    )
+    log_level: str = Field(default="INFO", description="DEBUG, INFO, WARNING or ERROR")

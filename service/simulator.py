@@ -1,0 +1,196 @@
+"""The plant simulator: machines that run up, hold and coast down week after week, published as a real source would.
+
+Each machine lives a story; what was true in each run can be written to a file, so that estimates can be compared with it.
+"""
+
+import json
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+import zenoh
+
+from estimator.condensation import Complexes, Floats
+from estimator.machine import Machine
+from estimator.segmentation import RunKind
+from estimator.simulation import Story, Truth, at_progress, draw_truth, measured_phasors, scattered, speed_law
+from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
+from service.recording import split
+from service.source import Source
+from service.wire import WIRE_SCHEMA, Key, SampleBatch
+
+logger = logging.getLogger(__name__)
+
+RUN_UP_S, HOLD_S, RUN_DOWN_S = 120.0, 60.0, 300.0
+HOLD_SAMPLES = 6
+BATCH_SAMPLES = 10
+HEALTHY_PART = 0.5
+"""Part of the cycles before a story begins to show."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a simulation goes: cycles of run-up and run-down, `interval_s` apart in the machines' time.
+
+    samples: per sweep. rate: samples per second of the clock and machine, which makes the time between cycles vanish; None
+    publishes in real time. linger_s: how long the source stays to answer replay queries after its last sample.
+    """
+
+    cycles: int
+    interval_s: float
+    samples: int
+    rate: float | None
+    seed: int
+    linger_s: float
+
+
+class TruthFile:
+    """Where the simulator writes what was true in each run, a JSON line a run."""
+
+    def __init__(self, file: TextIO | None) -> None:
+        self._file = file
+        self._lock = threading.Lock()
+
+    def write(self, machine: Machine, kind: RunKind, last_time: int, truth: Truth) -> None:
+        """Note one run, which its machine and the time of its last sample identify."""
+        if self._file is None:
+            return
+        names = [c.name for c in truth.unknowns.coefficients]
+        parameters = dict(zip(names, truth.coefficients.tolist(), strict=True))
+        unbalances = {
+            plane.name: [value.real, value.imag]
+            for plane, value in zip(truth.unknowns.unbalances, truth.unbalances.tolist(), strict=True)
+        }
+        line = {"machine": machine.id, "kind": kind, "last_time": last_time}
+        with self._lock:
+            self._file.write(json.dumps(line | {"parameters": parameters, "unbalances": unbalances}) + "\n")
+            self._file.flush()
+
+
+def simulate(
+    session: zenoh.Session, machines: list[tuple[Machine, Story]], plan: Plan, truth_path: Path | None, stop: threading.Event
+) -> None:
+    """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set."""
+    file = truth_path.open("w", encoding="utf-8") if truth_path is not None else None
+    try:
+        truths = TruthFile(file)
+        seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
+        threads = [
+            threading.Thread(target=_live, args=(session, machine, story, plan, truths, seed, stop), name=machine.id)
+            for (machine, story), seed in zip(machines, seeds, strict=True)
+        ]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        if file is not None:
+            file.close()
+
+
+def _live(
+    session: zenoh.Session,
+    machine: Machine,
+    story: Story,
+    plan: Plan,
+    truths: TruthFile,
+    seed: np.random.SeedSequence,
+    stop: threading.Event,
+) -> None:
+    rng = np.random.default_rng(seed)
+    drawn = draw_truth(machine, rng)
+    span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
+    # Compressed stories end now; those in real time begin now.
+    began = time.time() - (span_s if plan.rate is not None else 0.0)
+    with Source(session, Key(machine.plant, machine.id), name="simulator") as source:
+        pace = _pace(plan, stop)
+        for cycle in range(plan.cycles):
+            progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
+            truth = scattered(at_progress(drawn, machine, story, progress), rng)
+            start = began + cycle * plan.interval_s
+            if stop.wait(max(0.0, start - time.time())):
+                return
+            logger.info("%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, story, 100 * progress)
+            _run(source, machine, truth, "run-up", start, RUN_UP_S, plan.samples, truths, rng, pace)
+            _hold(source, machine, truth, start + RUN_UP_S, rng, pace)
+            _run(source, machine, truth, "run-down", start + RUN_UP_S + HOLD_S, RUN_DOWN_S, plan.samples, truths, rng, pace)
+            if stop.is_set():
+                return
+        stop.wait(plan.linger_s)
+
+
+Pace = Callable[[SampleBatch], None]
+
+
+def _pace(plan: Plan, stop: threading.Event) -> Pace:
+    """Waits until a batch is due: by its own last sample's time, or at the plan's rate."""
+    due = time.monotonic()
+
+    def wait(batch: SampleBatch) -> None:
+        nonlocal due
+        if plan.rate is None:
+            stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
+            return
+        due = max(due, time.monotonic() - 1.0) + len(batch.time_ns) / plan.rate
+        stop.wait(max(0.0, due - time.monotonic()))
+
+    return wait
+
+
+def _run(
+    source: Source,
+    machine: Machine,
+    truth: Truth,
+    kind: RunKind,
+    start: float,
+    duration: float,
+    samples: int,
+    truths: TruthFile,
+    rng: np.random.Generator,
+    pace: Pace,
+) -> None:
+    seconds, speed = speed_law(machine, kind, duration=duration, samples=samples)
+    phasors = measured_phasors(machine, truth, speed, rng)
+    batch = _batch(machine, start + seconds, speed, phasors)
+    truths.write(machine, kind, batch.time_ns[-1], truth)
+    for piece in split(batch, BATCH_SAMPLES):
+        pace(piece)
+        source.publish(piece)
+
+
+def _hold(source: Source, machine: Machine, truth: Truth, start: float, rng: np.random.Generator, pace: Pace) -> None:
+    """At speed for a while."""
+    _, sweep = speed_law(machine, "run-down", duration=1.0, samples=2)
+    seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
+    speed = np.full(HOLD_SAMPLES, sweep[0])
+    batch = _batch(machine, start + seconds, speed, measured_phasors(machine, truth, speed, rng))
+    pace(batch)
+    source.publish(batch)
+
+
+def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes) -> SampleBatch:
+    """A batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag."""
+    return SampleBatch(
+        schema=WIRE_SCHEMA,
+        plant=machine.plant,
+        machine=machine.id,
+        source="",
+        epoch=0,
+        sequence=0,
+        channels=list(machine.channels),
+        speed_unit="rpm",
+        amplitude_unit="um",
+        amplitude_kind="peak-to-peak",
+        phase_convention="lag",
+        phase_unit="deg",
+        direction=machine.rotation,
+        time_ns=[round(s * 1e9) for s in time_s.tolist()],
+        speed=[rad_per_s_to_rpm(value) for value in speed.tolist()],
+        amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
+        phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
+    )

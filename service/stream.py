@@ -1,0 +1,72 @@
+"""zenoh sessions: one way to open them, with the settings that measured behaviour asks for."""
+
+import json
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+logger = logging.getLogger(__name__)
+
+Mode = str
+ROUTER, PEER, CLIENT = "router", "peer", "client"
+
+
+class StreamUnusable(RuntimeError):
+    """A zenoh session cannot be opened; the message says on which endpoints and why."""
+
+
+def open_session(*, listen: list[str], connect: list[str]) -> zenoh.Session:
+    """Open a session: a router where it listens, else a client that keeps trying its endpoints.
+
+    Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
+    """
+    config = zenoh.Config()
+    settings: dict[str, object] = {
+        "mode": ROUTER if listen else CLIENT,
+        "listen/endpoints": listen,
+        "connect/endpoints": connect,
+        # -1: wait for an absent router and go on trying, instead of giving up at the first attempt.
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2},
+        "listen/exit_on_failure": True,
+        "scouting/multicast/enabled": False,
+        # Shared memory loses samples of a lagging receiver without a sign.
+        "transport/shared_memory/enabled": False,
+    }
+    try:
+        for name, value in settings.items():
+            config.insert_json5(name, json.dumps(value))
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
+        raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {error}") from error
+
+
+def connected(session: zenoh.Session) -> bool:
+    """Whether a client's session has a router, or a router any other node."""
+    return bool(session.info.routers_zid() or session.info.peers_zid())
+
+
+def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Callable[[float], bool]) -> bool:
+    """Wait until the session is connected, saying so now and then. `give_up(seconds)` pauses and tells whether to stop."""
+    waited = 0.0
+    while not connected(session):
+        if waited % 5.0 < 0.2:
+            logger.warning("no zenoh peer at %s yet, still trying", ", ".join(endpoints))
+        if give_up(0.2):
+            return False
+        waited += 0.2
+    return True
+
+
+@contextmanager
+def session(*, listen: list[str], connect: list[str]) -> Iterator[zenoh.Session]:
+    """A session that is closed in the end: one left open hangs the interpreter's exit."""
+    opened = open_session(listen=listen, connect=connect)
+    try:
+        yield opened
+    finally:
+        opened.close()

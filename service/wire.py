@@ -1,0 +1,323 @@
+"""The message that sources publish: its frame, its schema and its conversion to SI. Defined here, nowhere else.
+
+A payload is one line of ASCII, `rundown/1 <length> <crc32>`, a newline, and the body: `length` bytes, whose CRC-32 the line
+gives in hexadecimal. The body is a `SampleBatch` in MessagePack (zenoh encoding `application/msgpack`) or JSON
+(`application/json`).
+"""
+
+import re
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.machine import Machine
+from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rpm_to_rad_per_s
+from storage.blocks import Samples
+from storage.samples import SourceKey
+
+WIRE_SCHEMA = 1
+MESSAGEPACK, JSON = "application/msgpack", "application/json"
+LARGEST_MESSAGE = 1 << 20
+LARGEST_BATCH = 5_000
+LARGEST_CHANNEL_COUNT = 128
+LARGEST_AMPLITUDE = 0.02
+"""No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
+OVERSPEED = 1.3
+"""A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
+EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
+FUTURE_TOLERANCE = 86_400_000_000_000  # a day, ns
+
+STATUSES = ("good", "not_available", "bad", "out_of_range")
+DIRECTIONS = {"positive": 1, "negative": -1}
+
+_FRAME = re.compile(rb"rundown/1 (\d{1,10}) ([0-9a-f]{8})\n")
+_IDENTIFIER = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
+
+Reason = Literal[
+    "too_large",
+    "bad_frame",
+    "undecodable",
+    "future_schema",
+    "key_mismatch",
+    "unknown_machine",
+    "unknown_channel",
+    "wrong_unit",
+    "wrong_shape",
+    "not_finite",
+    "speed_out_of_range",
+    "speed_out_of_order",
+    "amplitude_out_of_range",
+    "time_out_of_range",
+    "time_out_of_order",
+]
+"""Why a message, a sample or a channel's value is rejected."""
+
+
+class Rejected(ValueError):
+    """A message or a sample cannot be taken."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(detail)
+        self.reason = reason
+        self.detail = detail
+
+
+class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Consecutive samples of one machine from one source.
+
+    epoch: any number that grows with each start of the source, such as its start time; sequence: number of the first
+    sample in this epoch, counted from 0; the others follow without a hole. time_ns: per sample, UTC since 1970.
+    amplitude, phase, status, scatter: per sample a list over the channels; null where there is no value. status: `good`,
+    `not_available`, `bad` or `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's
+    unit. direction: `positive` turns +x towards +y.
+    """
+
+    schema: int
+    plant: str
+    machine: str
+    source: str
+    epoch: int
+    sequence: int
+    channels: list[str]
+    speed_unit: str
+    amplitude_unit: str
+    amplitude_kind: str
+    phase_convention: str
+    phase_unit: str
+    direction: str
+    time_ns: list[int]
+    speed: list[float]
+    amplitude: list[list[float | None]]
+    phase: list[list[float | None]]
+    status: list[list[str]] | None = None
+    scatter: list[list[float | None]] | None = None
+
+
+class _Version(msgspec.Struct):
+    schema: int
+
+
+_T = TypeVar("_T")
+
+
+def _decode(kind: type[_T], body: bytes, encoding: str) -> _T:
+    if encoding.split(";")[0] == JSON:
+        return msgspec.json.decode(body, type=kind)
+    return msgspec.msgpack.decode(body, type=kind)
+
+
+@dataclass(frozen=True)
+class Key:
+    """Where a machine's messages travel: `rundown/v1/<plant>/<machine>/…`."""
+
+    plant: str
+    machine: str
+
+    @classmethod
+    def parse(cls, key: str) -> "Key":
+        """From a full key expression. Raises Rejected."""
+        parts = key.split("/")
+        if len(parts) != 5 or parts[:2] != ["rundown", "v1"] or not all(_IDENTIFIER.match(p) for p in parts[2:4]):
+            raise Rejected("key_mismatch", f"'{key[:200]}' is not rundown/v1/<plant>/<machine>/samples")
+        return cls(parts[2], parts[3])
+
+    @property
+    def samples(self) -> str:
+        """Where batches are published."""
+        return f"rundown/v1/{self.plant}/{self.machine}/samples"
+
+    @property
+    def log(self) -> str:
+        """Where a source answers replay queries."""
+        return f"rundown/v1/{self.plant}/{self.machine}/log"
+
+    @property
+    def live(self) -> str:
+        """Liveliness token of the machine's source."""
+        return f"rundown/v1/live/{self.plant}/{self.machine}"
+
+
+ALL_SAMPLES = "rundown/v1/*/*/samples"
+ALL_LIVE = "rundown/v1/live/*/*"
+
+
+def frame(body: bytes) -> bytes:
+    """Put length and checksum before a body."""
+    return b"rundown/1 %d %08x\n" % (len(body), zlib.crc32(body)) + body
+
+
+def encode_batch(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
+    """The payload that carries a batch."""
+    return frame(msgspec.msgpack.encode(batch) if encoding == MESSAGEPACK else msgspec.json.encode(batch))
+
+
+def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
+    """Take a payload apart and check everything that does not need the machine's document. Raises Rejected."""
+    body = _unframed(payload)
+    try:
+        version = _decode(_Version, body, encoding).schema
+        if version > WIRE_SCHEMA:
+            raise Rejected("future_schema", f"schema {version} is newer than this service's {WIRE_SCHEMA}: upgrade it first")
+        batch = _decode(SampleBatch, body, encoding)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise Rejected("undecodable", f"body is not a sample batch in {encoding or 'MessagePack'}: {error}") from None
+    if (batch.plant, batch.machine) != (key.plant, key.machine):
+        raise Rejected("key_mismatch", f"body says {batch.plant}/{batch.machine}, key says {key.plant}/{key.machine}")
+    _check_shape(batch)
+    return batch
+
+
+def source_key(batch: SampleBatch) -> SourceKey:
+    """Whose samples these are."""
+    return SourceKey(batch.machine, batch.source, batch.epoch)
+
+
+def _unframed(payload: bytes) -> bytes:
+    if len(payload) > LARGEST_MESSAGE:
+        raise Rejected("too_large", f"{len(payload)} bytes; at most {LARGEST_MESSAGE} are taken")
+    match = _FRAME.match(payload)
+    if match is None:
+        raise Rejected("bad_frame", "the payload does not begin with 'rundown/1 <length> <crc32>' and a newline")
+    body = payload[match.end() :]
+    length, checksum = int(match[1]), int(match[2], 16)
+    if len(body) != length:
+        raise Rejected("bad_frame", f"the frame promises {length} bytes, {len(body)} came")
+    if zlib.crc32(body) != checksum:
+        raise Rejected("bad_frame", "the checksum does not fit the body")
+    return body
+
+
+def _check_shape(batch: SampleBatch) -> None:
+    count, channels = len(batch.time_ns), len(batch.channels)
+    if not 1 <= count <= LARGEST_BATCH:
+        raise Rejected("wrong_shape", f"{count} samples; a batch has 1 to {LARGEST_BATCH}")
+    if not 1 <= channels <= LARGEST_CHANNEL_COUNT or len(set(batch.channels)) != channels:
+        raise Rejected("wrong_shape", f"{channels} channels; a batch has 1 to {LARGEST_CHANNEL_COUNT}, each once")
+    if not _IDENTIFIER.match(batch.source):
+        raise Rejected("wrong_shape", "source must be letters, digits, '_' and '-', up to 64")
+    if not (0 <= batch.epoch < 2**63 and 0 <= batch.sequence < 2**62):
+        raise Rejected("wrong_shape", "epoch and sequence must not be negative and must fit 63 bits")
+    if len(batch.speed) != count:
+        raise Rejected("wrong_shape", f"speed has {len(batch.speed)} values for {count} samples")
+    for name in ("amplitude", "phase", "status", "scatter"):
+        rows = getattr(batch, name)
+        if rows is not None and (len(rows) != count or any(len(row) != channels for row in rows)):
+            raise Rejected("wrong_shape", f"{name} must have {count} rows of {channels} values")
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A sample, or one channel of it, that is not taken: its place in the batch and the reason."""
+
+    index: int
+    reason: Reason
+    detail: str
+
+
+def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tuple[Samples, NDArray[np.bool_], list[Fault]]:
+    """Convert a batch to SI in the document's channel order.
+
+    Returns all samples, which of them can be taken at all (S,), and every fault. A channel's bad value makes that channel
+    unusable in that sample; a bad time or speed the whole sample. Raises Rejected for what is wrong with all of it.
+    """
+    _check_channels(batch, machine)
+    factors = _metres(batch, machine) * _factor(batch, "amplitude_kind", PEAK)
+    turn = _factor(batch, "phase_convention", LEAD) * _factor(batch, "phase_unit", RADIANS)
+    count = len(batch.time_ns)
+    speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
+    shape = (count, len(machine.probes))
+    phasor = np.full(shape, complex(np.nan, np.nan))
+    scatter = np.full(shape, np.nan)
+    good = np.zeros(shape, dtype=bool)
+    columns = [machine.channels.index(channel) for channel in batch.channels]
+    with np.errstate(invalid="ignore", over="ignore"):
+        phasor[:, columns] = _table(batch.amplitude) * factors * np.exp(1j * turn * _table(batch.phase))
+        if batch.scatter is not None:
+            scatter[:, columns] = np.abs(_table(batch.scatter) * factors)
+        sensible = np.abs(phasor[:, columns]) <= LARGEST_AMPLITUDE  # false for NaN too
+    called_good = _called_good(batch)
+    good[:, columns] = called_good & sensible
+    faults = _channel_faults(batch, phasor[:, columns], called_good & ~sensible)
+    phasor[~good] = complex(np.nan, np.nan)
+    time = np.array([min(max(t, -(2**62)), 2**62) for t in batch.time_ns], dtype=np.int64)
+    taken = np.ones(count, dtype=bool)
+    for fault in _sample_faults(machine, time, speed, received_at):
+        faults.append(fault)
+        taken[fault.index] = False
+    direction = np.full(count, _factor(batch, "direction", DIRECTIONS), dtype=np.int8)
+    scatter[~np.isfinite(scatter) | ~good] = np.nan
+    return Samples(time, speed, direction, phasor, good, scatter), taken, faults
+
+
+def _factor(batch: SampleBatch, name: str, table: Mapping[Any, float]) -> float:
+    value = getattr(batch, name)
+    if value not in table:
+        raise Rejected("wrong_unit", f"{name} '{value[:40]}' is not one of {', '.join(table)}")
+    return table[value]
+
+
+def _check_channels(batch: SampleBatch, machine: Machine) -> None:
+    unknown = [channel[:64] for channel in batch.channels if channel not in machine.channels]
+    if unknown:
+        known = ", ".join(machine.channels)
+        raise Rejected("unknown_channel", f"machine '{machine.id}' has no channel {', '.join(unknown)}; it has {known}")
+
+
+def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
+    """Factor to metres per channel of the batch."""
+    if batch.amplitude_unit != "V":
+        return np.full(len(batch.channels), _factor(batch, "amplitude_unit", METRES))
+    sensitivity = {probe.id: probe.sensitivity for probe in machine.probes}
+    missing = [channel for channel in batch.channels if sensitivity[channel] is None]
+    if missing:
+        raise Rejected("wrong_unit", f"amplitudes in V need a sensitivity [V/m] in the document for {', '.join(missing)}")
+    return np.array([1.0 / (sensitivity[channel] or np.nan) for channel in batch.channels])
+
+
+def _table(rows: list[list[float | None]]) -> NDArray[np.float64]:
+    return np.array([[np.nan if value is None else value for value in row] for row in rows], dtype=float)
+
+
+def _called_good(batch: SampleBatch) -> NDArray[np.bool_]:
+    """Where the source itself calls a value good: a null is as good as `not_available`."""
+    there = np.array(
+        [
+            [a is not None and p is not None for a, p in zip(amplitudes, phases, strict=True)]
+            for amplitudes, phases in zip(batch.amplitude, batch.phase, strict=True)
+        ]
+    )
+    if batch.status is None:
+        return there
+    unknown = {status for row in batch.status for status in row} - set(STATUSES)
+    if unknown:
+        raise Rejected("wrong_unit", f"status '{min(unknown)[:40]}' is not one of {', '.join(STATUSES)}")
+    called_good = np.array([[status == "good" for status in row] for row in batch.status])
+    return np.asarray(there & called_good)
+
+
+def _channel_faults(batch: SampleBatch, phasor: NDArray[np.complex128], wrong: NDArray[np.bool_]) -> list[Fault]:
+    faults = []
+    for index, column in np.argwhere(wrong):
+        channel, size = batch.channels[column], abs(phasor[index, column])
+        if np.isfinite(size):
+            detail = f"channel {channel}: {size:.4g} m is more than {LARGEST_AMPLITUDE} m"
+            faults.append(Fault(int(index), "amplitude_out_of_range", detail))
+        else:
+            faults.append(Fault(int(index), "not_finite", f"channel {channel}: amplitude or phase is not a finite number"))
+    return faults
+
+
+def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.float64], received_at: int) -> Iterator[Fault]:
+    fastest = OVERSPEED * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    for index, (moment, value) in enumerate(zip(time, speed, strict=True)):
+        if not np.isfinite(value):
+            yield Fault(index, "not_finite", "speed is not a finite number")
+        elif not 0.0 <= value <= fastest:
+            yield Fault(index, "speed_out_of_range", f"speed {value:.6g} rad/s is not between 0 and {fastest:.6g} rad/s")
+        elif not EARLIEST_TIME <= moment <= received_at + FUTURE_TOLERANCE:
+            yield Fault(index, "time_out_of_range", f"time {moment} ns is before 2000 or more than a day ahead")
