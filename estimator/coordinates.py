@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
-from estimator.parameters import Unknowns
+from estimator.parameters import Quantity, Unknowns
 
 KNOWN_SPREAD = log(10.0)
 """Prior standard deviation of the logarithm of a direct term whose nominal value the document gives: a factor of 10."""
@@ -29,7 +29,8 @@ class Coordinates:
     """The map between physical parameters and fit coordinates θ (K + 2P,).
 
     logarithmic: (K,) True for direct terms. expected, scale: (K,) in SI. unbalance_scale: [kg m].
-    centre, spread: mean and standard deviation of the prior on θ.
+    centre, spread: mean and standard deviation of the prior on θ. quantities: (K,) what each coefficient is; guessed: (K,)
+    True for direct terms whose expected value no document gave.
     """
 
     logarithmic: NDArray[np.bool_]
@@ -38,6 +39,8 @@ class Coordinates:
     unbalance_scale: float
     centre: Floats
     spread: Floats
+    quantities: tuple[Quantity, ...]
+    guessed: NDArray[np.bool_]
 
     @classmethod
     def of(cls, unknown: Unknowns, *, unbalance_scale: float) -> Self:
@@ -55,6 +58,8 @@ class Coordinates:
             unbalance_scale=unbalance_scale,
             centre=np.concatenate([np.where(direct, 0.0, expected / scale), np.zeros(planes)]),
             spread=np.concatenate([spread, np.full(planes, UNBALANCE_SPREAD)]),
+            quantities=tuple(c.quantity for c in coefficients),
+            guessed=np.array([c.direct and c.nominal is None for c in coefficients]),
         )
 
     @property

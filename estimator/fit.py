@@ -83,7 +83,9 @@ class Problem:
     def weight(self, amplitude: Floats, misfit: float) -> Floats:
         """Weights (S, m) [1/m]: one over the error of each real part, with a relative misfit allowed beside it."""
         error = error_size(self.noise, amplitude, self.measurement.scatter)
-        return np.asarray(np.sqrt(2.0) / np.sqrt(error**2 + (misfit * amplitude) ** 2))
+        whole = np.sqrt(error**2 + (misfit * amplitude) ** 2)
+        # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
+        return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     def best_unbalances(self, theta: Floats, weight: Floats) -> Floats:
         """θ with the unbalances that fit best while the coefficients stay: a linear problem."""
@@ -107,6 +109,8 @@ def fit(problem: Problem, start: Floats) -> Fit:
         theta, converged, steps = _descend(problem, theta, weight, limit)
         iterations += steps
     for _ in range(FINAL_PASSES - 1):
+        if not converged:
+            break
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
         theta, converged, steps = _descend(problem, theta, weight, STAGE_ITERATIONS[-1])
         iterations += steps
@@ -115,21 +119,23 @@ def fit(problem: Problem, start: Floats) -> Fit:
 
 
 def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
-    """Levenberg-Marquardt at fixed weights: (θ, converged, steps tried)."""
+    """Levenberg-Marquardt at fixed weights: (θ, converged, steps tried).
+
+    The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).
+    """
     precision = problem.coordinates.spread**-2
     centre = problem.coordinates.centre
 
     def penalised(chi_square: float, at: Floats) -> float:
         return chi_square + float(np.sum(precision * (at - centre) ** 2))
 
-    damping = 1e-3
+    damping, growth = 1e-3, 2.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = penalised(data, theta)
     for step_number in range(limit):
         slope = gradient - precision * (theta - centre)
         hessian = curvature + np.diag(precision)
-        diagonal = np.diag(hessian)
-        step = np.linalg.solve(hessian + damping * np.diag(diagonal), slope)
+        step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
         if promised < CONVERGED_DECREASE:
@@ -141,7 +147,7 @@ def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tup
             theta = trial
             data, gradient, curvature = problem.linearised(theta, weight)
             cost = penalised(data, theta)
-            damping = max(damping * (0.2 if gain > 0.5 else 1.0), 1e-9)
+            damping, growth = max(damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 1e-9), 2.0
         else:
-            damping = max(damping, 1e-6) * 5
+            damping, growth = max(damping, 1e-6) * growth, 2.0 * growth
     return theta, False, limit

@@ -7,10 +7,10 @@ import numpy as np
 
 from estimator.condensation import CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
-from estimator.fit import Fit, Problem, fit
+from estimator.estimates import Estimate, estimates
+from estimator.fit import STAGE_MISFITS, Fit, Problem, fit
 from estimator.machine import Machine
 from estimator.measurement import Measurement
-from estimator.parameters import Quantity
 
 CHI_SQUARE_LIMIT = 5.0
 """The fit is accepted when χ²/dof stays below 1 by this many standard deviations √(2/dof)."""
@@ -18,9 +18,14 @@ START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start."""
 START_SPREAD_CROSS = 0.35
 """The same for a cross-coupled term, in units of its element's direct terms."""
+CANDIDATES = 12
+"""Random candidates from which each start after the first is the best."""
+GUESSED_CANDIDATES = 60
+"""The same where the document leaves nominal values out."""
+GUESSED_SPREAD = 1.5
+"""Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate."""
 LARGEST_SAMPLE_COUNT = 1000
 """Samples that one fit uses; more are thinned evenly."""
-CONFIDENCE_95 = 1.959964
 
 
 class NotEnoughData(ValueError):
@@ -33,32 +38,6 @@ class Options:
 
     starts: int = 10
     seed: int = 0
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One estimated parameter, in SI units.
-
-    value, standard_error, lower, upper (95 %): None where the data do not determine it; `reason` then says why. An
-    unbalance has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
-    """
-
-    name: str
-    element: str
-    quantity: Quantity
-    unit: str
-    value: float | None
-    standard_error: float | None
-    lower: float | None
-    upper: float | None
-    imaginary: float | None = None
-    imaginary_standard_error: float | None = None
-    reason: str | None = None
-
-    @property
-    def estimable(self) -> bool:
-        """Whether the data determine this parameter."""
-        return self.value is not None
 
 
 @dataclass(frozen=True)
@@ -148,7 +127,7 @@ def _problem(machine: Machine, train: CondensedTrain, measurement: Measurement) 
     """The fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
     coordinates = Coordinates.of(train.unknowns, unbalance_scale=1.0)
     problem = Problem(train, _silenced(measurement), coordinates, machine.noise)
-    theta = problem.best_unbalances(coordinates.centre, problem.weight(np.abs(problem.measurement.phasor), 0.5))
+    theta = problem.best_unbalances(coordinates.centre, problem.weight(np.abs(problem.measurement.phasor), STAGE_MISFITS[0]))
     scale = float(np.max(np.abs(coordinates.unbalances(theta)), initial=0.0))
     if not scale > 0.0:
         raise NotEnoughData("every usable phasor is zero: there is no response to identify from")
@@ -177,13 +156,28 @@ def _best_fit(problem: Problem, freedom: int, options: Options) -> tuple[Fit, in
 
 
 def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
+    """Where a fit starts: at the nominal values, else at the best of some random candidates, by their first-stage misfit."""
     coordinates = problem.coordinates
+    weight = problem.weight(np.abs(problem.measurement.phasor), STAGE_MISFITS[0])
+    if first and not coordinates.guessed.any():
+        return problem.best_unbalances(coordinates.centre, weight)
+    candidates = [
+        problem.best_unbalances(_candidate(coordinates, rng), weight)
+        for _ in range(GUESSED_CANDIDATES if coordinates.guessed.any() else CANDIDATES)
+    ]
+    return min(candidates, key=lambda theta: problem.chi_square(theta, weight))
+
+
+def _candidate(coordinates: Coordinates, rng: np.random.Generator) -> Floats:
+    """Random coefficients around the expected ones; those that nobody knows share a common factor besides."""
+    count = coordinates.coefficient_count
+    spread = np.where(coordinates.logarithmic, START_SPREAD_LOG, START_SPREAD_CROSS)
     theta = coordinates.centre.copy()
-    if not first:
-        count = coordinates.coefficient_count
-        spread = np.where(coordinates.logarithmic, START_SPREAD_LOG, START_SPREAD_CROSS)
-        theta[:count] += spread * rng.standard_normal(count)
-    return problem.best_unbalances(theta, problem.weight(np.abs(problem.measurement.phasor), 0.5))
+    theta[:count] += spread * rng.standard_normal(count)
+    common = {quantity: GUESSED_SPREAD * rng.standard_normal() for quantity in sorted(set(coordinates.quantities))}
+    shift = np.array([common[quantity] for quantity in coordinates.quantities])
+    theta[:count] += np.where(coordinates.guessed, shift, 0.0)
+    return theta
 
 
 def _result(problem: Problem, best: Fit, freedom: int, starts: int, iterations: int) -> Identification:
@@ -195,7 +189,7 @@ def _result(problem: Problem, best: Fit, freedom: int, starts: int, iterations: 
     good = best.converged and accepted(best.chi_square, freedom)
     speed = problem.measurement.speed
     return Identification(
-        estimates=_estimates(problem, best.theta, np.sqrt(np.diag(covariance))),
+        estimates=estimates(problem.train.unknowns, coordinates, best.theta, np.sqrt(np.diag(covariance))),
         coordinates=_coordinate_names(problem),
         covariance=_physical_covariance(coordinates, covariance),
         chi_square=best.chi_square,
@@ -234,46 +228,3 @@ def _physical_covariance(coordinates: Coordinates, covariance: Floats) -> Floats
     unit = np.full(covariance.shape[0], coordinates.unbalance_scale)
     unit[:count] = np.where(coordinates.logarithmic, 1.0, coordinates.scale)
     return covariance * np.outer(unit, unit)
-
-
-def _estimates(problem: Problem, theta: Floats, error: Floats) -> tuple[Estimate, ...]:
-    coordinates = problem.coordinates
-    values = coordinates.coefficients(theta)
-    count = coordinates.coefficient_count
-    result: list[Estimate] = []
-    for i, coefficient in enumerate(problem.train.unknowns.coefficients):
-        common = (coefficient.name, coefficient.element, coefficient.quantity, coefficient.unit)
-        if error[i] > 1.0:
-            against = "its value" if coefficient.direct else "the direct terms of its element"
-            reason = f"the data leave it uncertain by {100 * error[i]:.0f} % of {against}"
-            result.append(Estimate(*common, None, None, None, None, reason=reason))
-        elif coefficient.direct:
-            low, high = (values[i] * math.exp(sign * CONFIDENCE_95 * error[i]) for sign in (-1, 1))
-            result.append(Estimate(*common, float(values[i]), float(values[i] * error[i]), float(low), float(high)))
-        else:
-            spread = float(coefficient.scale * error[i])
-            middle = float(values[i])
-            result.append(Estimate(*common, middle, spread, middle - CONFIDENCE_95 * spread, middle + CONFIDENCE_95 * spread))
-    unbalances = coordinates.unbalances(theta)
-    largest = float(np.max(np.abs(unbalances)))
-    for i, plane in enumerate(problem.train.unknowns.unbalances):
-        spread_parts = coordinates.unbalance_scale * error[count + 2 * i : count + 2 * i + 2]
-        common = (plane.name, plane.element, "unbalance", plane.unit)
-        size = float(np.max(spread_parts))
-        if size > largest:
-            reason = f"the data leave it uncertain by {size:.2g} kg m, more than the largest unbalance found"
-            result.append(Estimate(*common, None, None, None, None, reason=reason))
-            continue
-        magnitude = abs(unbalances[i])
-        result.append(
-            Estimate(
-                *common,
-                value=float(unbalances[i].real),
-                standard_error=float(spread_parts[0]),
-                lower=max(0.0, float(magnitude - CONFIDENCE_95 * size)),
-                upper=float(magnitude + CONFIDENCE_95 * size),
-                imaginary=float(unbalances[i].imag),
-                imaginary_standard_error=float(spread_parts[1]),
-            )
-        )
-    return tuple(result)

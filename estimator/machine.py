@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -204,7 +204,18 @@ def parse_machine(document: Any) -> Machine:
     try:
         return Machine.model_validate(document)
     except ValidationError as error:
-        raise DocumentError([(field_path(item["loc"]), item["msg"]) for item in error.errors()]) from None
+        raise DocumentError(problems_of(error.errors())) from None
+
+
+def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
+    """(field, message) pairs of pydantic's errors, without those that only follow from another inside the same field."""
+    places = [tuple(item["loc"]) for item in errors]
+
+    def follows(item: Any) -> bool:
+        place = tuple(item["loc"])
+        return item["type"] == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places)
+
+    return [(field_path(item["loc"]), item["msg"]) for item in errors if not follows(item)]
 
 
 def field_path(location: tuple[int | str, ...]) -> str:
@@ -265,9 +276,22 @@ def _coupling_problems(machine: Machine) -> Iterator[InitErrorDetails]:
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
         if coupling.driver == coupling.driven:
             yield _problem(("couplings", i, "driven"), coupling.driven, "a coupling joins two different shafts")
+    yield from _ring_problems(machine)
     for end in ("driver", "driven"):
         counts = Counter(getattr(coupling, end) for coupling in machine.couplings)
         for i, coupling in enumerate(machine.couplings):
             if counts[getattr(coupling, end)] > 1:
                 message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
+
+
+def _ring_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+    """A train has two ends: following its couplings from driver to driven must not come back."""
+    behind = {coupling.driver: coupling.driven for coupling in machine.couplings}
+    for i, coupling in enumerate(machine.couplings):
+        shaft: str | None = coupling.driven
+        for _ in machine.couplings:
+            if shaft == coupling.driver != coupling.driven:
+                yield _problem(("couplings", i, "driven"), coupling.driven, "the couplings join the shafts to a ring")
+                break
+            shaft = behind.get(shaft) if shaft is not None else None

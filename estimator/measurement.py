@@ -71,4 +71,4 @@ def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
     amplitude: |X| 0-to-peak [m], best taken from the fitted response: weights from noisy amplitudes bias the fit.
     """
     modelled = np.sqrt((noise.relative * amplitude) ** 2 + noise.floor**2)
-    return np.where(np.isfinite(scatter), np.maximum(scatter, noise.floor), modelled)
+    return np.where(scatter > 0.0, np.maximum(scatter, noise.floor), modelled)

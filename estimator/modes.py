@@ -40,7 +40,7 @@ def critical_speeds(machine: Machine, *, highest: float, coefficients: Floats | 
 
     The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted.
     """
-    spins = np.linspace(0.0, highest, CAMPBELL_STEPS + 1)[1:]
+    spins = np.linspace(1e-6 * highest, highest, CAMPBELL_STEPS + 1)
     curves = [natural_frequencies(machine, coefficients=coefficients, spin=machine.direction * spin) for spin in spins]
     count = min(len(curve) for curve in curves)
     above = np.array([curve[:count] for curve in curves]) - spins[:, None]

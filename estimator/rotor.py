@@ -65,10 +65,12 @@ def node_stations(machine: Machine, shaft: Shaft) -> NDArray[np.float64]:
     parts: list[Disc | Bearing | Probe] = [*machine.discs, *machine.bearings, *machine.probes]
     places = [part.station for part in parts if part.shaft == shaft.id]
     wanted = np.unique(np.concatenate([ends, np.minimum(places, ends[-1])]))
-    keep = np.concatenate([[True], np.diff(wanted) > STATION_TOLERANCE])
-    fixed = wanted[keep]
+    fixed = [0.0]
+    for station in wanted:
+        if station - fixed[-1] > STATION_TOLERANCE:
+            fixed.append(float(station))
     longest = machine.element_length or ends[-1] / DEFAULT_ELEMENTS_PER_SHAFT
-    pieces = [fixed[:1]]
+    pieces = [np.array(fixed[:1])]
     for start, stop in zip(fixed[:-1], fixed[1:], strict=True):
         # A hair of slack keeps a span of exactly the longest length in one piece.
         count = max(1, int(np.ceil((stop - start) / longest - 1e-6)))

@@ -1,6 +1,7 @@
 """An identification as text for a terminal."""
 
-from estimator.identification import Estimate, Identification
+from estimator.estimates import Estimate
+from estimator.identification import Identification
 from estimator.units import rad_per_s_to_rpm
 
 

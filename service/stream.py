@@ -2,6 +2,7 @@
 
 import json
 import logging
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -9,8 +10,7 @@ import zenoh
 
 logger = logging.getLogger(__name__)
 
-Mode = str
-ROUTER, PEER, CLIENT = "router", "peer", "client"
+ROUTER, PEER = "router", "peer"
 
 
 class StreamUnusable(RuntimeError):
@@ -18,16 +18,16 @@ class StreamUnusable(RuntimeError):
 
 
 def open_session(*, listen: list[str], connect: list[str]) -> zenoh.Session:
-    """Open a session: a router where it listens, else a client that keeps trying its endpoints.
+    """Open a session: a router where it listens, else a peer that keeps trying its endpoints.
 
     Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
     """
     config = zenoh.Config()
     settings: dict[str, object] = {
-        "mode": ROUTER if listen else CLIENT,
+        # A client would block in `open` until a router answers, and could not be interrupted; a peer tries in background.
+        "mode": ROUTER if listen else PEER,
         "listen/endpoints": listen,
         "connect/endpoints": connect,
-        # -1: wait for an absent router and go on trying, instead of giving up at the first attempt.
         "connect/timeout_ms": -1,
         "connect/exit_on_failure": False,
         "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2},
@@ -42,11 +42,13 @@ def open_session(*, listen: list[str], connect: list[str]) -> zenoh.Session:
         return zenoh.open(config)
     except zenoh.ZError as error:
         where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
-        raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {error}") from error
+        # The library's message ends in places of its own source.
+        reason = re.sub(r" at /\S+\.rs:\d+\.?|\s*\[[^\]]* at /\S+\]?", "", str(error))
+        raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error
 
 
 def connected(session: zenoh.Session) -> bool:
-    """Whether a client's session has a router, or a router any other node."""
+    """Whether any other node is connected."""
     return bool(session.info.routers_zid() or session.info.peers_zid())
 
 

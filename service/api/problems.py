@@ -10,7 +10,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
-from estimator.machine import DocumentError, field_path
+from estimator.machine import DocumentError, problems_of
 from storage.alerts import AlertUnknown
 from storage.database import DatabaseUnusable
 from storage.identifications import IdentificationUnknown
@@ -68,17 +68,13 @@ def add_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(RequestValidationError)
     async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
-        problems = [FieldProblem(field=_place(item["loc"]), message=item["msg"]) for item in error.errors()]
+        errors = [item | {"loc": item["loc"][1:] if item["loc"][:1] == ("body",) else item["loc"]} for item in error.errors()]
+        problems = [FieldProblem(field=field, message=message) for field, message in problems_of(errors)]
         return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", problems)
 
     @app.exception_handler(StarletteHTTPException)
     async def http(_request: Request, error: StarletteHTTPException) -> JSONResponse:
         return _response(error.status_code, str(error.detail))
-
-
-def _place(location: tuple[int | str, ...]) -> str:
-    """The field of a body, or the parameter's name behind where it stands."""
-    return field_path(location[1:]) if location[:1] == ("body",) else field_path(location)
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {

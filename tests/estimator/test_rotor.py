@@ -57,13 +57,10 @@ def test_every_part_and_section_end_has_a_node_and_no_element_is_too_long(
 
 
 def test_span_of_exactly_the_longest_length_stays_in_one_piece() -> None:
-    document = one_disc_document(length=0.3)
-    document["element_length"] = 0.1  # 0.3 is a little more than 3 × 0.1 in binary, 0.15 needs two
+    document = one_disc_document(length=0.4, disc_station=0.1, element_length=0.1)
+    assert (0.4 - 0.1) / 0.1 > 3  # in binary
     machine = parse_machine(document)
-    assert len(node_stations(machine, machine.shafts[0])) == 5
-    document["discs"][0]["station"] = document["probes"][0]["station"] = document["probes"][1]["station"] = 0.1
-    machine = parse_machine(document)
-    assert node_stations(machine, machine.shafts[0]) == pytest.approx([0.0, 0.1, 0.2, 0.3])
+    assert node_stations(machine, machine.shafts[0]) == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
 
 
 def test_stations_nearer_than_the_tolerance_are_one_node() -> None:
