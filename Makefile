@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
+# Small matrices: more BLAS threads only get in each other's way.
+export OPENBLAS_NUM_THREADS = 1
 
 .PHONY: demo test lint benchmarks clean
 

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Annotated, Any, NoReturn, get_args
 
-import numpy as np
+import threadpoolctl
 import typer
 from pydantic import ValidationError
 
@@ -135,7 +135,8 @@ def identify_offline(
         samples, taken, faults = to_samples(read_recording(file, sidecar), document, received_at=now())
         for fault in faults:
             typer.echo(f"row {fault.index + 1} left out: {fault.detail}", err=True)
-        result = identify(document, samples.pick(np.asarray(taken)).measurement())
+        with threadpoolctl.threadpool_limits(1):
+            result = identify(document, samples.pick(taken).measurement())
     except (UnreadableFile, Rejected, NotEnoughData) as error:
         _fail(str(error))
     typer.echo(identification_text(result))
@@ -173,6 +174,7 @@ def _stop_on_signal() -> threading.Event:
 
 def _log_to_terminal(level: str) -> None:
     logging.basicConfig(level=level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s", stream=sys.stderr)
+    logging.getLogger("alembic").setLevel(logging.WARNING)
 
 
 def _fail(message: str) -> NoReturn:

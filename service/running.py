@@ -1,7 +1,9 @@
 """The service as one process: everything is opened, started, stopped and closed here, in visible steps."""
 
 import logging
+import signal
 import socket
+import threading
 
 import uvicorn
 
@@ -23,6 +25,7 @@ class PortUnusable(RuntimeError):
 
 def serve(settings: Settings) -> None:
     """Run until SIGINT or SIGTERM. Raises DatabaseUnusable, PortUnusable or StreamUnusable before anything has started."""
+    asked_to_stop = _note_signals()
     database = Database(settings.database)
     listener = _listen(settings.host, settings.port)
     session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
@@ -44,7 +47,8 @@ def serve(settings: Settings) -> None:
         config = uvicorn.Config(application(database, parts), log_config=None, access_log=False, lifespan="off")
         host, port = listener.getsockname()[:2]
         logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
-        uvicorn.Server(config).run(sockets=[listener])
+        if not asked_to_stop.is_set():
+            uvicorn.Server(config).run(sockets=[listener])
     finally:
         logger.info("stopping: no more samples")
         ingest.stop()
@@ -54,6 +58,16 @@ def serve(settings: Settings) -> None:
         database.close()
         listener.close()
         logger.info("stopped")
+
+
+def _note_signals() -> threading.Event:
+    """Take SIGINT and SIGTERM. uvicorn has its own handlers while it runs, and raises the signal once more afterwards:
+    without this the process would end there, before anything is closed.
+    """
+    asked = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: asked.set())
+    return asked
 
 
 def _endpoints(settings: Settings) -> str:

@@ -43,7 +43,7 @@ def open_session(*, listen: list[str], connect: list[str]) -> zenoh.Session:
     except zenoh.ZError as error:
         where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
         # The library's message ends in places of its own source.
-        reason = re.sub(r" at /\S+\.rs:\d+\.?|\s*\[[^\]]* at /\S+\]?", "", str(error))
+        reason = re.sub(r" at /\S+\.rs:\d+\.?", "", str(error))
         raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error
 
 

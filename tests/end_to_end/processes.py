@@ -1,0 +1,119 @@
+"""Rundown's commands as processes of their own, and what the tests ask of a running service."""
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, TypeVar
+
+import httpx
+import yaml
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+DATA = ROOT / "tests" / "data"
+STOP_TIMEOUT_S = 20.0
+
+T = TypeVar("T")
+
+
+def free_port() -> int:
+    """A port on loopback that nothing listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def rundown(*arguments: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+    """Run a command to its end."""
+    command = [sys.executable, "-m", "service", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+@contextlib.contextmanager
+def process(log: Path, *arguments: str, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A command in the background, ended by its process id at the end."""
+    with log.open("ab") as output:
+        started = subprocess.Popen(
+            [sys.executable, "-m", "service", *arguments],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            env=os.environ | environment,
+        )
+        try:
+            yield started
+        finally:
+            if started.poll() is None:
+                started.send_signal(signal.SIGTERM)
+            try:
+                started.wait(STOP_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                started.kill()
+                started.wait()
+                raise
+
+
+def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
+    """What `look` returns as soon as it is neither None nor False."""
+    deadline = time.monotonic() + within_s
+    while True:
+        found = look()
+        if found is not None and found is not False:
+            return found
+        if time.monotonic() > deadline:
+            raise AssertionError(f"not within {within_s:.0f} s: {what}")
+        time.sleep(0.05)
+
+
+class Service:
+    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again."""
+
+    def __init__(self, folder: Path, **environment: str) -> None:
+        self.folder = folder
+        self.port = free_port()
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.log = folder / "serve.log"
+        self._environment = {"RUNDOWN_SILENCE_S": "2"} | environment
+        self.client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=20.0)
+
+    @contextlib.contextmanager
+    def running(self) -> Iterator[subprocess.Popen[bytes]]:
+        """The service, ready."""
+        flags = ["--database", f"sqlite:///{self.folder / 'rundown.db'}", "--port", str(self.port)]
+        with process(self.log, "serve", *flags, "--zenoh-listen", self.endpoint, **self._environment) as started:
+            until(lambda: self._ready(started), within_s=30, what="the service is ready")
+            yield started
+
+    def _ready(self, started: subprocess.Popen[bytes]) -> bool:
+        assert started.poll() is None, self.log.read_text()
+        with contextlib.suppress(httpx.TransportError):
+            return self.client.get("/ready").status_code == 200
+        return False
+
+    def get(self, path: str, **parameters: Any) -> Any:
+        """The JSON answer to a request that must succeed."""
+        answer = self.client.get(path, params=parameters)
+        assert answer.status_code == 200, answer.text
+        return answer.json()
+
+    def create(self, name: str) -> dict[str, Any]:
+        """Create a machine from the examples."""
+        answer = self.client.post("/machines", json=example(name))
+        assert answer.status_code == 201, answer.text
+        return dict(answer.json())
+
+    def idle(self) -> bool:
+        """Whether no identification is waiting or running."""
+        jobs = self.get("/health")["jobs"]
+        return jobs.get("queued", 0) == 0 and jobs.get("running", 0) == 0
+
+
+def example(name: str) -> dict[str, Any]:
+    """A document of the examples."""
+    return dict(yaml.safe_load((EXAMPLES / f"{name}.yaml").read_text()))
