@@ -1,0 +1,160 @@
+"""Identification jobs in real worker processes over a real database: done once, tried again, given up, gathered."""
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import psutil
+import pytest
+
+from estimator.machine import Machine
+from estimator.simulation import draw_truth, measured_phasors, speed_law
+from service.documents import read_machine
+from service.identifying import Identifying
+from service.settings import Settings
+from storage import identifications, jobs, machines, runs
+from storage.blocks import Samples
+from storage.database import Database
+from tests.plant import wait_until
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture
+def train() -> Machine:
+    """The train of the thesis's Chapter 3."""
+    return read_machine(EXAMPLES / "thesis-chapter-3.yaml")
+
+
+def close_run(database: Database, train: Machine, *, seed: int, start_s: int, ask: bool = True) -> int:
+    """Store a run-down as the collector would, with its job."""
+    rng = np.random.default_rng(seed)
+    seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
+    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
+    held = Samples(
+        time=(start_s * 1_000_000_000 + seconds * 1e9).astype(np.int64),
+        speed=speed,
+        direction=np.ones(speed.size, np.int8),
+        phasor=phasor,
+        usable=np.isfinite(phasor),
+        scatter=np.full(phasor.shape, np.nan),
+    )
+    with database.transaction() as session:
+        row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))
+        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+        if ask:
+            jobs.ask(session, train.id, scope=jobs.RUN, run_ids=[row.id])
+        return row.id
+
+
+@contextmanager
+def identifying(database: Database, **changes: object) -> Iterator[Identifying]:
+    """The identification thread at work."""
+    work = Identifying(database, Settings(workers=1).model_copy(update=changes))
+    work.start()
+    try:
+        yield work
+    finally:
+        work.stop()
+
+
+def counts(database: Database) -> dict[str, int]:
+    """Jobs by state."""
+    with database.reading() as session:
+        return jobs.count(session)
+
+
+def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1})
+    with database.reading() as session:
+        (row,) = identifications.of_machine(session, train.id)
+        assert row.accepted
+        assert row.code_version
+        stored = identifications.estimates(session, row.id)
+        assert [one.parameter for one in stored][:2] == ["bearing.B1.kxx", "bearing.B1.kxy"]
+        assert all((one.value is None) == (one.standard_error is None) for one in stored)
+        assert identifications.covariance(identifications.get(session, row.id)).shape == (50, 50)
+
+
+def test_interrupted_job_is_computed_after_the_next_start(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with database.transaction() as session:
+        assert len(jobs.take(session, 5)) == 1  # as by a process that was killed then
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1})
+
+
+def test_killed_worker_costs_an_attempt_and_no_job(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    with identifying(database):
+        for seed in range(4):
+            close_run(database, train, seed=seed, start_s=1_700_000_000 + 86_400 * seed)
+        wait_until(lambda: counts(database).get("done", 0) >= 1)
+        for child in psutil.Process().children(recursive=True):
+            if "spawn_main" in " ".join(child.cmdline()):
+                os.kill(child.pid, signal.SIGKILL)
+        wait_until(lambda: counts(database) == {"done": 4})
+    with database.reading() as session:
+        assert len(identifications.of_machine(session, train.id)) == 4
+
+
+def test_job_without_enough_data_fails_with_its_reason(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    run_id = close_run(database, train, seed=1, start_s=1_700_000_000)
+    with database.transaction() as session:
+        held = runs.samples(session, run_id)
+        assert held is not None
+        runs.close(runs.get(session, run_id), samples=held.pick(slice(0, 2)), state=runs.CLOSED, reason="cut short")
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"failed": 1})
+    with database.reading() as session:
+        (job,) = jobs.of_machine(session, train.id, limit=10)
+        assert "cannot determine 50 unknowns" in (job.error or "")
+
+
+def test_damaged_run_fails_without_stopping_the_others(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    first = close_run(database, train, seed=1, start_s=1_700_000_000)
+    close_run(database, train, seed=2, start_s=1_700_086_400)
+    with database.transaction() as session:
+        runs.get(session, first).data = b"RDSB nonsense"
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1, "failed": 1})
+
+
+def test_job_out_of_time_is_given_up(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, identification_timeout_s=0.005):
+        wait_until(lambda: counts(database) == {"failed": 1})
+    with database.reading() as session:
+        assert "longer than allowed" in (jobs.of_machine(session, train.id, limit=1)[0].error or "")
+
+
+def test_newest_runs_are_identified_together_on_schedule(database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    wanted = [close_run(database, train, seed=1, start_s=1_700_000_000 + 86_400 * i, ask=False) for i in range(3)]
+    with identifying(database, gathered_interval_s=0.2, gathered_runs=2):
+        wait_until(lambda: counts(database) == {"done": 1})
+        time.sleep(1.0)  # the same runs are not identified together again
+        assert counts(database) == {"done": 1}
+    with database.reading() as session:
+        (row,) = identifications.of_machine(session, train.id)
+        assert (row.scope, row.run_kind, row.run_ids) == ("gathered", "gathered", wanted[1:])
+        assert row.accepted
+        assert row.samples == 200
