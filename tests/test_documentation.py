@@ -1,0 +1,53 @@
+"""The documentation names what exists: settings, quarantine reasons, commands, files."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from service.cli import app
+from service.settings import Settings
+from service.wire import Reason
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+
+def test_every_setting_is_documented_with_its_default() -> None:
+    page = (ROOT / "docs" / "operators.md").read_text()
+    for name, field in Settings.model_fields.items():
+        row = next((line for line in page.splitlines() if line.startswith(f"| `{name}`")), None)
+        assert row is not None, f"setting {name} is not in docs/operators.md"
+        default = field.default
+        shown = (
+            str(default).replace("'", '"')
+            if isinstance(default, list)
+            else f"{default:g}"
+            if isinstance(default, float)
+            else str(default)
+        )
+        assert f"`{shown}`" in row, f"docs/operators.md gives another default for {name} than {shown}"
+
+
+def test_every_quarantine_reason_is_documented() -> None:
+    page = (ROOT / "docs" / "integrators.md").read_text()
+    assert [reason for reason in get_args(Reason) if f"`{reason}`" not in page] == []
+
+
+def test_every_command_that_the_readme_shows_exists() -> None:
+    known = {command.name or (command.callback.__name__ if command.callback else "") for command in app.registered_commands}
+    shown = set(re.findall(r"rundown (\w+)", (ROOT / "README.md").read_text()))
+    assert shown
+    assert shown <= known
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_a_page_names_exist(page: Path) -> None:
+    places = (ROOT, ROOT / "docs", ROOT / "estimator", ROOT / "storage", ROOT / "service")
+    named = re.findall(r"`((?:[\w-]+/)*[\w-]+\.(?:py|yaml|md))`|\]\(([\w/-]+\.md)\)", page.read_text())
+    invented = {"FILE.yaml"}
+    missing = [
+        name for pair in named if (name := pair[0] or pair[1]) not in invented and not any((p / name).exists() for p in places)
+    ]
+    assert missing == []
