@@ -24,6 +24,7 @@ from estimator.condensation import condense
 from estimator.identification import Identification, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
+from estimator.response import response
 from estimator.sensitivity import sensitivity
 
 Floats = NDArray[np.float64]
@@ -106,6 +107,21 @@ def perturbed(document: dict[str, Any], rng: np.random.Generator) -> Machine:
     return parse_machine({**document, "discs": discs, "bearings": bearings, "couplings": couplings})
 
 
+def without_nominal(document: dict[str, Any], parts: Sequence[str]) -> Machine:
+    """The machine whose document says nothing about the coefficients of its bearings, or couplings, or its unbalances."""
+    left_out = {*COEFFICIENTS, "unbalance"}
+    silent = {part: [{k: v for k, v in item.items() if k not in left_out} for item in document[part]] for part in parts}
+    return parse_machine({**document, **silent})
+
+
+def model_deviation(train: Train) -> float:
+    """Largest relative deviation of the model's response from the reference, on the same mesh."""
+    condensed = condense(train.machine, speed=train.speed, direction=np.ones_like(train.speed))
+    coefficients, unbalances = _nominal(train.machine)
+    modelled = response(condensed, coefficients=coefficients, unbalances=unbalances)
+    return float(np.max(np.abs(modelled - train.clean) / np.abs(train.clean)))
+
+
 def cramer_rao(train: Train) -> Floats:
     """Smallest standard error that an unbiased estimate of each real unknown can have."""
     condensed = condense(train.machine, speed=train.speed, direction=np.ones_like(train.speed))
@@ -124,7 +140,7 @@ def timed(machine: Machine, measurement: Measurement) -> Run:
     return Run(outcome, time.perf_counter() - begin)
 
 
-def report(train: Train, nominal: list[Run], trials: list[Run]) -> str:
+def report(train: Train, nominal: list[Run], trials: list[Run], silent: dict[str, list[Run]]) -> str:
     """The figures, measured beside asked."""
     bound = cramer_rao(train)
     lines = [
@@ -133,12 +149,17 @@ def report(train: Train, nominal: list[Run], trials: list[Run]) -> str:
         f"{train.truth.size} real unknowns, {100 * RELATIVE_NOISE:g} % complex noise, one BLAS thread",
         "",
         _row("", "asked", "measured"),
+        _row("model against ROSS, same mesh, relative", "<= 1e-9", f"{model_deviation(train):.1e}"),
         f"nominal values as true, noise seeds 0 to {len(nominal) - 1}",
         *_rows(nominal, bound, train.truth, time_asked=f"<= {MEDIAN_ASKED:g}", converged_asked=""),
         f"nominal coefficients off by uniform ±{100 * SPAN:.0f} %, {len(trials)} documents (seed {DOCUMENT_SEED})",
         *_rows(trials, bound, train.truth, time_asked="", converged_asked=f"{len(trials)} of {len(trials)}"),
         _row("starts used: documents", "", _histogram(run.outcome.starts for run in trials)),
     ]
+    for what, runs in silent.items():
+        lines.append(f"no nominal values of {what}, noise seeds 0 to {len(runs) - 1}")
+        lines += _rows(runs, bound, train.truth, time_asked="", converged_asked="")
+        lines.append(_row("starts used: documents", "", _histogram(run.outcome.starts for run in runs)))
     return "\n".join(lines)
 
 
@@ -155,7 +176,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
         timed(train.machine, train.measured(0))  # the first call pays for loading
         nominal = [timed(train.machine, train.measured(seed)) for seed in range(NOISE_SEEDS)]
         trials = [timed(perturbed(train.document, rng), train.measured(1000 + trial)) for trial in range(trial_count)]
-    print(report(train, nominal, trials))
+        silent = {
+            " and ".join(parts): [timed(without_nominal(train.document, parts), train.measured(seed)) for seed in range(3)]
+            for parts in (["discs", "bearings"], ["discs", "bearings", "couplings"])
+        }
+    print(report(train, nominal, trials, silent))
 
 
 def _nominal(machine: Machine) -> tuple[Floats, NDArray[np.complex128]]:
