@@ -24,6 +24,9 @@ class Point:
 
     def of(self, names: Sequence[str]) -> "Point":
         """The same for fewer parameters. Raises ValueError for a name that is not there."""
+        missing = [name for name in names if name not in self.names]
+        if missing:
+            raise ValueError(f"not among the parameters: {', '.join(missing)}")
         index = [self.names.index(name) for name in names]
         return Point(tuple(names), self.value[index], self.covariance[np.ix_(index, index)])
 

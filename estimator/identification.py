@@ -32,6 +32,10 @@ class NotEnoughData(ValueError):
     """The data cannot determine the unknowns, whatever their values."""
 
 
+class FitFailed(ValueError):
+    """The fit ran into numbers that are none."""
+
+
 @dataclass(frozen=True)
 class Options:
     """How to identify. starts: most starts tried before a misfit is reported; seed: of the random starts."""
@@ -76,7 +80,8 @@ def identify(machine: Machine, measurement: Measurement, options: Options | None
 
     Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model
     states. Starts from the nominal values; where the χ² test fails, random starts around them follow.
-    Raises NotEnoughData when there are fewer measured numbers than unknowns.
+    Raises NotEnoughData when there are fewer measured numbers than unknowns, FitFailed when no start leads anywhere,
+    SingularCondensation for a speed that cannot be condensed at, ValueError when the channels are not the machine's.
     """
     options = options or Options()
     measurement = _thinned(_without_empty_samples(measurement))
@@ -147,11 +152,12 @@ def _best_fit(problem: Problem, freedom: int, options: Options) -> tuple[Fit, in
     for start_number in range(1, max(1, options.starts) + 1):
         found = fit(problem, _start(problem, rng, first=start_number == 1))
         iterations += found.iterations
-        if best is None or found.chi_square < best.chi_square:
+        if np.isfinite(found.chi_square) and (best is None or found.chi_square < best.chi_square):
             best = found
-        if best.converged and accepted(best.chi_square, freedom):
+        if best is not None and best.converged and accepted(best.chi_square, freedom):
             break
-    assert best is not None  # the loop runs at least once
+    if best is None:
+        raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
     return best, start_number, iterations
 
 

@@ -16,7 +16,7 @@ START_SPAN = 0.05
 """Part of the speed range that the speed must cross in one sense before a run is seen to have begun."""
 REVERSAL_SPAN = 0.02
 """Part of the speed range by which the speed must come back for the run to be over."""
-PLATEAU_SPAN = 0.005
+PLATEAU_SPAN = 0.001
 """Changes below this part of the speed range count as standing still."""
 
 
@@ -48,7 +48,7 @@ class SweepState:
     """What is remembered between samples. Times [ns], speeds [rad/s]; sweep: +1 in a run-up, -1 in a run-down, else 0.
 
     low and high: the lowest and highest speed since the last run, and when they were last held; in a sweep the extreme
-    reached so far is the one it moves towards.
+    reached so far is the one it moves towards, with the time when it was first reached, and held_time when it was last held.
     """
 
     sweep: int = 0
@@ -58,6 +58,7 @@ class SweepState:
     low_time: int = 0
     high_speed: float = 0.0
     high_time: int = 0
+    held_time: int = 0
     run_start: int = 0
 
 
@@ -134,10 +135,10 @@ def _watch(
     if direction != state.direction:
         return _rest(time, speed, direction), ()
     if speed - state.low_speed >= limits.span(START_SPAN):
-        began = replace(state, sweep=1, run_start=state.low_time, high_speed=speed, high_time=time)
+        began = replace(state, sweep=1, run_start=state.low_time, high_speed=speed, high_time=time, held_time=time)
         return began, (RunStarted(state.low_time, "run-up"),)
     if state.high_speed - speed >= limits.span(START_SPAN):
-        began = replace(state, sweep=-1, run_start=state.high_time, low_speed=speed, low_time=time)
+        began = replace(state, sweep=-1, run_start=state.high_time, low_speed=speed, low_time=time, held_time=time)
         return began, (RunStarted(state.high_time, "run-down"),)
     still = limits.span(PLATEAU_SPAN)
     if speed <= state.low_speed + still:
@@ -155,12 +156,14 @@ def _follow(
     progress = state.sweep * (speed - reached)
     if progress > 0:
         if state.sweep > 0:
-            return replace(state, high_speed=speed, high_time=time), ()
-        return replace(state, low_speed=speed, low_time=time), ()
+            return replace(state, high_speed=speed, high_time=time, held_time=time), ()
+        return replace(state, low_speed=speed, low_time=time, held_time=time), ()
+    if -progress <= limits.span(PLATEAU_SPAN):
+        state = replace(state, held_time=time)
     if -progress >= limits.span(REVERSAL_SPAN):
         _, ended = finish(state, reason="the speed turned back")
         # The next run may already be under way: it began at the extreme just left.
-        rest = _rest(reached_at, reached, direction)
+        rest = _rest(state.held_time, reached, direction)
         return _watch(rest, limits, time, speed, direction)[0], (*ended, *_watch(rest, limits, time, speed, direction)[1])
     if time - reached_at >= limits.stall:
         _, ended = finish(state, reason="the speed stood still")

@@ -74,9 +74,17 @@ class Collector:
 
 
 def _close(session: Session, row: RunRow, event: RunEnded) -> None:
-    held = samples.between(session, row.machine_id, revision=row.revision, first=event.start, last=event.time)
+    machine = machines.document(session, row.machine_id, row.revision)
+    held = samples.between(
+        session,
+        row.machine_id,
+        revision=row.revision,
+        channels=len(machine.probes),
+        first=event.start,
+        last=event.time,
+    )
     held = held.pick(held.direction == row.direction)
-    weakness = _weakness(session, row, held)
+    weakness = _weakness(machine, held)
     runs.close(
         row,
         samples=held,
@@ -88,11 +96,11 @@ def _close(session: Session, row: RunRow, event: RunEnded) -> None:
         jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id])
 
 
-def _weakness(session: Session, row: RunRow, held: Samples) -> str | None:
+def _weakness(machine: Machine, held: Samples) -> str | None:
     """Why a run is not worth an identification, if it is not."""
     if len(held) < FEWEST_SAMPLES:
         return f"not identified: {len(held)} samples, {FEWEST_SAMPLES} are needed"
-    limits = SweepLimits.of(machines.document(session, row.machine_id, row.revision).speed_range)
+    limits = SweepLimits.of(machine.speed_range)
     covered = float(held.speed.max() - held.speed.min())
     if covered < limits.span(SMALLEST_SPAN):
         percent = 100 * covered / limits.span(1.0)

@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from importlib.metadata import version
 
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.identification import Identification, Options
@@ -74,7 +74,8 @@ class Identifying:
         while not self._stop.wait(POLL_S):
             try:
                 for future in [future for future in self._running if future.done()]:
-                    self._file(future, self._running.pop(future))
+                    self._file(future, self._running[future])
+                    del self._running[future]  # only now: what could not be filed is filed later
                 self._submit()
                 if time.monotonic() - gathered_at >= self._settings.gathered_interval_s:
                     gathered_at = time.monotonic()
@@ -120,6 +121,12 @@ class Identifying:
         except Exception as error:  # noqa: BLE001 - whatever a fit raises becomes the job's recorded failure
             self._fail(job_id, f"{type(error).__name__}: {error}")
             return
+        try:
+            self._store(job_id, result)
+        except IntegrityError as error:
+            self._fail(job_id, f"its result cannot be stored: {error.orig}")
+
+    def _store(self, job_id: int, result: Identification) -> None:
         with self._database.transaction() as session:
             row = jobs.get(session, job_id)
             stored = identifications.add(session, _origin(session, row, self._options), result)

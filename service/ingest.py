@@ -8,7 +8,7 @@ import zenoh
 from sqlalchemy.exc import DBAPIError
 
 from service.journal import Arrived, Journal
-from service.wire import ALL_LIVE, ALL_SAMPLES, LARGEST_MESSAGE, Key, Rejected, decode_batch, source_key
+from service.wire import ALL_LIVE, ALL_SAMPLES, Key, Rejected, decode_batch, source_key
 from storage.clock import now
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
@@ -96,6 +96,7 @@ class Ingest:
                 self._arrived.clear()
                 self._rejections.clear()
                 self._expected.clear()
+                self._stop.wait(RETRY_S)
                 continue
             if stopping and count == 0:
                 return
@@ -123,14 +124,13 @@ class Ingest:
     def _admit(self, key_text: str, payload: zenoh.ZBytes, encoding: str, *, healing: bool) -> SourceKey | None:
         """Decode a message and queue it for storing, after whatever is missing before it."""
         received_at = now()
-        # An oversized message is not even copied whole: its head is enough for the quarantine.
-        data = bytes(payload) if len(payload) <= LARGEST_MESSAGE else bytes(payload)[: LARGEST_MESSAGE + 1]
+        data = payload.to_bytes()
         try:
             key = Key.parse(key_text)
             batch = decode_batch(key, data, encoding)
             self._require_machine(key)
         except Rejected as rejected:
-            machine_id = key_text.split("/")[3][:64] if key_text.count("/") == 4 else None
+            machine_id = _machine_in(key_text)
             self._rejections.append(Rejection(received_at, key_text, machine_id, rejected.reason, rejected.detail, data))
             return None
         source = source_key(batch)
@@ -212,3 +212,11 @@ class Ingest:
             if source is not None:
                 found.append(source)
         return found
+
+
+def _machine_in(key_text: str) -> str | None:
+    """The machine that a key names, None when it is no key of a machine."""
+    try:
+        return Key.parse(key_text).machine
+    except Rejected:
+        return None

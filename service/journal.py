@@ -147,4 +147,5 @@ def _sample_rejection(one: Arrived, fault: Fault) -> Rejection:
         "amplitude": batch.amplitude[i],
         "phase": batch.phase[i],
     }
-    return Rejection(one.received_at, one.key, batch.machine, fault.reason, fault.detail, repr(sample).encode())
+    payload = repr(sample).encode()
+    return Rejection(one.received_at, one.key, batch.machine, fault.reason, fault.detail, payload)

@@ -14,6 +14,9 @@ from service.documents import UnreadableFile, read_yaml
 from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 
+LONGEST_S = 1e9
+"""No recording is longer than thirty years [s]."""
+
 
 class RecordedChannel(BaseModel):
     """The columns of one channel."""
@@ -51,16 +54,18 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     sidecar = read_sidecar(sidecar_path or path.with_suffix(".yaml"))
     if (sidecar.time is None) == (sidecar.interval_s is None):
         raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
-    columns = _columns(path)
+    rows = _rows(path)
 
     def column(name: str) -> list[float]:
-        if name not in columns:
-            raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(columns)}")
-        return columns[name]
+        if name not in rows[0]:
+            raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(rows[0])}")
+        return [_number(path, line, name, row[name]) for line, row in enumerate(rows, start=2)]
 
     speed = column(sidecar.speed)
     seconds = column(sidecar.time) if sidecar.time is not None else [i * (sidecar.interval_s or 0) for i in range(len(speed))]
     start = from_datetime(sidecar.start)
+    if not all(abs(s) < LONGEST_S for s in seconds):
+        raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
     amplitude = [column(channel.amplitude) for channel in sidecar.channels]
     phase = [column(channel.phase) for channel in sidecar.channels]
     return SampleBatch(
@@ -109,19 +114,20 @@ def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
         )
 
 
-def _columns(path: Path) -> dict[str, list[float]]:
+def _rows(path: Path) -> list[dict[str, str | None]]:
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        # Spreadsheets put a byte order mark in front.
+        with path.open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.DictReader(file, strict=True))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise UnreadableFile(f"{path}: {error}") from error
     if not rows:
         raise UnreadableFile(f"{path} has no rows below its header")
-    columns: dict[str, list[float]] = {name: [] for name in rows[0]}
-    for number, row in enumerate(rows, start=2):
-        for name in columns:
-            try:
-                columns[name].append(float(row[name]))
-            except (TypeError, ValueError):
-                raise UnreadableFile(f"{path}, line {number}: '{row[name]}' in column '{name}' is not a number") from None
-    return columns
+    return rows
+
+
+def _number(path: Path, line: int, name: str, text: str | None) -> float:
+    try:
+        return float(text or "")
+    except ValueError:
+        raise UnreadableFile(f"{path}, line {line}: '{text}' in column '{name}' is not a number") from None

@@ -84,4 +84,4 @@ class Source:
 
 
 def _whole(text: str | None, otherwise: int) -> int:
-    return int(text) if text is not None and text.isdigit() else otherwise
+    return int(text) if text is not None and text.isascii() and text.isdigit() else otherwise

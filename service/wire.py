@@ -30,7 +30,8 @@ LARGEST_AMPLITUDE = 0.02
 OVERSPEED = 1.3
 """A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
-FUTURE_TOLERANCE = 86_400_000_000_000  # a day, ns
+FUTURE_TOLERANCE = 600_000_000_000
+"""A sample may be ahead of this machine's clock by ten minutes [ns]; clocks that differ by more want mending."""
 
 STATUSES = ("good", "not_available", "bad", "out_of_range")
 DIRECTIONS = {"positive": 1, "negative": -1}
@@ -161,6 +162,8 @@ def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
     body = _unframed(payload)
     try:
         version = _decode(_Version, body, encoding).schema
+        if version < 1:
+            raise Rejected("undecodable", f"there is no schema {version}; this service knows 1 to {WIRE_SCHEMA}")
         if version > WIRE_SCHEMA:
             raise Rejected("future_schema", f"schema {version} is newer than this service's {WIRE_SCHEMA}: upgrade it first")
         batch = _decode(SampleBatch, body, encoding)
@@ -177,9 +180,14 @@ def source_key(batch: SampleBatch) -> SourceKey:
     return SourceKey(batch.machine, batch.source, batch.epoch)
 
 
+def require_size(size: int) -> None:
+    """Raises Rejected for a payload of more bytes than are taken."""
+    if size > LARGEST_MESSAGE:
+        raise Rejected("too_large", f"{size} bytes; at most {LARGEST_MESSAGE} are taken")
+
+
 def _unframed(payload: bytes) -> bytes:
-    if len(payload) > LARGEST_MESSAGE:
-        raise Rejected("too_large", f"{len(payload)} bytes; at most {LARGEST_MESSAGE} are taken")
+    require_size(len(payload))
     match = _FRAME.match(payload)
     if match is None:
         raise Rejected("bad_frame", "the payload does not begin with 'rundown/1 <length> <crc32>' and a newline")
@@ -229,20 +237,21 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     factors = _metres(batch, machine) * _factor(batch, "amplitude_kind", PEAK)
     turn = _factor(batch, "phase_convention", LEAD) * _factor(batch, "phase_unit", RADIANS)
     count = len(batch.time_ns)
-    speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
     shape = (count, len(machine.probes))
     phasor = np.full(shape, complex(np.nan, np.nan))
     scatter = np.full(shape, np.nan)
     good = np.zeros(shape, dtype=bool)
     columns = [machine.channels.index(channel) for channel in batch.channels]
     with np.errstate(invalid="ignore", over="ignore"):
+        speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
         phasor[:, columns] = _table(batch.amplitude) * factors * np.exp(1j * turn * _table(batch.phase))
         if batch.scatter is not None:
             scatter[:, columns] = np.abs(_table(batch.scatter) * factors)
-        sensible = np.abs(phasor[:, columns]) <= LARGEST_AMPLITUDE  # false for NaN too
+        size = _table(batch.amplitude) * factors
+        sensible = (size >= 0.0) & (size <= LARGEST_AMPLITUDE) & np.isfinite(phasor[:, columns])  # false for NaN too
     called_good = _called_good(batch)
     good[:, columns] = called_good & sensible
-    faults = _channel_faults(batch, phasor[:, columns], called_good & ~sensible)
+    faults = _channel_faults(batch, size, called_good & ~sensible)
     phasor[~good] = complex(np.nan, np.nan)
     time = np.array([min(max(t, -(2**62)), 2**62) for t in batch.time_ns], dtype=np.int64)
     taken = np.ones(count, dtype=bool)
@@ -300,12 +309,13 @@ def _called_good(batch: SampleBatch) -> NDArray[np.bool_]:
     return np.asarray(there & called_good)
 
 
-def _channel_faults(batch: SampleBatch, phasor: NDArray[np.complex128], wrong: NDArray[np.bool_]) -> list[Fault]:
+def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArray[np.bool_]) -> list[Fault]:
+    """Why values that the source calls good are not taken; size: amplitudes 0-to-peak [m]."""
     faults = []
     for index, column in np.argwhere(wrong):
-        channel, size = batch.channels[column], abs(phasor[index, column])
-        if np.isfinite(size):
-            detail = f"channel {channel}: {size:.4g} m is more than {LARGEST_AMPLITUDE} m"
+        channel, amplitude = batch.channels[column], size[index, column]
+        if np.isfinite(amplitude) and not 0.0 <= amplitude <= LARGEST_AMPLITUDE:
+            detail = f"channel {channel}: {amplitude:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
             faults.append(Fault(int(index), "amplitude_out_of_range", detail))
         else:
             faults.append(Fault(int(index), "not_finite", f"channel {channel}: amplitude or phase is not a finite number"))
@@ -320,4 +330,4 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
         elif not 0.0 <= value <= fastest:
             yield Fault(index, "speed_out_of_range", f"speed {value:.6g} rad/s is not between 0 and {fastest:.6g} rad/s")
         elif not EARLIEST_TIME <= moment <= received_at + FUTURE_TOLERANCE:
-            yield Fault(index, "time_out_of_range", f"time {moment} ns is before 2000 or more than a day ahead")
+            yield Fault(index, "time_out_of_range", f"time {moment} ns is before 2000 or more than ten minutes ahead")

@@ -58,7 +58,8 @@ def raise_alert(
         session.add(row)
         session.flush()
         return row
-    row.message, row.evidence, row.identification_id, row.updated_at = message, evidence, identification_id, moment
+    row.message, row.evidence, row.updated_at = message, evidence, moment
+    row.identification_id, row.measured_at = identification_id, measured_at
     return row
 
 

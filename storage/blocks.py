@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from estimator.measurement import Measurement
 
-_HEADER = struct.Struct("<4sHHI")  # magic, format, channels, samples
+_HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
 _MAGIC = b"RDSB"
 _FORMAT = 1
 
@@ -80,15 +80,18 @@ def encode(samples: Samples) -> bytes:
             samples.scatter.astype("<f8").tobytes(),
         ]
     )
-    return _HEADER.pack(_MAGIC, _FORMAT, channels, count) + zlib.compress(body, 1)
+    packed = zlib.compress(body, 1)
+    return _HEADER.pack(_MAGIC, _FORMAT, channels, count, _checksum(channels, count, packed)) + packed
 
 
 def decode(data: bytes) -> Samples:
     """The samples of a block. Raises DamagedBlock."""
     try:
-        magic, version, channels, count = _HEADER.unpack_from(data)
+        magic, version, channels, count, checksum = _HEADER.unpack_from(data)
         if magic != _MAGIC or version != _FORMAT:
             raise DamagedBlock(f"not a sample block of format {_FORMAT}")
+        if checksum != _checksum(channels, count, data[_HEADER.size :]):
+            raise DamagedBlock("sample block is damaged: its checksum does not fit")
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
         values = count * channels
         at = 0
@@ -111,3 +114,7 @@ def decode(data: bytes) -> Samples:
         )
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
+
+
+def _checksum(channels: int, count: int, packed: bytes) -> int:
+    return zlib.crc32(packed, zlib.crc32(struct.pack("<HI", channels, count)))

@@ -7,6 +7,7 @@ from typing import Any
 
 import alembic.command
 import alembic.config
+from alembic.util.exc import CommandError
 from sqlalchemy import Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.orm import Session, sessionmaker
@@ -60,9 +61,14 @@ class Database:
     def _migrate(self) -> None:
         config = alembic.config.Config()
         config.set_main_option("script_location", str(MIGRATIONS))
-        with self.engine.begin() as connection:
+        # Under the writer's lock: several processes may open a new database at once.
+        with self.engine.execution_options(writing=True).begin() as connection:
             config.attributes["connection"] = connection
-            alembic.command.upgrade(config, "head")
+            try:
+                alembic.command.upgrade(config, "head")
+            except CommandError as error:
+                message = f"its schema is of another version of Rundown, probably a newer one: {error}"
+                raise DatabaseUnusable(f"database {self.engine.url!r} cannot be used: {message}") from error
 
 
 def _shown(url: str) -> str:

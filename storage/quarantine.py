@@ -30,10 +30,10 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
         session.add(
             QuarantineRow(
                 received_at=one.received_at,
-                key=one.key[:512],
+                key=_storable(one.key)[:512],
                 machine_id=one.machine_id,
                 reason=one.reason,
-                detail=one.detail[:2000],
+                detail=_storable(one.detail)[:2000],
                 size=len(one.payload),
                 payload=one.payload[:KEPT_BYTES],
             )
@@ -64,3 +64,8 @@ def counts(session: Session) -> dict[str, int]:
     """How much was ever rejected, by reason."""
     query = select(QuarantineCountRow.reason, QuarantineCountRow.count).order_by(QuarantineCountRow.reason)
     return {reason: count for reason, count in session.execute(query)}  # noqa: C416 - dict() loses the types
+
+
+def _storable(text: str) -> str:
+    """Control characters escaped: PostgreSQL takes no NUL in a text."""
+    return "".join(c if c.isprintable() or c == " " else c.encode("unicode_escape").decode() for c in text)

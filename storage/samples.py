@@ -37,33 +37,33 @@ def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence
     )
 
 
-def between(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Samples:
-    """Samples of one revision with first <= time <= last [ns], by time."""
+def between(session: Session, machine_id: str, *, revision: int, channels: int = 0, first: int, last: int) -> Samples:
+    """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none."""
     query = (
         select(SampleBlockRow.data)
         .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
         .where(SampleBlockRow.time_last >= first, SampleBlockRow.time_first <= last)
         .order_by(SampleBlockRow.time_first, SampleBlockRow.id)
     )
-    return _by_time([decode(data) for data in session.scalars(query)]).between(first, last)
+    return _by_time([decode(data) for data in session.scalars(query)], channels).between(first, last)
 
 
-def latest(session: Session, machine_id: str, *, revision: int, count: int) -> Samples:
-    """The newest samples of one revision, by time."""
+def latest(session: Session, machine_id: str, *, revision: int, channels: int = 0, count: int) -> Samples:
+    """The newest samples of one revision, by time; `channels` shapes the answer where there are none."""
     query = (
-        select(SampleBlockRow.data, SampleBlockRow.count)
+        select(SampleBlockRow.data, SampleBlockRow.time_last)
         .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
         .order_by(SampleBlockRow.time_last.desc(), SampleBlockRow.id.desc())
         .limit(count)
     )
-    parts: list[Samples] = []
-    held = 0
-    for data, size in session.execute(query):
-        parts.append(decode(data))
-        held += size
-        if held >= count:
+    newest = _by_time([], channels)
+    for data, time_last in session.execute(query):
+        # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
+        if len(newest) == count and time_last < newest.time[0]:
             break
-    return _by_time(parts).pick(slice(-count, None))
+        parts = [newest, decode(data)] if len(newest) else [decode(data)]
+        newest = _by_time(parts, channels).pick(slice(-count, None))
+    return newest
 
 
 def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceRow]:
@@ -92,6 +92,6 @@ def source(session: Session, key: SourceKey) -> SourceRow:
     return row
 
 
-def _by_time(parts: Sequence[Samples]) -> Samples:
-    samples = join(parts, channels=parts[0].phasor.shape[1] if parts else 0)
+def _by_time(parts: Sequence[Samples], channels: int) -> Samples:
+    samples = join(parts, channels=channels)
     return samples.pick(np.argsort(samples.time, kind="stable"))

@@ -10,6 +10,9 @@ from sqlalchemy.orm import Session
 from storage.clock import from_datetime
 from storage.database import Database
 
+LAST_INSTANT = 2**63 - 1
+"""In the year 2262 [ns]."""
+
 
 def database(request: Request) -> Database:
     """The application's database."""
@@ -22,8 +25,8 @@ def _reading(request: Request) -> Iterator[Session]:
 
 
 def moment(value: datetime | None) -> int | None:
-    """A time of a query as the store counts it [ns]."""
-    return None if value is None else from_datetime(value)
+    """A time of a query as the store counts it [ns]; one beyond what it can count means its first or last instant."""
+    return None if value is None else max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
 
 
 Reading = Annotated[Session, Depends(_reading)]

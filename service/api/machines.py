@@ -4,12 +4,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Body, Request, Response, status
 
-from estimator.machine import Machine
+from estimator.machine import DocumentError, Machine
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
 from service.api.problems import RESPONSES, Problem
 from storage import machines
-from storage.machines import MachineUnknown
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
 
@@ -42,7 +41,7 @@ def read_machine(session: Reading, machine_id: MachineId) -> schemas.MachineRevi
 def revise_machine(request: Request, machine_id: MachineId, document: Document) -> schemas.MachineRevision:
     """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
     if document.id != machine_id:
-        raise MachineUnknown(f"{machine_id} has id '{document.id}' in this document: the two must be equal")
+        raise DocumentError([("id", f"'{document.id}' must be '{machine_id}', the machine that is revised")])
     with database(request).transaction() as session:
         row = machines.revise(session, document)
     return rendering.revision(row)

@@ -24,7 +24,9 @@ def read_samples(
     """The newest samples, as they were received under the document in force, oldest of them first."""
     revision = machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, revision)
-    return rendering.phasors(machine, samples.latest(session, machine_id, revision=revision, count=limit))
+    channels = len(machine.probes)
+    newest = samples.latest(session, machine_id, revision=revision, channels=channels, count=limit)
+    return rendering.phasors(machine, newest)
 
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
@@ -50,5 +52,8 @@ def read_run_phasors(session: Reading, run_id: Number) -> schemas.Phasors:
     machine = machines.document(session, row.machine_id, row.revision)
     held = runs.samples(session, run_id)
     if held is None:
-        held = samples.between(session, row.machine_id, revision=row.revision, first=row.time_first, last=now())
+        channels = len(machine.probes)
+        held = samples.between(
+            session, row.machine_id, revision=row.revision, channels=channels, first=row.time_first, last=now()
+        )
     return rendering.phasors(machine, held)

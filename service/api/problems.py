@@ -8,6 +8,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
+from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.machine import DocumentError, problems_of
@@ -74,7 +75,17 @@ def add_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(StarletteHTTPException)
     async def http(_request: Request, error: StarletteHTTPException) -> JSONResponse:
-        return _response(error.status_code, str(error.detail))
+        answer = _response(error.status_code, str(error.detail))
+        answer.headers.update(error.headers or {})
+        return answer
+
+    @app.exception_handler(DBAPIError)
+    async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:
+        return _response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
+
+    @app.exception_handler(Exception)
+    async def unexpected(_request: Request, error: Exception) -> JSONResponse:
+        return _response(HTTPStatus.INTERNAL_SERVER_ERROR, f"unexpected {type(error).__name__}; the log has the details")
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {

@@ -1,0 +1,590 @@
+"""The API over a real database: every endpoint's answers and errors, all errors in one shape, and never a NaN."""
+
+import asyncio
+import json
+import math
+import re
+import shutil
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from sqlalchemy import text
+
+from service.api.application import application
+from service.collection import Collector
+from service.journal import Journal
+from storage import alerts, jobs
+from storage.database import Database
+from storage.quarantine import Rejection
+from storage.tables import AlertRow
+from tests.plant import (
+    SECOND,
+    START,
+    arrived,
+    batch,
+    document,
+    identification,
+    machine,
+    sqlite_url,
+    store_identification,
+    sweep_rpm,
+)
+
+PREFIX = "/api/v1"
+MOMENT = datetime.fromtimestamp(START // SECOND, UTC)
+PROBLEM = {"type", "title", "status", "detail", "errors"}
+
+
+class Api:
+    """The application, asked as over HTTP; `parts` is what the rest of the service says of itself."""
+
+    def __init__(self, database: Database) -> None:
+        self.database = database
+        self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
+        self.app: FastAPI = application(database, lambda: dict(self.parts))
+
+    def ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        return asyncio.run(self._ask(method, path, **arguments))
+
+    def get(self, path: str, **parameters: Any) -> httpx.Response:
+        """GET below the prefix."""
+        return self.ask("GET", PREFIX + path, params=parameters or None)
+
+    def value(self, path: str, **parameters: Any) -> Any:
+        """What a GET answers that must succeed with strict JSON."""
+        answer = self.get(path, **parameters)
+        assert answer.status_code == 200, answer.text
+        return json.loads(answer.text, parse_constant=not_json)
+
+    async def _ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
+        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
+            return await client.request(method, path, **arguments)
+
+
+def not_json(name: str) -> None:
+    raise AssertionError(f"{name} is not JSON")
+
+
+def problem(answer: httpx.Response, status: int) -> dict[str, Any]:
+    """The problem detail that an error must be."""
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    body: dict[str, Any] = answer.json()
+    assert body.keys() == PROBLEM
+    assert body["status"] == status
+    assert body["title"]
+    assert body["detail"]
+    return body
+
+
+def fields(answer: httpx.Response) -> list[str]:
+    """The fields that a 422 names."""
+    found = problem(answer, 422)["errors"]
+    assert all(one["message"] for one in found)
+    return [one["field"] for one in found]
+
+
+@pytest.fixture
+def api(plant: Database) -> Api:
+    """Over a database that knows the machine and nothing else."""
+    return Api(plant)
+
+
+@pytest.fixture(scope="module")
+def story_file(plant_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A database with a story to tell."""
+    path = Path(shutil.copy(plant_file, tmp_path_factory.mktemp("story") / "rundown.db"))
+    opened = Database(sqlite_url(path))
+    tell(opened)
+    opened.close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def told(story_file: Path) -> Iterator[Api]:
+    """Over the story, which no test changes."""
+    opened = Database(sqlite_url(story_file))
+    yield Api(opened)
+    opened.close()
+
+
+@pytest.fixture
+def changing(story_file: Path, tmp_path: Path) -> Iterator[Api]:
+    """Over a story of the test's own."""
+    opened = Database(sqlite_url(shutil.copy(story_file, tmp_path / "rundown.db")))
+    yield Api(opened)
+    opened.close()
+
+
+def tell(database: Database) -> None:
+    """A run-down, an open run-up, three identifications of which one was not accepted, an alert, a queued and a failed job."""
+    rpm = [*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1500.0)]
+    one = batch(rpm, sequence=3)
+    one.amplitude[0][1] = None
+    journal = Journal(database, Collector())
+    journal.store([arrived(one)], [Rejection(START, "some/key", "pump-7", "bad_frame", "no frame", b"\xff\x00noise")])
+    with database.transaction() as session:
+        for number, (factor, accepted) in enumerate([(1.0, True), (1.1, False), (1.2, True)]):
+            outcome = identification(
+                {"coupling.C1.kxx": factor}, unknown=["bearing.B1.kxy"], accepted=accepted, condition_number=math.inf
+            )
+            row = store_identification(session, outcome, run_id=100 + number, measured_at=START + number * 3600 * SECOND)
+        gathered = identification({"coupling.C1.kxx": 1.5})
+        store_identification(session, gathered, run_id=200, scope=jobs.GATHERED, run_kind="gathered")
+        failed = jobs.ask(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
+        assert failed is not None
+        jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
+        alerts.raise_alert(
+            session,
+            "pump-7",
+            rule="misalignment",
+            element="coupling.C1",
+            message="Coupling C1 is going out of alignment",
+            evidence={"shift": math.nan, "parts": [math.inf, 1.0]},
+            identification_id=row.id,
+            measured_at=row.measured_at,
+        )
+
+
+# --- machines -------------------------------------------------------------------------------------------------------
+
+
+def test_machines_are_listed(api: Api) -> None:
+    (one,) = api.value("/machines")
+    assert (one["id"], one["plant"], one["name"], one["revision"]) == ("pump-7", "plant-1", "Pump 7", 1)
+    assert datetime.fromisoformat(one["created_at"]).tzinfo is not None
+
+
+def test_a_machine_is_created_and_read_back(api: Api) -> None:
+    given = document(id="fan-2")
+    answer = api.ask("POST", f"{PREFIX}/machines", json=given)
+    assert answer.status_code == 201
+    assert answer.headers["location"] == f"{PREFIX}/machines/fan-2"
+    body = api.value("/machines/fan-2")
+    assert body == answer.json()
+    assert (body["id"], body["revision"]) == ("fan-2", 1)
+    assert machine(id="fan-2") == type(machine()).model_validate(body["document"])
+
+
+def test_a_machine_is_created_once(api: Api) -> None:
+    assert "pump-7" in problem(api.ask("POST", f"{PREFIX}/machines", json=document()), 409)["detail"]
+
+
+def test_a_document_is_revised_and_every_revision_stays(api: Api) -> None:
+    answer = api.ask("PUT", f"{PREFIX}/machines/pump-7", json=document(name="New"))
+    assert answer.status_code == 200
+    assert answer.json()["revision"] == 2
+    assert api.ask("PUT", f"{PREFIX}/machines/pump-7", json=document(name="New")).json()["revision"] == 2
+    assert [one["document"]["name"] for one in api.value("/machines/pump-7/revisions")] == ["Pump 7", "New"]
+    assert api.value("/machines/pump-7")["document"]["name"] == "New"
+
+
+def test_a_revision_must_be_of_that_machine_and_plant(api: Api) -> None:
+    problem(api.ask("PUT", f"{PREFIX}/machines/fan-2", json=document(id="fan-2")), 404)
+    problem(api.ask("PUT", f"{PREFIX}/machines/pump-7", json=document(plant="plant-2")), 409)
+    (error,) = problem(api.ask("PUT", f"{PREFIX}/machines/pump-7", json=document(id="fan-2")), 422)["errors"]
+    assert error["field"] == "id"
+    assert "fan-2" in error["message"]
+
+
+def changed(path: str, value: Any) -> dict[str, Any]:
+    """The document with one thing in it replaced, such as `bearings.1.shaft`."""
+    given = document(noise={"relative": 0.01, "floor": 0.0})
+    *way, last = [int(part) if part.isdigit() else part for part in path.split(".")]
+    place: Any = given
+    for part in way:
+        place = place[part]
+    place[last] = value
+    return given
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT"])
+@pytest.mark.parametrize(
+    ("path", "value", "field"),
+    [
+        ("name", "", "name"),
+        ("id", "pump 7", "id"),
+        ("speed_range.minimum_rpm", -1, "speed_range.minimum_rpm"),
+        ("speed_range.minimum_rpm", 4000, "speed_range"),
+        ("shafts.1.sections.0.length", "long", "shafts[1].sections[0].length"),
+        ("bearings.2.kxx", -5.0, "bearings[2].kxx"),
+        ("bearings.2.colour", "red", "bearings[2].colour"),
+        ("discs.0.unbalance", {"magnitude": 1.0}, "discs[0].unbalance.angle_deg"),
+        # Between the document's parts:
+        ("shafts.1.sections.0.material", "brass", "shafts[1].sections[0].material"),
+        ("bearings.2.shaft", "S9", "bearings[2].shaft"),
+        ("bearings.2.station", 0.7, "bearings[2].station"),
+        ("couplings.0.driven", "S9", "couplings[0].driven"),
+    ],
+)
+def test_a_wrong_document_is_refused_with_the_field(api: Api, method: str, path: str, value: Any, field: str) -> None:
+    where = f"{PREFIX}/machines" + ("/pump-7" if method == "PUT" else "")
+    assert fields(api.ask(method, where, json=changed(path, value))) == [field]
+    assert api.value("/machines/pump-7")["revision"] == 1
+
+
+def test_every_wrong_field_is_named(api: Api) -> None:
+    given = changed("bearings.2.shaft", "S9")
+    given["probes"][0]["station"] = 9.0
+    given["discs"][1]["id"] = "D1"
+    answer = api.ask("POST", f"{PREFIX}/machines", json=given)
+    assert sorted(fields(answer)) == ["bearings[2].shaft", "discs[0].id", "discs[1].id", "probes[0].station"]
+
+
+@pytest.mark.parametrize("where", ["materials.steel.poisson_ratio", "bearings.0.kxy", "noise.relative", "element_length"])
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "1e999"])
+def test_a_document_holds_finite_numbers_only(api: Api, where: str, number: str) -> None:
+    body = json.dumps(changed(where, "here")).replace('"here"', number)
+    answer = api.ask("POST", f"{PREFIX}/machines", content=body, headers={"content-type": "application/json"})
+    assert fields(answer)
+
+
+@pytest.mark.parametrize("body", [b"", b"{", b"[]", b"null", b'"text"', b"\xff\xfe", b"[" * 100_000])
+def test_a_body_that_is_no_document_is_refused(api: Api, body: bytes) -> None:
+    answer = api.ask("POST", f"{PREFIX}/machines", content=body, headers={"content-type": "application/json"})
+    assert answer.status_code in (400, 422)
+    problem(answer, answer.status_code)
+
+
+# --- measurements ---------------------------------------------------------------------------------------------------
+
+
+def test_newest_samples(told: Api) -> None:
+    body = told.value("/machines/pump-7/samples", limit=2)
+    assert body["machine"] == "pump-7"
+    assert body["channels"] == ["B2X", "B2Y", "B3X", "B3Y"]
+    assert body["speed_rpm"][-1] == pytest.approx(1500.0)
+    assert body["direction"] == ["positive"] * 2
+    assert [len(column) for column in body["amplitude_um_pp"]] == [2] * 4
+    assert body["amplitude_um_pp"][0] == pytest.approx([100.0] * 2)
+    assert body["phase_lag_deg"][0] == pytest.approx([30.0] * 2)
+    assert datetime.fromisoformat(body["time"][-1]) == MOMENT + timedelta(seconds=80)
+
+
+def test_of_a_machine_without_samples_there_are_none(api: Api) -> None:
+    body = api.value("/machines/pump-7/samples")
+    assert (body["time"], body["speed_rpm"]) == ([], [])
+    assert body["amplitude_um_pp"] == [[], [], [], []]
+
+
+def test_runs_are_listed_newest_first(told: Api) -> None:
+    up, down = told.value("/machines/pump-7/runs")
+    assert (down["kind"], down["state"], down["samples"]) == ("run-down", "closed", 40)
+    assert down["speed_maximum_rpm"] == pytest.approx(2990.0)
+    assert (up["kind"], up["state"], up["ended_at"], up["samples"]) == ("run-up", "open", None, None)
+    assert datetime.fromisoformat(down["started_at"]) == MOMENT
+    assert told.value(f"/runs/{down['id']}") == down
+
+
+@pytest.mark.parametrize(
+    ("limits", "kinds"),
+    [
+        ({}, ["run-up", "run-down"]),
+        ({"limit": 1}, ["run-up"]),
+        ({"from": MOMENT + timedelta(seconds=1)}, ["run-up"]),
+        ({"to": MOMENT}, ["run-down"]),
+        ({"to": MOMENT.replace(tzinfo=None)}, ["run-down"]),
+        ({"to": MOMENT.astimezone(UTC) - timedelta(microseconds=1)}, []),
+        ({"from": datetime(1, 1, 1, tzinfo=UTC), "to": datetime(9999, 12, 31, tzinfo=UTC)}, ["run-up", "run-down"]),
+    ],
+)
+def test_runs_of_a_time_range(told: Api, limits: dict[str, Any], kinds: list[str]) -> None:
+    asked = {name: value.isoformat() if isinstance(value, datetime) else value for name, value in limits.items()}
+    assert [one["kind"] for one in told.value("/machines/pump-7/runs", **asked)] == kinds
+
+
+def test_phasors_of_a_closed_and_of_an_open_run(told: Api) -> None:
+    up, down = told.value("/machines/pump-7/runs")
+    closed, opened = told.value(f"/runs/{down['id']}/phasors"), told.value(f"/runs/{up['id']}/phasors")
+    assert len(closed["time"]) == 40
+    assert closed["amplitude_um_pp"][1][0] is None
+    assert closed["phase_lag_deg"][1][0] is None
+    assert closed["amplitude_um_pp"][0][0] == pytest.approx(100.0)
+    assert len(opened["time"]) == 40
+    assert opened["speed_rpm"][0] == pytest.approx(310.0)
+
+
+# --- identifications ------------------------------------------------------------------------------------------------
+
+
+def test_identifications_are_listed_newest_first(told: Api) -> None:
+    found = told.value("/machines/pump-7/identifications")
+    assert [one["accepted"] for one in found] == [True, False, True, True]
+    assert [one["scope"] for one in found] == ["run", "run", "gathered", "run"]
+    assert found[0]["options"] == {"starts": 10, "seed": 0}
+    assert math.isfinite(found[0]["condition_number"])
+    moment = (MOMENT + timedelta(hours=1)).isoformat()
+    assert len(told.value("/machines/pump-7/identifications", **{"from": moment, "to": moment})) == 1
+    assert len(told.value("/machines/pump-7/identifications", limit=2)) == 2
+
+
+def test_an_identification_with_its_estimates(told: Api) -> None:
+    newest = told.value("/machines/pump-7/identifications")[0]
+    body = told.value(f"/identifications/{newest['id']}")
+    assert {name: body[name] for name in newest} == newest
+    by_name = {one["parameter"]: one for one in body["estimates"]}
+    assert by_name["coupling.C1.kxx"]["value"] == pytest.approx(2.4e6)
+    assert by_name["coupling.C1.kxx"]["unit"] == "N/m"
+    unknown = by_name["bearing.B1.kxy"]
+    assert [unknown[name] for name in ("value", "standard_error", "lower", "upper")] == [None] * 4
+    assert "uncertain" in unknown["reason"]
+    assert by_name["disc.D2.unbalance"]["imaginary"] == -5e-4
+    assert (body["coordinates"], body["covariance"]) == (None, None)
+
+
+def test_the_covariance_comes_when_asked_for(told: Api) -> None:
+    newest = told.value("/machines/pump-7/identifications")[0]
+    body = told.value(f"/identifications/{newest['id']}", covariance=True)
+    size = len(body["coordinates"])
+    assert size == len(body["estimates"]) + 2
+    assert [len(row) for row in body["covariance"]] == [size] * size
+    assert body["covariance"][0][0] == 1e-4
+
+
+def test_jobs_are_listed_newest_first(told: Api) -> None:
+    found = told.value("/machines/pump-7/jobs")
+    assert (found[0]["state"], found[0]["error"]) == ("failed", "NotEnoughData: too few")
+    assert (found[-1]["state"], found[-1]["finished_at"], found[-1]["attempts"]) == ("queued", None, 0)
+    assert len(told.value("/machines/pump-7/jobs", limit=1)) == 1
+
+
+def trend(api: Api, *names: str, **asked: Any) -> list[dict[str, Any]]:
+    body = api.value("/machines/pump-7/trends", parameter=list(names), **asked)
+    assert body["machine"] == "pump-7"
+    series: list[dict[str, Any]] = body["series"]
+    for one in series:
+        columns = {len(column) for column in one.values() if isinstance(column, list)}
+        assert len(columns) == 1
+    return series
+
+
+def test_the_trend_of_a_parameter(told: Api) -> None:
+    (one,) = trend(told, "coupling.C1.kxx")
+    assert (one["parameter"], one["unit"]) == ("coupling.C1.kxx", "N/m")
+    assert one["value"] == pytest.approx([2.0e6, 2.2e6, 2.4e6])
+    assert one["accepted"] == [True, False, True]
+    assert [datetime.fromisoformat(moment) for moment in one["measured_at"]] == [MOMENT + timedelta(hours=i) for i in range(3)]
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "values"),
+    [
+        (0.0, 2.0, [2.0e6, 2.2e6, 2.4e6]),
+        (0.5, 1.5, [2.2e6]),
+        (1.0, 1.0, [2.2e6]),
+        (0.5, None, [2.2e6, 2.4e6]),
+        (None, 0.5, [2.0e6]),
+        (2.5, None, []),
+        (2.0, 0.0, []),
+    ],
+)
+def test_trends_over_a_time_range(told: Api, first: float | None, last: float | None, values: list[float]) -> None:
+    limits = {"from": first, "to": last}
+    asked = {name: (MOMENT + timedelta(hours=at)).isoformat() for name, at in limits.items() if at is not None}
+    (one,) = trend(told, "coupling.C1.kxx", **asked)
+    assert one["value"] == pytest.approx(values)
+
+
+def test_trends_of_several_parameters_come_as_asked_for(told: Api) -> None:
+    names = ["disc.D1.unbalance", "bearing.B1.kxy", "nothing.there", "bearing.B1.kxx"]
+    found = trend(told, *names, names[0])
+    assert [one["parameter"] for one in found] == names
+    assert found[0]["imaginary"] == [-5e-4] * 3
+    assert found[1]["value"] == [None] * 3
+    assert (found[2]["unit"], found[2]["value"]) == (None, [])
+
+
+def test_trends_of_gathered_runs_are_their_own(told: Api) -> None:
+    (one,) = trend(told, "coupling.C1.kxx", scope="gathered")
+    assert one["value"] == pytest.approx([3.0e6])
+    assert one["run_kind"] == ["gathered"]
+
+
+# --- alerts ---------------------------------------------------------------------------------------------------------
+
+
+def test_alerts_of_all_machines_and_of_one(told: Api) -> None:
+    (one,) = told.value("/alerts")
+    assert (one["machine"], one["rule"], one["element"], one["state"]) == (
+        "pump-7",
+        "misalignment",
+        "coupling.C1",
+        "unacknowledged",
+    )
+    assert one["closed_at"] is None
+    assert one["identification"] == told.value("/machines/pump-7/identifications")[0]["id"]
+    assert told.value("/machines/pump-7/alerts") == [one]
+    assert told.value(f"/alerts/{one['id']}") == one
+
+
+def test_only_open_alerts_when_asked_for(changing: Api) -> None:
+    with changing.database.transaction() as session:
+        row = session.get(AlertRow, changing.value("/alerts")[0]["id"])
+        assert row is not None
+        alerts.close_alert(row)
+    for path in ("/alerts", "/machines/pump-7/alerts"):
+        assert changing.value(path, open=True) == []
+        (one,) = changing.value(path)
+        assert one["state"] == "returned"
+        assert one["closed_at"] is not None
+
+
+def test_a_number_that_is_none_is_null_in_the_evidence_too(told: Api) -> None:
+    assert told.value("/alerts")[0]["evidence"]["shift"] is None
+
+
+# --- operations -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("part", "state", "health", "ready"),
+    [("ingest", "ok", 200, 200), ("ingest", "its thread has ended", 503, 503), ("stream", "no router answers", 200, 503)],
+)
+def test_health_and_readiness(api: Api, part: str, state: str, health: int, ready: int) -> None:
+    api.parts[part] = state
+    for path, status in (("/health", health), ("/ready", ready)):
+        answer = api.get(path)
+        assert answer.status_code == status
+        body = answer.json()
+        assert body["parts"] == {**api.parts, "database": "ok"}
+        assert body["healthy"] == (health == 200)
+        assert body["ready"] == (ready == 200)
+        assert body["version"]
+
+
+def test_health_counts_jobs(told: Api) -> None:
+    assert told.value("/health")["jobs"] == {"queued": 1, "done": 4, "failed": 1}
+
+
+def test_sources(told: Api) -> None:
+    (one,) = told.value("/sources")
+    assert (one["machine"], one["source"], one["epoch"]) == ("pump-7", "monitor", 1)
+    assert (one["next_sequence"], one["received"], one["duplicates"], one["lost"]) == (84, 81, 0, 3)
+    assert datetime.fromisoformat(one["newest_sample_at"]) == MOMENT + timedelta(seconds=80)
+
+
+def test_quarantine(told: Api) -> None:
+    body = told.value("/quarantine")
+    assert body["counts"] == {"bad_frame": 1}
+    (entry,) = body["entries"]
+    assert (entry["reason"], entry["machine"], entry["size"]) == ("bad_frame", "pump-7", 7)
+    assert "noise" in entry["payload"]
+    assert told.value("/quarantine", reason="bad_frame", machine="pump-7", limit=1)["entries"] == [entry]
+    assert told.value("/quarantine", reason="too_large")["entries"] == []
+    assert told.value("/quarantine", machine="pump-8")["entries"] == []
+
+
+# --- errors ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "path",
+    [f"/machines/nobody{rest}" for rest in ("", "/revisions", "/samples", "/runs", "/identifications", "/jobs", "/alerts")]
+    + ["/machines/nobody/trends?parameter=x", "/runs/9", "/runs/9/phasors", "/identifications/9", "/alerts/9"]
+    + [f"/{kind}/{2**62}" for kind in ("runs", "identifications", "alerts")]
+    + ["/nothing", "/machines/pump-7/nothing"],
+)
+def test_what_is_not_there_is_a_404(told: Api, path: str) -> None:
+    problem(told.get(path), 404)
+
+
+@pytest.mark.parametrize(
+    ("path", "field"),
+    [
+        ("/machines/pump 7", "path.machine_id"),
+        ("/machines/pump-7/runs?limit=0", "query.limit"),
+        ("/machines/pump-7/runs?limit=1001", "query.limit"),
+        ("/machines/pump-7/runs?from=yesterday", "query.from"),
+        ("/machines/pump-7/identifications?to=yesterday", "query.to"),
+        ("/machines/pump-7/jobs?limit=x", "query.limit"),
+        ("/machines/pump-7/samples?limit=10001", "query.limit"),
+        ("/machines/pump-7/alerts?open=perhaps", "query.open"),
+        ("/machines/pump-7/trends", "query.parameter"),
+        ("/machines/pump-7/trends?parameter=x&scope=all", "query.scope"),
+        ("/runs/-1", "path.run_id"),
+        ("/runs/x", "path.run_id"),
+        (f"/runs/{2**63}", "path.run_id"),
+        ("/identifications/x", "path.identification_id"),
+        ("/alerts/x", "path.alert_id"),
+        ("/alerts?limit=0", "query.limit"),
+        ("/quarantine?limit=0", "query.limit"),
+    ],
+)
+def test_a_wrong_request_is_a_422_that_names_the_parameter(told: Api, path: str, field: str) -> None:
+    assert fields(told.get(path)) == [field]
+
+
+@pytest.mark.parametrize("path", ["runs", "identifications", "trends?parameter=bearing.B1.kxx"])
+@pytest.mark.parametrize("limit", ["from=0001-01-01T00:00:00Z", "to=9999-12-31T23:59:59Z", "from=2400-01-01T00:00:00"])
+def test_a_time_far_away_is_a_time_like_any_other(told: Api, path: str, limit: str) -> None:
+    assert told.get(f"/machines/pump-7/{path}{'&' if '?' in path else '?'}{limit}").status_code == 200
+
+
+def test_a_method_that_is_not_offered_is_a_405_with_those_that_are(told: Api) -> None:
+    answer = told.ask("DELETE", f"{PREFIX}/machines/pump-7")
+    problem(answer, 405)
+    assert answer.headers.get("allow")
+
+
+def test_a_database_that_does_not_answer_is_a_503(api: Api, plant: Database, tmp_path: Path) -> None:
+    plant.close()
+    for name in ("rundown.db-wal", "rundown.db-shm", "rundown.db"):
+        (tmp_path / name).unlink(missing_ok=True)
+    (tmp_path / "rundown.db").mkdir()
+    health = api.get("/health")
+    assert health.status_code == 503
+    assert "unable to open database file" in health.json()["parts"]["database"]
+    problem(api.get("/machines"), 503)
+
+
+def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None:
+    with changing.database.transaction() as session:
+        session.execute(text("UPDATE runs SET data = x'00' WHERE state = 'closed'"))
+    down = changing.value("/machines/pump-7/runs")[1]
+    problem(changing.get(f"/runs/{down['id']}/phasors"), 500)
+
+
+# --- the document of the API ----------------------------------------------------------------------------------------
+
+
+def test_the_root_leads_to_the_documentation(told: Api) -> None:
+    answer = told.ask("GET", "/")
+    assert answer.status_code == 307
+    assert answer.headers["location"] == f"{PREFIX}/docs"
+
+
+@pytest.mark.parametrize("page", ["docs", "redoc"])
+def test_documentation_needs_no_other_host(told: Api, page: str) -> None:
+    answer = told.get(f"/{page}")
+    assert answer.status_code == 200
+    assert re.findall(r"(?:https?:)?//[\w.-]+\.\w+[^\s\"']*", answer.text) == []
+    own = re.findall(r"(?:src|href)=\"([^\"]+)\"", answer.text)
+    assert own
+    for address in own:
+        assert told.ask("GET", address).status_code == 200, address
+
+
+def operations(api: Api) -> list[tuple[str, str, dict[str, Any]]]:
+    return [
+        (method, path, operation)
+        for path, item in api.value("/openapi.json")["paths"].items()
+        for method, operation in item.items()
+    ]
+
+
+def test_operation_ids_are_unique_and_names(told: Api) -> None:
+    ids = [operation["operationId"] for _, _, operation in operations(told)]
+    assert len(ids) == len(set(ids))
+    assert all(re.fullmatch(r"[a-z_]+", one) for one in ids)
+
+
+def test_every_operation_says_what_it_does(told: Api) -> None:
+    for method, path, operation in operations(told):
+        assert operation["description"], (method, path)
+        assert path.startswith(PREFIX)

@@ -1,0 +1,116 @@
+"""The compressed sample block: exact to the bit whatever it holds, and refused when it is damaged."""
+
+import struct
+import zlib
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from storage.blocks import DamagedBlock, Samples, decode, encode, join
+from tests.plant import START, assert_same_samples, few_examples, samples
+
+NAN_WITH_PAYLOAD = struct.unpack("<d", struct.pack("<Q", 0x7FF800000000BEEF))[0]
+
+
+@st.composite
+def any_samples(draw: st.DrawFn) -> Samples:
+    """Samples with every float there is: NaN, infinities, subnormal numbers and negative zero among them."""
+    count, channels = draw(st.integers(0, 6)), draw(st.integers(1, 5))
+    table = (count, channels)
+    floats = st.floats(width=64)
+    return Samples(
+        time=draw(arrays.arrays(np.int64, count)),
+        speed=draw(arrays.arrays(np.float64, count, elements=floats)),
+        direction=draw(arrays.arrays(np.int8, count, elements=st.sampled_from([1, -1]))),
+        phasor=draw(arrays.arrays(np.float64, (count, 2 * channels), elements=floats)).view(np.complex128),
+        usable=draw(arrays.arrays(np.bool_, table)),
+        scatter=draw(arrays.arrays(np.float64, table, elements=floats)),
+    )
+
+
+@few_examples
+@given(any_samples())
+def test_round_trip_is_exact_to_the_bit(held: Samples) -> None:
+    assert_same_samples(decode(encode(held)), held)
+
+
+def test_round_trip_keeps_the_bits_of_nan() -> None:
+    held = samples(2)
+    held.scatter[0, 0] = NAN_WITH_PAYLOAD
+    assert_same_samples(decode(encode(held)), held)
+
+
+def test_decoded_arrays_can_be_written_to() -> None:
+    found = decode(encode(samples(2)))
+    found.speed[0] = 1.0
+    found.usable[0, 0] = True
+    assert found.usable[0, 0]
+
+
+def test_a_block_of_usual_samples_is_smaller_than_its_numbers() -> None:
+    held = samples(200)
+    assert len(encode(held)) < sum(getattr(held, name).nbytes for name in ("time", "speed", "phasor", "scatter")) / 4
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        pytest.param(lambda data: data[:0], id="empty"),
+        pytest.param(lambda data: data[:7], id="half a header"),
+        pytest.param(lambda data: data[:12], id="only a header"),
+        pytest.param(lambda data: data[:-5], id="cut off"),
+        pytest.param(lambda data: b"XXXX" + data[4:], id="another file"),
+        pytest.param(lambda data: data[:4] + struct.pack("<H", 2) + data[6:], id="format of the future"),
+        pytest.param(lambda data: data[:12] + bytes(len(data) - 12), id="zeros"),
+        pytest.param(lambda data: data[:12] + zlib.compress(b"short"), id="too little inside"),
+        pytest.param(lambda data: data[:8] + struct.pack("<I", 2**32 - 1) + data[12:], id="count too large"),
+        pytest.param(lambda data: data[:8] + struct.pack("<I", 2) + data[12:], id="count too small"),
+        pytest.param(lambda data: data[:6] + struct.pack("<H", 3) + data[8:], id="channels too few"),
+    ],
+)
+def test_damaged_block_is_refused(spoil: Callable[[bytes], bytes]) -> None:
+    with pytest.raises(DamagedBlock):
+        decode(spoil(encode(samples(3))))
+
+
+def test_every_flipped_bit_is_refused_or_harmless() -> None:
+    held = samples(5)
+    data = encode(held)
+    for bit in range(8 * len(data)):
+        flipped = bytearray(data)
+        flipped[bit // 8] ^= 1 << bit % 8
+        try:
+            found = decode(bytes(flipped))
+        except DamagedBlock:
+            continue
+        assert_same_samples(found, held)
+
+
+def test_join_keeps_the_order_given() -> None:
+    late, early = samples(2, start=START + 100), samples(3)
+    together = join([late, early], channels=4)
+    assert together.time.tolist() == [*late.time.tolist(), *early.time.tolist()]
+    assert together.phasor.shape == (5, 4)
+
+
+def test_join_of_nothing_has_the_channels() -> None:
+    nothing = join([], channels=4)
+    assert len(nothing) == 0
+    assert nothing.phasor.shape == nothing.usable.shape == nothing.scatter.shape == (0, 4)
+    assert_same_samples(decode(encode(nothing)), nothing)
+
+
+def test_between_includes_both_ends() -> None:
+    held = samples(5, step=10)
+    assert held.between(START + 10, START + 30).time.tolist() == [START + 10, START + 20, START + 30]
+
+
+def test_measurement_is_what_the_estimator_takes() -> None:
+    held = samples(4)
+    measurement = held.measurement()
+    assert measurement.direction.tolist() == [1.0] * 4
+    assert measurement.usable.tolist() == held.usable.tolist()
