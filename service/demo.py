@@ -71,18 +71,18 @@ class Outcome:
 def run(*, leave: bool, port: int) -> bool:
     """Run the demonstration; returns whether the story came out right. Raises DemoFailed."""
     folder = Path(tempfile.mkdtemp(prefix="rundown-demo-"))
+    right = False
     try:
         with _interrupted_by_sigterm(), _service(folder, port) as (client, endpoint):
             right = _tell(folder, client, endpoint)
             if not leave:
                 print("\nServing until Ctrl-C.", flush=True)
                 signal.pause()
-            return right
     except KeyboardInterrupt:
         print("\nStopped.", flush=True)
-        return True
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+    return right
 
 
 def _tell(folder: Path, client: httpx.Client, endpoint: str) -> bool:
