@@ -9,6 +9,8 @@ from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
 from estimator.rotor import Rotor, assemble_rotor
 
+HEAVILY_DAMPED = 0.9
+"""Damping ratio above which a crossing is no critical speed."""
 CAMPBELL_STEPS = 24
 """Speeds at which the natural frequencies are sampled to bracket the critical speeds."""
 
@@ -38,7 +40,8 @@ def natural_frequencies(machine: Machine, *, coefficients: Floats | None = None,
 def critical_speeds(machine: Machine, *, highest: float, coefficients: Floats | None = None) -> Floats:
     """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
 
-    The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted.
+    The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily
+    damped that nothing is felt in passing are left out.
     """
     spins = np.linspace(1e-6 * highest, highest, CAMPBELL_STEPS + 1)
     curves = [natural_frequencies(machine, coefficients=coefficients, spin=machine.direction * spin) for spin in spins]
@@ -51,8 +54,11 @@ def critical_speeds(machine: Machine, *, highest: float, coefficients: Floats | 
             at = natural_frequencies(machine, coefficients=coefficients, spin=machine.direction * spin)
             return float(at[mode] - spin)
 
-        crossings = np.flatnonzero(np.sign(above[:-1, mode]) * np.sign(above[1:, mode]) < 0)
-        found += [scipy.optimize.brentq(gap, spins[i], spins[i + 1], xtol=1e-6) for i in crossings]
+        for i in np.flatnonzero(np.sign(above[:-1, mode]) * np.sign(above[1:, mode]) < 0):
+            spin = float(scipy.optimize.brentq(gap, spins[i], spins[i + 1], xtol=1e-6))
+            root = eigenvalues(machine, coefficients=coefficients, spin=machine.direction * spin)[mode]
+            if -root.real < HEAVILY_DAMPED * abs(root):
+                found.append(spin)
     return np.sort(np.array(found))
 
 

@@ -58,7 +58,5 @@ def test_only_the_wrong_field_of_a_lone_part_is_named() -> None:
 
 def test_chain_of_near_stations() -> None:
     document = one_disc_document()
-    document["probes"] = [
-        {"id": f"P{i}", "shaft": "S", "station": 0.3 + i * 0.9e-9, "angle_deg": 0} for i in range(4)
-    ]
+    document["probes"] = [{"id": f"P{i}", "shaft": "S", "station": 0.3 + i * 0.9e-9, "angle_deg": 0} for i in range(4)]
     condense(parse_machine(document), speed=np.array([10.0]), direction=np.array([1.0]))
