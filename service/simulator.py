@@ -7,7 +7,6 @@ import json
 import logging
 import threading
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TextIO
@@ -75,15 +74,19 @@ class TruthFile:
 def simulate(
     session: zenoh.Session, machines: list[tuple[Machine, Story]], plan: Plan, truth_path: Path | None, stop: threading.Event
 ) -> None:
-    """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set."""
+    """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set.
+
+    Raises ValueError, before anything is published, for a machine that cannot live its story.
+    """
     file = truth_path.open("w", encoding="utf-8") if truth_path is not None else None
     try:
         truths = TruthFile(file)
         seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
-        threads = [
-            threading.Thread(target=_live, args=(session, machine, story, plan, truths, seed, stop), name=machine.id)
+        lives = [
+            _Life(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
             for (machine, story), seed in zip(machines, seeds, strict=True)
         ]
+        threads = [threading.Thread(target=life.live, name=life.machine.id) for life in lives]
         for thread in threads:
             thread.start()
         for thread in threads:
@@ -93,84 +96,84 @@ def simulate(
             file.close()
 
 
-def _live(
-    session: zenoh.Session,
-    machine: Machine,
-    story: Story,
-    plan: Plan,
-    truths: TruthFile,
-    seed: np.random.SeedSequence,
-    stop: threading.Event,
-) -> None:
-    rng = np.random.default_rng(seed)
-    drawn = draw_truth(machine, rng)
-    span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
-    # Compressed stories end now; those in real time begin now.
-    began = time.time() - (span_s if plan.rate is not None else 0.0)
-    with Source(session, Key(machine.plant, machine.id), name="simulator") as source:
-        pace = _pace(plan, stop)
-        for cycle in range(plan.cycles):
-            progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
-            truth = scattered(at_progress(drawn, machine, story, progress), rng)
-            start = began + cycle * plan.interval_s
-            if stop.wait(max(0.0, start - time.time())):
+class _Life:
+    """One machine's life: its drawn truth, its story, its pace."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        machine: Machine,
+        story: Story,
+        plan: Plan,
+        truths: TruthFile,
+        rng: np.random.Generator,
+        stop: threading.Event,
+    ) -> None:
+        self.machine = machine
+        self._session = session
+        self._story: Story = story
+        self._plan = plan
+        self._truths = truths
+        self._rng = rng
+        self._stop = stop
+        self._drawn = draw_truth(machine, rng)
+        at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
+        self._due = time.monotonic()
+
+    def live(self) -> None:
+        """Publish all cycles."""
+        plan, machine = self._plan, self.machine
+        span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
+        # Compressed stories end now; those in real time begin now.
+        began = time.time() - (span_s if plan.rate is not None else 0.0)
+        self._due = time.monotonic()
+        with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
+            for cycle in range(plan.cycles):
+                progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
+                truth = scattered(at_progress(self._drawn, machine, self._story, progress), self._rng)
+                start = began + cycle * plan.interval_s
+                if self._stop.wait(max(0.0, start - time.time())):
+                    return
+                logger.info(
+                    "%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, self._story, 100 * progress
+                )
+                self._sweep(source, truth, "run-up", start, RUN_UP_S)
+                self._hold(source, truth, start + RUN_UP_S)
+                self._sweep(source, truth, "run-down", start + RUN_UP_S + HOLD_S, RUN_DOWN_S)
+                if self._stop.is_set():
+                    return
+            self._stop.wait(plan.linger_s)
+
+    def _sweep(self, source: Source, truth: Truth, kind: RunKind, start: float, duration: float) -> None:
+        seconds, speed = speed_law(self.machine, kind, duration=duration, samples=self._plan.samples)
+        phasors = measured_phasors(self.machine, truth, speed, self._rng)
+        batch = _batch(self.machine, start + seconds, speed, phasors)
+        self._truths.write(self.machine, kind, batch.time_ns[-1], truth)
+        self._publish(source, batch)
+
+    def _hold(self, source: Source, truth: Truth, start: float) -> None:
+        """At speed for a while."""
+        _, sweep = speed_law(self.machine, "run-down", duration=1.0, samples=2)
+        seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
+        speed = np.full(HOLD_SAMPLES, sweep[0])
+        phasors = measured_phasors(self.machine, truth, speed, self._rng)
+        self._publish(source, _batch(self.machine, start + seconds, speed, phasors))
+
+    def _publish(self, source: Source, batch: SampleBatch) -> None:
+        for piece in split(batch, BATCH_SAMPLES):
+            self._wait(piece)
+            if self._stop.is_set():
                 return
-            logger.info("%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, story, 100 * progress)
-            _run(source, machine, truth, "run-up", start, RUN_UP_S, plan.samples, truths, rng, pace)
-            _hold(source, machine, truth, start + RUN_UP_S, rng, pace)
-            _run(source, machine, truth, "run-down", start + RUN_UP_S + HOLD_S, RUN_DOWN_S, plan.samples, truths, rng, pace)
-            if stop.is_set():
-                return
-        stop.wait(plan.linger_s)
+            source.publish(piece)
 
-
-Pace = Callable[[SampleBatch], None]
-
-
-def _pace(plan: Plan, stop: threading.Event) -> Pace:
-    """Waits until a batch is due: by its own last sample's time, or at the plan's rate."""
-    due = time.monotonic()
-
-    def wait(batch: SampleBatch) -> None:
-        nonlocal due
-        if plan.rate is None:
-            stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
+    def _wait(self, batch: SampleBatch) -> None:
+        """Until a batch is due: by its own last sample's time, or at the plan's rate."""
+        if self._plan.rate is None:
+            self._stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
             return
-        due = max(due, time.monotonic() - 1.0) + len(batch.time_ns) / plan.rate
-        stop.wait(max(0.0, due - time.monotonic()))
-
-    return wait
-
-
-def _run(
-    source: Source,
-    machine: Machine,
-    truth: Truth,
-    kind: RunKind,
-    start: float,
-    duration: float,
-    samples: int,
-    truths: TruthFile,
-    rng: np.random.Generator,
-    pace: Pace,
-) -> None:
-    seconds, speed = speed_law(machine, kind, duration=duration, samples=samples)
-    phasors = measured_phasors(machine, truth, speed, rng)
-    batch = _batch(machine, start + seconds, speed, phasors)
-    truths.write(machine, kind, batch.time_ns[-1], truth)
-    for piece in split(batch, BATCH_SAMPLES):
-        pace(piece)
-        source.publish(piece)
-
-
-def _hold(source: Source, machine: Machine, truth: Truth, start: float, rng: np.random.Generator, pace: Pace) -> None:
-    """At speed for a while."""
-    _, sweep = speed_law(machine, "run-down", duration=1.0, samples=2)
-    seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
-    speed = np.full(HOLD_SAMPLES, sweep[0])
-    batch = _batch(machine, start + seconds, speed, measured_phasors(machine, truth, speed, rng))
-    pace(batch)
-    source.publish(batch)
+        # After a hitch the pace is taken up again, not caught up with.
+        self._due = max(self._due, time.monotonic() - 1.0) + len(batch.time_ns) / self._plan.rate
+        self._stop.wait(max(0.0, self._due - time.monotonic()))
 
 
 def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes) -> SampleBatch:

@@ -141,6 +141,19 @@ def ends_cleanly(serving: "subprocess.Popen[bytes]") -> None:
     assert serving.wait(20) == 0
 
 
+@pytest.mark.parametrize(
+    ("machine", "said"),
+    [("rk4-rotor-kit.yaml", "must give nominal values of disc.D1.unbalance"), ("rk4-rotor-kit.yam", "No such file")],
+)
+def test_machine_that_cannot_be_simulated_is_said_and_ends(machine: str, said: str) -> None:
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    with zenoh_session(listen=[endpoint], connect=[]):
+        ended = rundown("simulate", str(EXAMPLES / machine), "--rate", "100", "--connect", endpoint)
+    assert ended.returncode == 1
+    assert said in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
 def test_wrong_document_names_the_field_on_the_command_line(tmp_path: Path) -> None:
     document = (EXAMPLES / f"{ROSS}.yaml").read_text().replace("shaft: S2, station: 0.5", "shaft: S7, station: 0.5")
     (tmp_path / "wrong.yaml").write_text(document)
