@@ -27,10 +27,13 @@ class Database:
         """Open and migrate. Raises DatabaseUnusable."""
         try:
             self.engine = _engine(url)
+        except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+            raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {error}") from error
+        try:
             self._migrate()
-        except (ArgumentError, DBAPIError, NoSuchModuleError, ModuleNotFoundError, OSError) as error:
-            cause = error.orig if isinstance(error, DBAPIError) else error
-            raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {cause}") from error
+        except (DBAPIError, CommandError, OSError) as error:
+            self.engine.dispose()
+            raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {_cause(error)}") from error
         self._reading = sessionmaker(self.engine, expire_on_commit=False)
         self._writing = sessionmaker(self.engine.execution_options(writing=True), expire_on_commit=False)
 
@@ -64,11 +67,13 @@ class Database:
         # Under the writer's lock: several processes may open a new database at once.
         with self.engine.execution_options(writing=True).begin() as connection:
             config.attributes["connection"] = connection
-            try:
-                alembic.command.upgrade(config, "head")
-            except CommandError as error:
-                message = f"its schema is of another version of Rundown, probably a newer one: {error}"
-                raise DatabaseUnusable(f"database {self.engine.url!r} cannot be used: {message}") from error
+            alembic.command.upgrade(config, "head")
+
+
+def _cause(error: Exception) -> str:
+    if isinstance(error, CommandError):
+        return f"its schema is of another version of Rundown, probably a newer one: {error}"
+    return str(error.orig if isinstance(error, DBAPIError) else error)
 
 
 def _shown(url: str) -> str:
@@ -89,13 +94,15 @@ def _engine(url: str) -> Engine:
 def _configure_sqlite(connection: Any, _record: Any) -> None:
     # Transactions are begun by `_begin_sqlite`: the driver's own handling starts them too late for a safe upgrade to writing.
     connection.isolation_level = None
-    cursor = connection.cursor()
-    cursor.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
-    cursor.execute("PRAGMA journal_mode = WAL")
-    # A sample is durable before it counts as received, also when the power fails.
-    cursor.execute("PRAGMA synchronous = FULL")
-    cursor.execute("PRAGMA foreign_keys = ON")
-    cursor.close()
+    try:
+        connection.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+        connection.execute("PRAGMA journal_mode = WAL")
+        # A sample is durable before it counts as received, also when the power fails.
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("PRAGMA foreign_keys = ON")
+    except Exception:
+        connection.close()  # nobody else knows of it yet
+        raise
 
 
 def _begin_sqlite(connection: Any) -> None:
