@@ -12,7 +12,9 @@ from estimator.parameters import Coefficient, Quantity, UnbalancePlane, Unknowns
 CONFIDENCE_95 = 1.959964
 """Half width of a 95 % interval in standard errors."""
 LARGEST_RELATIVE_ERROR = 1.0
-"""A parameter whose standard error exceeds this part of its size is not estimable."""
+"""A cross-coupled term or unbalance whose standard error exceeds this part of its scale is not estimable."""
+LARGEST_DIRECT_ERROR = 0.4
+"""The same for a direct term and its own value: beyond it the term may be zero, and its logarithm has no sound interval."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ def estimates(unknown: Unknowns, coordinates: Coordinates, theta: Floats, error:
 
 def _direct(coefficient: Coefficient, value: float, error: float) -> Estimate:
     """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
-    if error > LARGEST_RELATIVE_ERROR:
+    if error > LARGEST_DIRECT_ERROR:
         return _not_estimable(coefficient, f"the data leave it uncertain by {100 * error:.0f} % of its value")
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*_common(coefficient), value, value * error, lower, upper)

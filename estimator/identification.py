@@ -13,11 +13,15 @@ from estimator.machine import Machine
 from estimator.measurement import Measurement
 
 CHI_SQUARE_LIMIT = 5.0
-"""The fit is accepted when χ²/dof stays below 1 by this many standard deviations √(2/dof)."""
+"""The fit is accepted when χ²/dof is at most 1 plus this many standard deviations √(2/dof)."""
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start."""
 START_SPREAD_CROSS = 0.35
 """The same for a cross-coupled term, in units of its element's direct terms."""
+AGREEING_STARTS = 3
+"""So many starts that end in the same misfit are believed, …"""
+SAME_MISFIT = 1.01
+"""… the same up to this factor."""
 CANDIDATES = 12
 """Random candidates from which each start after the first is the best."""
 GUESSED_CANDIDATES = 60
@@ -25,7 +29,9 @@ GUESSED_CANDIDATES = 60
 GUESSED_SPREAD = 1.5
 """Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate."""
 LARGEST_SAMPLE_COUNT = 1000
-"""Samples that one fit uses; more are thinned evenly."""
+"""Samples that one fit uses; more are thinned out."""
+THINNING_BINS = 200
+"""Pieces of the speed range in which samples are thinned out."""
 
 
 class NotEnoughData(ValueError):
@@ -105,18 +111,22 @@ def accepted(chi_square: float, freedom: int) -> bool:
 
 
 def _without_empty_samples(measurement: Measurement) -> Measurement:
-    keep = measurement.usable.any(axis=1)
-    return Measurement(
-        measurement.speed[keep],
-        measurement.direction[keep],
-        measurement.phasor[keep],
-        measurement.usable[keep],
-        measurement.scatter[keep],
-    )
+    return measurement.pick(np.asarray(measurement.usable.any(axis=1)))
 
 
 def _thinned(measurement: Measurement) -> Measurement:
-    return measurement.every(max(1, math.ceil(measurement.speed.size / LARGEST_SAMPLE_COUNT)))
+    """At most LARGEST_SAMPLE_COUNT samples, taken away where speeds are most crowded: hours at speed add little."""
+    if measurement.speed.size <= LARGEST_SAMPLE_COUNT:
+        return measurement
+    edges = np.linspace(measurement.speed.min(), measurement.speed.max(), THINNING_BINS + 1)
+    place = np.clip(np.searchsorted(edges, measurement.speed, side="right") - 1, 0, THINNING_BINS - 1)
+    held = np.bincount(place, minlength=THINNING_BINS)
+    most = max(cap for cap in range(1, held.max() + 1) if cap == 1 or np.minimum(held, cap).sum() <= LARGEST_SAMPLE_COUNT)
+    keep = np.zeros(place.size, dtype=bool)
+    for crowd in range(THINNING_BINS):
+        members = np.flatnonzero(place == crowd)
+        keep[members[np.linspace(0, members.size - 1, min(most, members.size)).round().astype(int)]] = True
+    return measurement.pick(keep)
 
 
 def _require_enough(machine: Machine, measurement: Measurement) -> None:
@@ -148,6 +158,7 @@ def _best_fit(problem: Problem, freedom: int, options: Options) -> tuple[Fit, in
     """The best of several starts, the number tried and the iterations spent."""
     rng = np.random.default_rng(options.seed)
     best: Fit | None = None
+    reached: list[float] = []
     iterations = 0
     for start_number in range(1, max(1, options.starts) + 1):
         found = fit(problem, _start(problem, rng, first=start_number == 1))
@@ -156,6 +167,9 @@ def _best_fit(problem: Problem, freedom: int, options: Options) -> tuple[Fit, in
             best = found
         if best is not None and best.converged and accepted(best.chi_square, freedom):
             break
+        reached.append(found.chi_square)
+        if best is not None and sum(value < SAME_MISFIT * best.chi_square for value in reached) >= AGREEING_STARTS:
+            break  # the same misfit from everywhere is the data's or the model's, not the start's
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
     return best, start_number, iterations

@@ -16,9 +16,15 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Real = Annotated[float, Field(allow_inf_nan=False)]
+# Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
+Positive = Annotated[float, Field(gt=0, lt=1e15, allow_inf_nan=False)]
+Direct = Annotated[float, Field(gt=1e-30, lt=1e15, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, lt=1e15, allow_inf_nan=False)]
+Real = Annotated[float, Field(gt=-1e15, lt=1e15, allow_inf_nan=False)]
+Length = Annotated[float, Field(gt=1e-6, lt=100, allow_inf_nan=False)]
+Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
+LARGEST_ELEMENT_COUNT = 500
+"""Shaft elements of one train; more would take hours and gain nothing."""
 
 STATION_TOLERANCE = 1e-9
 """Two stations closer than this [m] are the same place."""
@@ -39,8 +45,8 @@ class Material(_Part):
 class Section(_Part):
     """A piece of shaft of constant cross-section."""
 
-    length: Positive = Field(description="[m]")
-    outer_diameter: Positive = Field(description="[m]")
+    length: Length = Field(description="[m]")
+    outer_diameter: Length = Field(description="[m]")
     inner_diameter: NotNegative = Field(default=0.0, description="[m]; 0 for a solid shaft")
     material: Identifier
 
@@ -67,7 +73,7 @@ class Unbalance(_Part):
     """A residual unbalance: mass times eccentricity, at an angle from the keyphasor mark in the sense +x to +y."""
 
     magnitude: NotNegative = Field(description="[kg m]")
-    angle_deg: Real = Field(description="[°]")
+    angle_deg: Angle = Field(description="[°]")
 
 
 class Disc(_Part):
@@ -85,14 +91,14 @@ class Disc(_Part):
 class LateralCoefficients(_Part):
     """Nominal stiffness and damping over (x, y); leave out what is not known."""
 
-    kxx: Positive | None = Field(default=None, description="[N/m]")
+    kxx: Direct | None = Field(default=None, description="[N/m]")
     kxy: Real | None = Field(default=None, description="force along x per displacement along y [N/m]")
     kyx: Real | None = Field(default=None, description="force along y per displacement along x [N/m]")
-    kyy: Positive | None = Field(default=None, description="[N/m]")
-    cxx: Positive | None = Field(default=None, description="[N s/m]")
+    kyy: Direct | None = Field(default=None, description="[N/m]")
+    cxx: Direct | None = Field(default=None, description="[N s/m]")
     cxy: Real | None = Field(default=None, description="[N s/m]")
     cyx: Real | None = Field(default=None, description="[N s/m]")
-    cyy: Positive | None = Field(default=None, description="[N s/m]")
+    cyy: Direct | None = Field(default=None, description="[N s/m]")
 
 
 class Bearing(LateralCoefficients):
@@ -109,8 +115,8 @@ class Coupling(LateralCoefficients):
     id: Identifier
     driver: Identifier = Field(description="shaft whose driven-side end carries one half")
     driven: Identifier = Field(description="shaft whose driver-side end carries the other half")
-    k_phix: Positive | None = Field(default=None, description="moment about x per relative slope about x [N m/rad]")
-    k_phiy: Positive | None = Field(default=None, description="moment about y per relative slope about y [N m/rad]")
+    k_phix: Direct | None = Field(default=None, description="moment about x per relative slope about x [N m/rad]")
+    k_phiy: Direct | None = Field(default=None, description="moment about y per relative slope about y [N m/rad]")
 
 
 class Probe(_Part):
@@ -119,7 +125,7 @@ class Probe(_Part):
     id: Identifier
     shaft: Identifier
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
-    angle_deg: Real = Field(description="[°] from +x towards +y: 0 measures x, 90 measures y")
+    angle_deg: Angle = Field(description="[°] from +x towards +y: 0 measures x, 90 measures y")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
 
 
@@ -159,7 +165,7 @@ class Machine(_Part):
     couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     noise: Noise = Noise()
-    element_length: Positive | None = Field(
+    element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
     )
 
@@ -234,6 +240,11 @@ def _reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
     yield from _material_problems(machine)
     yield from _duplicate_problems(machine)
     yield from _station_problems(machine)
+    if machine.element_length is not None:
+        count = sum(shaft.length for shaft in machine.shafts) / machine.element_length
+        if count > LARGEST_ELEMENT_COUNT:
+            message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
+            yield _problem(("element_length",), machine.element_length, message)
     yield from _coupling_problems(machine)
 
 

@@ -46,10 +46,10 @@ class Measurement:
         if np.any(self.usable & ~np.isfinite(self.phasor)):
             raise ValueError("a phasor marked usable is not finite")
 
-    def every(self, step: int) -> "Measurement":
-        """Each step-th sample."""
+    def pick(self, which: NDArray[np.bool_]) -> "Measurement":
+        """Some of the samples, (S,) True for those wanted."""
         return Measurement(
-            self.speed[::step], self.direction[::step], self.phasor[::step], self.usable[::step], self.scatter[::step]
+            self.speed[which], self.direction[which], self.phasor[which], self.usable[which], self.scatter[which]
         )
 
 

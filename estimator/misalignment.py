@@ -8,6 +8,8 @@ alone is no misalignment, so coupling and bearings must both have moved.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from estimator.baseline import CommonShift, Point, common_shift
 from estimator.machine import Coupling, Machine
 
@@ -17,22 +19,24 @@ CHANCE_APART = 0.01
 """The same for the coupling alone and for the bearings alone."""
 SMALLEST_SHIFT = 0.02
 """Stiffening below 2 % is not called misalignment, however certain it is."""
+LARGEST_ERROR = 0.15
+"""An identification that leaves ln k of a watched stiffness less certain than this says nothing about misalignment."""
 STIFFNESSES = ("kxx", "kyy")
 
 
 @dataclass(frozen=True)
 class MisalignmentEvidence:
-    """What speaks for misalignment at one coupling. Each part is None where the data determine none of its parameters."""
+    """What speaks for misalignment at one coupling. bearings_alone: None where no bearing is beside it."""
 
     coupling: str
-    together: CommonShift | None
-    coupling_alone: CommonShift | None
+    together: CommonShift
+    coupling_alone: CommonShift
     bearings_alone: CommonShift | None
 
     @property
     def found(self) -> bool:
         """Whether this identification, taken alone, shows misalignment."""
-        if self.together is None or self.coupling_alone is None or self.bearings_alone is None:
+        if self.bearings_alone is None:
             return False
         return (
             self.together.shift >= SMALLEST_SHIFT
@@ -51,17 +55,29 @@ def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ..
     return tuple(last + first)
 
 
-def misalignment_evidence(machine: Machine, baseline: Sequence[Point], now: Point) -> tuple[MisalignmentEvidence, ...]:
-    """Evidence at each coupling of a machine, from logarithms of direct stiffnesses over the baseline's and now."""
-    known = set(now.names).intersection(*(point.names for point in baseline))
+def watched(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
+    """Names of the stiffnesses that tell of misalignment at a coupling: its own, then those of the bearings beside it."""
+    elements = [f"coupling.{coupling.id}", *(f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, coupling))]
+    return tuple(f"{element}.{name}" for element in elements for name in STIFFNESSES)
 
-    def shift(elements: Sequence[str]) -> CommonShift | None:
-        names = [name for e in elements for k in STIFFNESSES if (name := f"{e}.{k}") in known]
-        return common_shift(baseline, now, names) if names else None
 
-    result = []
-    for coupling in machine.couplings:
-        own = [f"coupling.{coupling.id}"]
-        bearings = [f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, coupling)]
-        result.append(MisalignmentEvidence(coupling.id, shift(own + bearings), shift(own), shift(bearings)))
-    return tuple(result)
+def determines(point: Point, names: Sequence[str]) -> bool:
+    """Whether an identification knows all these parameters well enough to say anything about their change."""
+    if not set(names) <= set(point.names):
+        return False
+    return bool(np.all(np.sqrt(np.diag(point.of(names).covariance)) <= LARGEST_ERROR))
+
+
+def misalignment_evidence(machine: Machine, coupling: Coupling, baseline: Sequence[Point], now: Point) -> MisalignmentEvidence:
+    """Evidence at one coupling, from points that all determine what is `watched` there.
+
+    Raises ValueError for an empty baseline or a point that lacks one of the parameters.
+    """
+    names = watched(machine, coupling)
+    own, bearings = names[: len(STIFFNESSES)], names[len(STIFFNESSES) :]
+    return MisalignmentEvidence(
+        coupling=coupling.id,
+        together=common_shift(baseline, now, names),
+        coupling_alone=common_shift(baseline, now, own),
+        bearings_alone=common_shift(baseline, now, bearings) if bearings else None,
+    )

@@ -140,12 +140,19 @@ def _watch(
     if state.high_speed - speed >= limits.span(START_SPAN):
         began = replace(state, sweep=-1, run_start=state.high_time, low_speed=speed, low_time=time, held_time=time)
         return began, (RunStarted(state.high_time, "run-down"),)
+    if time - min(state.low_time, state.high_time) > limits.stall and not _leaving(state, limits, speed):
+        return _rest(time, speed, direction), ()  # an old extreme must not pull hours at speed into the next run
     still = limits.span(PLATEAU_SPAN)
     if speed <= state.low_speed + still:
         state = replace(state, low_speed=min(speed, state.low_speed), low_time=time)
     if speed >= state.high_speed - still:
         state = replace(state, high_speed=max(speed, state.high_speed), high_time=time)
     return state, ()
+
+
+def _leaving(state: SweepState, limits: SweepLimits, speed: float) -> bool:
+    """Whether the speed has moved so far from an extreme that a slow sweep may be under way."""
+    return max(speed - state.low_speed, state.high_speed - speed) > limits.span(REVERSAL_SPAN)
 
 
 def _follow(

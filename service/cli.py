@@ -11,8 +11,9 @@ from typing import Annotated, Any, NoReturn, get_args
 import threadpoolctl
 import typer
 from pydantic import ValidationError
+from pydantic_settings import SettingsError
 
-from estimator.identification import NotEnoughData, identify
+from estimator.identification import identify
 from estimator.machine import Machine, field_path
 from estimator.simulation import Story
 from service import demo as demonstration
@@ -61,6 +62,8 @@ def serve(
         settings = Settings(**{name: value for name, value in given.items() if value is not None})
     except ValidationError as error:
         _fail("\n".join(f"setting {field_path(item['loc'])}: {item['msg']}" for item in error.errors()))
+    except SettingsError as error:
+        _fail(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]')
     _log_to_terminal(settings.log_level)
     try:
         run_service(settings)
@@ -88,7 +91,7 @@ def simulate(
         with zenoh_session(listen=[], connect=connect) as session:
             if wait_connected(session, connect, give_up=stop.wait):
                 run_simulation(session, parsed, plan, truth, stop)
-    except (UnreadableFile, StreamUnusable, ValueError) as error:
+    except (UnreadableFile, StreamUnusable, ValueError, OSError) as error:
         _fail(str(error))
 
 
@@ -120,6 +123,15 @@ def replay(
         _fail(str(error))
 
 
+@app.command()
+def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
+    """Check a machine document and print it as JSON, as the REST API takes it."""
+    try:
+        typer.echo(read_machine(machine).model_dump_json(indent=1))
+    except UnreadableFile as error:
+        _fail(str(error))
+
+
 @app.command("identify")
 def identify_offline(
     machine: Annotated[Path, typer.Argument(help="machine document")],
@@ -131,13 +143,16 @@ def identify_offline(
     Ends with status 1 when the fit is not accepted.
     """
     try:
-        document = read_machine(machine)
-        samples, taken, faults = to_samples(read_recording(file, sidecar), document, received_at=now())
+        described = read_machine(machine)
+        recording = read_recording(file, sidecar)
+        if recording.machine != described.id:
+            _fail(f"{file} is a recording of '{recording.machine}', {machine} describes '{described.id}'")
+        samples, taken, faults = to_samples(recording, described, received_at=now())
         for fault in faults:
             typer.echo(f"row {fault.index + 1} left out: {fault.detail}", err=True)
         with threadpoolctl.threadpool_limits(1):
-            result = identify(document, samples.pick(taken).measurement())
-    except (UnreadableFile, Rejected, NotEnoughData) as error:
+            result = identify(described, samples.pick(taken).measurement())
+    except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
     typer.echo(identification_text(result))
     if not result.accepted:
@@ -159,9 +174,11 @@ def demo(
 
 
 def _machine_and_story(text: str) -> tuple[Machine, Story]:
-    name, _, story = text.rpartition(":")
+    name, colon, story = text.rpartition(":")
     if story in get_args(Story):
         return read_machine(Path(name)), story  # type: ignore[return-value]
+    if colon and Path(name).is_file():
+        raise UnreadableFile(f"'{story}' is no story; there are {', '.join(get_args(Story))}")
     return read_machine(Path(text)), "healthy"
 
 

@@ -5,6 +5,7 @@ import time
 from dataclasses import asdict
 from typing import Any
 
+import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
@@ -15,6 +16,8 @@ from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)
 
+ALIVE_PATIENCE = 10.0
+"""A source that is connected is waited for this many times longer than one that is not."""
 FEWEST_SAMPLES = 20
 """A run of fewer samples is not identified."""
 SMALLEST_SPAN = 0.2
@@ -26,6 +29,11 @@ class Collector:
 
     def __init__(self) -> None:
         self._heard: dict[str, float] = {}
+
+    def seen(self, session: Session, machine_id: str) -> int:
+        """Time of the newest sample that run collection knows of [ns]; what comes later but lies before belongs to no run."""
+        stored = runs.collector_state(session, machine_id)
+        return 0 if stored is None else int(stored["seen"])
 
     def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
         """Take newly stored samples of one machine, by time. Those before the newest one known belong to no run."""
@@ -45,10 +53,10 @@ class Collector:
                 self._record(session, machine, revision, direction, event)
         runs.save_collector_state(session, machine.id, _stored(state, revision, seen))
 
-    def close_silent(self, session: Session, machine: Machine, *, silence_s: float) -> None:
-        """Close the open run of a machine that has sent nothing for so long."""
+    def close_silent(self, session: Session, machine: Machine, *, silence_s: float, alive: bool) -> None:
+        """Close the open run of a machine that has sent nothing for so long; a source that is alive may take its time."""
         heard = self._heard.setdefault(machine.id, time.monotonic())
-        if time.monotonic() - heard < silence_s:
+        if time.monotonic() - heard < silence_s * (ALIVE_PATIENCE if alive else 1.0):
             return
         stored = runs.collector_state(session, machine.id)
         if stored is not None and stored["sweep"]["sweep"] != 0:
@@ -83,7 +91,7 @@ def _close(session: Session, row: RunRow, event: RunEnded) -> None:
         first=event.start,
         last=event.time,
     )
-    held = held.pick(held.direction == row.direction)
+    held = _once(held.pick(held.direction == row.direction))
     weakness = _weakness(machine, held)
     runs.close(
         row,
@@ -94,6 +102,12 @@ def _close(session: Session, row: RunRow, event: RunEnded) -> None:
     logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(held), row.reason)
     if not weakness:
         jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id])
+
+
+def _once(held: Samples) -> Samples:
+    """One sample per instant: a source that began anew, or a second one, may have told of the same instants again."""
+    _, first = np.unique(held.time, return_index=True)
+    return held.pick(first)
 
 
 def _weakness(machine: Machine, held: Samples) -> str | None:

@@ -44,7 +44,7 @@ class Identifying:
         self._settings = settings
         self._options = Options()
         self._executor: Executor = process_pool(settings.workers)
-        self._running: dict[Future[Identification], int] = {}
+        self._running: dict[Future[Identification], tuple[int, Executor]] = {}
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
         self.trouble: str | None = None
@@ -62,6 +62,8 @@ class Identifying:
         """Take no more jobs and end the workers; what they were computing is computed again after the next start."""
         self._stop.set()
         self._thread.join()
+        for child in multiprocessing.active_children():
+            child.terminate()
         self._executor.shutdown(wait=True, cancel_futures=True)
 
     @property
@@ -74,7 +76,7 @@ class Identifying:
         while not self._stop.wait(POLL_S):
             try:
                 for future in [future for future in self._running if future.done()]:
-                    self._file(future, self._running[future])
+                    self._file(future, *self._running[future])
                     del self._running[future]  # only now: what could not be filed is filed later
                 self._submit()
                 if time.monotonic() - gathered_at >= self._settings.gathered_interval_s:
@@ -105,17 +107,17 @@ class Identifying:
                     jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
         for job_id, task in tasks:
             try:
-                self._running[self._executor.submit(worker.compute, task)] = job_id
+                self._running[self._executor.submit(worker.compute, task)] = job_id, self._executor
             except BrokenProcessPool as error:
-                self._replace_workers()
+                self._replace_workers(self._executor)
                 self._put_back(job_id, str(error))
 
-    def _file(self, future: Future[Identification], job_id: int) -> None:
+    def _file(self, future: Future[Identification], job_id: int, executor: Executor) -> None:
         try:
             result = future.result()
         except BrokenProcessPool as error:
             logger.error("an identification process died; its job is tried again")
-            self._replace_workers()
+            self._replace_workers(executor)
             self._put_back(job_id, str(error))
             return
         except Exception as error:  # noqa: BLE001 - whatever a fit raises becomes the job's recorded failure
@@ -144,9 +146,11 @@ class Identifying:
         with self._database.transaction() as session:
             jobs.finish(jobs.get(session, job_id), state=jobs.FAILED, error=error)
 
-    def _replace_workers(self) -> None:
-        self._executor.shutdown(wait=False, cancel_futures=True)
-        self._executor = process_pool(self._settings.workers)
+    def _replace_workers(self, broken: Executor) -> None:
+        """A pool that lost a worker takes no more; its other jobs learn of it one after the other."""
+        if broken is self._executor:
+            broken.shutdown(wait=False, cancel_futures=True)
+            self._executor = process_pool(self._settings.workers)
 
     def _ask_gathered(self) -> None:
         """Queue an identification over the newest runs of each machine that has more than one."""

@@ -3,11 +3,12 @@
 import logging
 import threading
 import time
+from dataclasses import dataclass
 
 import zenoh
 from sqlalchemy.exc import DBAPIError
 
-from service.journal import Arrived, Journal
+from service.journal import LARGEST_GAP, Arrived, Journal
 from service.wire import ALL_LIVE, ALL_SAMPLES, Key, Rejected, decode_batch, source_key
 from storage.clock import now
 from storage.quarantine import Rejection
@@ -23,11 +24,24 @@ CYCLE_S = 0.05
 TAIL_CHECK_S = 2.0
 """How often a live source's log is asked for samples that never came."""
 REPLAY_TIMEOUT_S = 2.0
-REPLAY_TRIES = 3
+HEALING_PATIENCE_S = 3.0
+"""How long batches behind a gap wait for the source's log: it may still be on its way back to the network, …"""
+HEALING_PAUSE_S = 0.3
+"""… asked again after this long."""
 REPLAY_PAUSE_S = 10.0
-"""How long a log that did not answer is left alone."""
+"""How long the gaps of a source without an answering log are then counted at once."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
+
+
+@dataclass
+class _Waiting:
+    """Batches of a source that wait for those before them."""
+
+    key: Key
+    deadline: float
+    arrived: list[Arrived]
+    next_try: float = 0.0
 
 
 class Ingest:
@@ -43,10 +57,9 @@ class Ingest:
         self._live: dict[Key, SourceKey | None] = {}
         self._silent_logs: dict[SourceKey, float] = {}
         self._heard: dict[SourceKey, float] = {}
+        self._waiting: dict[SourceKey, _Waiting] = {}
         self._arrived: list[Arrived] = []
         self._rejections: list[Rejection] = []
-        self.backlog = False
-        """Whether more came in the last cycle than one cycle takes."""
         self.trouble: str | None = None
         """Why the last cycle could not be stored."""
 
@@ -78,7 +91,8 @@ class Ingest:
                 count = self._cycle()
                 if time.monotonic() >= next_check and not stopping:
                     self._check_tails()
-                    self._journal.close_silent(silence_s=self._silence_s)
+                    alive = {key.machine for key in self._live}
+                    self._journal.close_silent(silence_s=self._silence_s, alive=alive)
                     next_check = time.monotonic() + TAIL_CHECK_S
                 self.trouble = None
             except DBAPIError as error:
@@ -111,7 +125,7 @@ class Ingest:
         while count < LARGEST_CYCLE and (sample := self._samples.try_recv()) is not None:
             count += 1
             self._admit(str(sample.key_expr), sample.payload, str(sample.encoding), healing=True)
-        self.backlog = count == LARGEST_CYCLE
+        self._revisit(give_up=self._stop.is_set() and count == 0)
         self._store()
         return count
 
@@ -121,7 +135,7 @@ class Ingest:
             self._arrived.clear()
             self._rejections.clear()
 
-    def _admit(self, key_text: str, payload: zenoh.ZBytes, encoding: str, *, healing: bool) -> SourceKey | None:
+    def _admit(self, key_text: str, payload: zenoh.ZBytes, encoding: str, *, healing: bool) -> None:
         """Decode a message and queue it for storing, after whatever is missing before it."""
         received_at = now()
         data = payload.to_bytes()
@@ -132,18 +146,50 @@ class Ingest:
         except Rejected as rejected:
             machine_id = _machine_in(key_text)
             self._rejections.append(Rejection(received_at, key_text, machine_id, rejected.reason, rejected.detail, data))
-            return None
+            return
         source = source_key(batch)
         if key in self._live:
             self._live[key] = source
         self._heard[source] = time.monotonic()
-        if healing and batch.sequence > self._next(source):
+        arrived = Arrived(batch, key_text, data, received_at)
+        if source in self._waiting and healing:
+            self._waiting[source].arrived.append(arrived)
+            return
+        if healing and self._missing(arrived):
             self._heal(key, source, until=batch.sequence)
-        self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
-        self._arrived.append(Arrived(batch, key_text, data, received_at))
+            if self._missing(arrived) and self._silent_logs.get(source, 0.0) <= time.monotonic():
+                self._waiting[source] = _Waiting(key, time.monotonic() + HEALING_PATIENCE_S, [arrived])
+                return
+        self._take(arrived)
+
+    def _missing(self, arrived: Arrived) -> bool:
+        """Whether samples before these have not come."""
+        return 0 < arrived.batch.sequence - self._next(source_key(arrived.batch)) <= LARGEST_GAP
+
+    def _take(self, arrived: Arrived) -> None:
+        """Queue a batch for storing."""
+        batch, source = arrived.batch, source_key(arrived.batch)
+        if batch.sequence - self._next(source) <= LARGEST_GAP:
+            self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
+        self._arrived.append(arrived)
         if len(self._arrived) >= LARGEST_CYCLE:
             self._store()
-        return source
+
+    def _revisit(self, *, give_up: bool) -> None:
+        """Try again to fill the gaps for which batches wait; those whose time is over are taken as they are."""
+        for source, waiting in list(self._waiting.items()):
+            if not give_up and waiting.next_try > time.monotonic():
+                continue
+            waiting.next_try = time.monotonic() + HEALING_PAUSE_S
+            self._heal(waiting.key, source, until=waiting.arrived[0].batch.sequence)
+            healed = not self._missing(waiting.arrived[0])
+            if not healed and not give_up and waiting.deadline > time.monotonic():
+                continue
+            if not healed:
+                self._silent_logs[source] = time.monotonic() + REPLAY_PAUSE_S
+            del self._waiting[source]
+            for arrived in waiting.arrived:
+                self._take(arrived)
 
     def _require_machine(self, key: Key) -> None:
         plant = self._journal.plant_of(key.machine)
@@ -158,8 +204,7 @@ class Ingest:
         return self._expected[source]
 
     def _token(self, token: zenoh.Sample) -> None:
-        parts = str(token.key_expr).split("/")
-        key = Key(parts[3], parts[4])
+        key = _live_key(token)
         if token.kind == zenoh.SampleKind.PUT:
             logger.info("a source of %s/%s is alive", key.plant, key.machine)
             self._live[key] = None
@@ -169,11 +214,15 @@ class Ingest:
 
     def _check_tails(self) -> None:
         """Ask each live source for what it has published beyond what came."""
+        # A token's arrival may itself have been missed.
+        for reply in self._session.liveliness().get(ALL_LIVE, timeout=REPLAY_TIMEOUT_S):
+            if reply.ok is not None:
+                self._live.setdefault(_live_key(reply.ok), None)
         for key, source in list(self._live.items()):
+            if self._journal.plant_of(key.machine) != key.plant:
+                continue  # nothing of it would be taken
             if source is None:
-                # Its oldest logged batch tells which start of which source this is.
-                for found in self._replies(key, "from=0;limit=1"):
-                    self._live[key] = source = found
+                self._live[key] = source = self._discovered(key)
             # While samples come, their numbers show every gap; only a quiet source can hide one.
             if source is not None and time.monotonic() - self._heard.get(source, 0.0) > TAIL_CHECK_S:
                 self._heal(key, source, until=None)
@@ -181,23 +230,29 @@ class Ingest:
 
     def _heal(self, key: Key, source: SourceKey, *, until: int | None) -> None:
         """Pull from the source's log what is missing before sample `until`, or all that it has."""
-        if self._silent_logs.get(source, 0.0) > time.monotonic():
-            return
-        tries = REPLAY_TRIES if until is not None and key in self._live else 1
         while until is None or self._next(source) < until:
             before = self._next(source)
-            answered = self._replies(key, f"from={before};epoch={source.epoch}")
-            if self._next(source) > before:
-                continue
-            tries -= 1
-            if tries <= 0 or (answered and until is None):
-                if until is not None and not answered:
-                    self._silent_logs[source] = time.monotonic() + REPLAY_PAUSE_S
+            self._replies(key, f"from={before};epoch={source.epoch}")
+            if self._next(source) == before:
                 return
 
-    def _replies(self, key: Key, question: str) -> list[SourceKey]:
-        """Admit every batch in the answer to a log query; returns whose they were."""
-        found = []
+    def _discovered(self, key: Key) -> SourceKey | None:
+        """Which start of which source is alive there: any batch of its log tells."""
+        for answer in self._asked(key, "from=0;limit=1"):
+            try:
+                return source_key(decode_batch(key, answer.payload.to_bytes(), str(answer.encoding)))
+            except Rejected as rejected:
+                logger.warning("the log of %s/%s cannot be read: %s", key.plant, key.machine, rejected.detail)
+        return None
+
+    def _replies(self, key: Key, question: str) -> int:
+        """Admit every batch in the answer to a log query; returns how many there were."""
+        answers = self._asked(key, question)
+        for answer in answers:
+            self._admit(key.samples, answer.payload, str(answer.encoding), healing=False)
+        return len(answers)
+
+    def _asked(self, key: Key, question: str) -> list[zenoh.Sample]:
         replies = self._session.get(
             f"{key.log}?{question}",
             zenoh.handlers.FifoChannel(QUEUE_SIZE),
@@ -205,13 +260,7 @@ class Ingest:
             timeout=REPLAY_TIMEOUT_S,
             priority=zenoh.Priority.DATA_LOW,
         )
-        for reply in replies:
-            if reply.ok is None:
-                continue
-            source = self._admit(key.samples, reply.ok.payload, str(reply.ok.encoding), healing=False)
-            if source is not None:
-                found.append(source)
-        return found
+        return [reply.ok for reply in replies if reply.ok is not None]
 
 
 def _machine_in(key_text: str) -> str | None:
@@ -220,3 +269,9 @@ def _machine_in(key_text: str) -> str | None:
         return Key.parse(key_text).machine
     except Rejected:
         return None
+
+
+def _live_key(token: zenoh.Sample) -> Key:
+    """Whose source a liveliness token stands for."""
+    parts = str(token.key_expr).split("/")
+    return Key(parts[3], parts[4])

@@ -4,7 +4,9 @@ One call of `store` is one transaction: sample blocks, how far each source was r
 restart therefore finds all of it or none of it.
 """
 
+import logging
 from collections import defaultdict
+from collections.abc import Set
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,6 +21,11 @@ from storage.blocks import Samples, join
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+LARGEST_GAP = 1_000_000_000
+"""A sequence number this far ahead is a wrong number, not a gap."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +80,12 @@ class Journal:
             self._orders.clear()  # they may know of samples that were not stored
             raise
 
-    def close_silent(self, *, silence_s: float) -> None:
-        """Close the runs of machines that have fallen silent."""
+    def close_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
+        """Close the runs of machines that have fallen silent. alive: machines of which a source is connected."""
         with self._database.transaction() as session:
             for row in machines.every(session):
-                self._collector.close_silent(session, machines.document(session, row.id), silence_s=silence_s)
+                machine = machines.document(session, row.id)
+                self._collector.close_silent(session, machine, silence_s=silence_s, alive=row.id in alive)
 
     def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> None:
         pending = _Pending(rejections=list(rejections))
@@ -94,6 +102,10 @@ class Journal:
             joined = join(parts, channels=len(machine.probes))
             samples.add_block(session, key, revision=revision, first_sequence=pending.first[key], samples=joined)
             fresh[key.machine_id].append(joined)
+            late = int(np.count_nonzero(joined.time <= self._collector.seen(session, key.machine_id)))
+            if late:
+                samples.source(session, key).late += late
+                logger.warning("%s: %d samples are older than what is known and belong to no run", key.machine_id, late)
         session.flush()
         for machine_id, parts in fresh.items():
             revision, machine = documents[machine_id]
@@ -112,7 +124,12 @@ class Journal:
         row.duplicates += known
         if known == count:
             return
-        row.lost += max(batch.sequence - row.next_sequence, 0)
+        gap = max(batch.sequence - row.next_sequence, 0)
+        if gap > LARGEST_GAP:
+            detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
+            pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
+            return
+        row.lost += gap
         row.next_sequence = batch.sequence + count
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)

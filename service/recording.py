@@ -51,23 +51,31 @@ class Sidecar(BaseModel):
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     """All rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
+    if path.is_dir():
+        raise UnreadableFile(f"{path} is a folder, not a recording")
     sidecar = read_sidecar(sidecar_path or path.with_suffix(".yaml"))
     if (sidecar.time is None) == (sidecar.interval_s is None):
         raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
     rows = _rows(path)
 
-    def column(name: str) -> list[float]:
+    def gappy(name: str) -> list[float | None]:
         if name not in rows[0]:
             raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(rows[0])}")
         return [_number(path, line, name, row[name]) for line, row in enumerate(rows, start=2)]
+
+    def column(name: str) -> list[float]:
+        values = gappy(name)
+        if None in values:
+            raise UnreadableFile(f"{path}, line {values.index(None) + 2}: column '{name}' has no value")
+        return [value for value in values if value is not None]
 
     speed = column(sidecar.speed)
     seconds = column(sidecar.time) if sidecar.time is not None else [i * (sidecar.interval_s or 0) for i in range(len(speed))]
     start = from_datetime(sidecar.start)
     if not all(abs(s) < LONGEST_S for s in seconds):
         raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
-    amplitude = [column(channel.amplitude) for channel in sidecar.channels]
-    phase = [column(channel.phase) for channel in sidecar.channels]
+    amplitude = [gappy(channel.amplitude) for channel in sidecar.channels]
+    phase = [gappy(channel.phase) for channel in sidecar.channels]
     return SampleBatch(
         schema=WIRE_SCHEMA,
         plant=sidecar.plant,
@@ -126,8 +134,13 @@ def _rows(path: Path) -> list[dict[str, str | None]]:
     return rows
 
 
-def _number(path: Path, line: int, name: str, text: str | None) -> float:
+def _number(path: Path, line: int, name: str, text: str | None) -> float | None:
+    """The number in a cell, None where it is blank."""
+    if text is None:
+        raise UnreadableFile(f"{path}, line {line} is too short: it has no column '{name}'")
+    if not text.strip():
+        return None
     try:
-        return float(text or "")
+        return float(text)
     except ValueError:
         raise UnreadableFile(f"{path}, line {line}: '{text}' in column '{name}' is not a number") from None

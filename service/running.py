@@ -27,6 +27,7 @@ def serve(settings: Settings) -> None:
     """Run until SIGINT or SIGTERM. Raises DatabaseUnusable, PortUnusable or StreamUnusable before anything has started."""
     asked_to_stop = _note_signals()
     database = Database(settings.database)
+    database.claim()
     listener = _listen(settings.host, settings.port)
     session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
     ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s)
@@ -44,7 +45,9 @@ def serve(settings: Settings) -> None:
         ingest.start()
         if not settings.zenoh_listen and not connected(session):
             logger.warning(_waiting(settings))
-        config = uvicorn.Config(application(database, parts), log_config=None, access_log=False, lifespan="off")
+        config = uvicorn.Config(
+            application(database, parts), log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5
+        )
         host, port = listener.getsockname()[:2]
         logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
         if not asked_to_stop.is_set():
@@ -91,7 +94,8 @@ def _listen(host: str, port: int) -> socket.socket:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
         listener.listen(128)
-    except OSError as error:
+    except (OSError, UnicodeError, TypeError) as error:
         listener.close()
-        raise PortUnusable(f"cannot listen on {host}:{port}: {error.strerror}; choose another with --port") from error
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise PortUnusable(f"cannot listen on {host}:{port}: {reason}; choose another with --host or --port") from error
     return listener

@@ -1,6 +1,6 @@
 """All settings of the service, from the environment (`RUNDOWN_…`) or the command line."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -34,6 +34,8 @@ class Settings(BaseSettings):
         default=5, description="accepted identifications of each kind of run that make a machine's baseline"
     )
     silence_s: Annotated[float, Field(gt=0)] = Field(
-        default=30.0, description="an open run is closed when its machine has sent nothing for this long"
+        default=120.0, description="an open run is closed when its machine has sent nothing for this long"
     )
-    log_level: str = Field(default="INFO", description="DEBUG, INFO, WARNING or ERROR")
+    log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = Field(
+        default="INFO", description="DEBUG, INFO, WARNING or ERROR"
+    )

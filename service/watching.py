@@ -7,11 +7,13 @@ from typing import Any
 from sqlalchemy.orm import Session
 
 from estimator.baseline import CommonShift
-from estimator.misalignment import MisalignmentEvidence, misalignment_evidence
+from estimator.misalignment import MisalignmentEvidence, determines, misalignment_evidence, watched
 from storage import alerts, identifications, jobs, machines
 from storage.tables import IdentificationRow
 
 MISALIGNMENT = "misalignment"
+SEARCHED = 10
+"""So many times as many identifications are looked through for those that determine what is watched."""
 IN_A_ROW = 2
 """Identifications in a row that must agree before an alert is opened or closed: the on and off delay."""
 
@@ -33,25 +35,31 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
 
 
 def judgements(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> list[Judgement]:
-    """One judgement per coupling; none while the baseline is incomplete or nothing came after it.
+    """One judgement per coupling; none while its baseline is incomplete or too little came after it.
 
-    The baseline is the first accepted identifications of the same machine revision and kind of run, so that like is
-    compared with like.
+    Like is compared with like: identifications of the same machine revision and kind of run. Only those that determine
+    what is watched at a coupling count there, in its baseline and after it; a run that says nothing changes nothing.
     """
+    machine = machines.document(session, stored.machine_id, stored.revision)
+    which = (session, stored.machine_id)
     first = identifications.first_accepted(
-        session, stored.machine_id, revision=stored.revision, run_kind=stored.run_kind, limit=baseline_runs
+        *which, revision=stored.revision, run_kind=stored.run_kind, limit=SEARCHED * baseline_runs
     )
     newest = identifications.last_accepted(
-        session, stored.machine_id, revision=stored.revision, run_kind=stored.run_kind, limit=IN_A_ROW
+        *which, revision=stored.revision, run_kind=stored.run_kind, limit=SEARCHED * IN_A_ROW
     )
-    in_baseline = {row.id for row in first}
-    after = [row for row in newest if row.id not in in_baseline]
-    if len(first) < baseline_runs or len(after) < IN_A_ROW:
-        return []
-    machine = machines.document(session, stored.machine_id, stored.revision)
-    baseline = [identifications.logarithmic_point(session, row) for row in first]
-    per_run = [misalignment_evidence(machine, baseline, identifications.logarithmic_point(session, row)) for row in after]
-    return [Judgement(list(of_coupling), after[0]) for of_coupling in zip(*per_run, strict=True)]
+    points = {row.id: identifications.logarithmic_point(session, row) for row in (*first, *newest)}
+    found = []
+    for coupling in machine.couplings:
+        names = watched(machine, coupling)
+        baseline = [row for row in first if determines(points[row.id], names)][:baseline_runs]
+        in_baseline = {row.id for row in baseline}
+        after = [row for row in newest if row.id not in in_baseline and determines(points[row.id], names)][:IN_A_ROW]
+        if len(baseline) == baseline_runs and len(after) == IN_A_ROW:
+            known = [points[row.id] for row in baseline]
+            evidence = [misalignment_evidence(machine, coupling, known, points[row.id]) for row in after]
+            found.append(Judgement(evidence, after[0]))
+    return found
 
 
 def _act(session: Session, judgement: Judgement) -> None:
@@ -71,16 +79,17 @@ def _act(session: Session, judgement: Judgement) -> None:
         )
         return
     open_alert = alerts.open_alert(session, row.machine_id, rule=MISALIGNMENT, element=element)
-    if open_alert is not None and not any(evidence.found for evidence in judgement.evidence):
+    # A hot run-down may show what a cold run-up does not: only the kind of run that showed it can take it back.
+    same_kind = open_alert is not None and open_alert.evidence.get("run_kind") == row.run_kind
+    if open_alert is not None and same_kind and not any(evidence.found for evidence in judgement.evidence):
         alerts.close_alert(open_alert)
 
 
 def _message(evidence: MisalignmentEvidence) -> str:
-    parts = [f"Coupling {evidence.coupling} is going out of alignment"]
-    if evidence.coupling_alone is not None and evidence.bearings_alone is not None:
-        parts.append(f"stiffness {_shift(evidence.coupling_alone)} at the coupling")
-        parts.append(f"{_shift(evidence.bearings_alone)} at the bearings beside it, against the baseline")
-    return ": ".join([parts[0], ", ".join(parts[1:])])
+    parts = [f"stiffness {_shift(evidence.coupling_alone)} at the coupling"]
+    if evidence.bearings_alone is not None:
+        parts.append(f"{_shift(evidence.bearings_alone)} at the bearings beside it")
+    return f"Coupling {evidence.coupling} is going out of alignment: {', '.join(parts)}, against the baseline"
 
 
 def _shift(shift: CommonShift) -> str:

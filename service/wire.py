@@ -27,11 +27,13 @@ LARGEST_BATCH = 5_000
 LARGEST_CHANNEL_COUNT = 128
 LARGEST_AMPLITUDE = 0.02
 """No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
+LARGEST_PHASE = 1e5
+"""No source counts a phase to hundreds of turns [° or rad]."""
 OVERSPEED = 1.3
 """A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
-FUTURE_TOLERANCE = 600_000_000_000
-"""A sample may be ahead of this machine's clock by ten minutes [ns]; clocks that differ by more want mending."""
+FUTURE_TOLERANCE = 60_000_000_000
+"""A sample may be ahead of this machine's clock by a minute [ns]; clocks that differ by more want mending."""
 
 STATUSES = ("good", "not_available", "bad", "out_of_range")
 DIRECTIONS = {"positive": 1, "negative": -1}
@@ -53,6 +55,7 @@ Reason = Literal[
     "speed_out_of_range",
     "speed_out_of_order",
     "amplitude_out_of_range",
+    "sequence_out_of_range",
     "time_out_of_range",
     "time_out_of_order",
 ]
@@ -248,7 +251,10 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         if batch.scatter is not None:
             scatter[:, columns] = np.abs(_table(batch.scatter) * factors)
         size = _table(batch.amplitude) * factors
-        sensible = (size >= 0.0) & (size <= LARGEST_AMPLITUDE) & np.isfinite(phasor[:, columns])  # false for NaN too
+        sensible = (size >= 0.0) & (size <= LARGEST_AMPLITUDE) & (np.abs(_table(batch.phase)) <= LARGEST_PHASE)
+        if batch.scatter is not None:
+            told = _table(batch.scatter)
+            sensible &= ~np.isfinite(told) | ((told >= 0.0) & (scatter[:, columns] <= LARGEST_AMPLITUDE))
     called_good = _called_good(batch)
     good[:, columns] = called_good & sensible
     faults = _channel_faults(batch, size, called_good & ~sensible)
@@ -318,7 +324,8 @@ def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArra
             detail = f"channel {channel}: {amplitude:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
             faults.append(Fault(int(index), "amplitude_out_of_range", detail))
         else:
-            faults.append(Fault(int(index), "not_finite", f"channel {channel}: amplitude or phase is not a finite number"))
+            detail = f"channel {channel}: amplitude, phase and scatter must be sensible finite numbers"
+            faults.append(Fault(int(index), "not_finite", detail))
     return faults
 
 
@@ -330,4 +337,4 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
         elif not 0.0 <= value <= fastest:
             yield Fault(index, "speed_out_of_range", f"speed {value:.6g} rad/s is not between 0 and {fastest:.6g} rad/s")
         elif not EARLIEST_TIME <= moment <= received_at + FUTURE_TOLERANCE:
-            yield Fault(index, "time_out_of_range", f"time {moment} ns is before 2000 or more than ten minutes ahead")
+            yield Fault(index, "time_out_of_range", f"time {moment} ns is before 2000 or more than a minute ahead")

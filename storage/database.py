@@ -1,19 +1,22 @@
 """The database: opening it, bringing its schema up to date, and transactions."""
 
+import fcntl
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import alembic.command
 import alembic.config
 from alembic.util.exc import CommandError
-from sqlalchemy import Engine, create_engine, event, make_url, select
+from sqlalchemy import Connection, Engine, create_engine, event, func, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.orm import Session, sessionmaker
 
 MIGRATIONS = Path(__file__).with_name("migrations")
 BUSY_TIMEOUT_MS = 15_000
+CLAIM_KEY = 0x52554E444F574E
+"""Number of the advisory lock that a service holds on a PostgreSQL database."""
 
 
 class DatabaseUnusable(RuntimeError):
@@ -34,6 +37,10 @@ class Database:
         except (DBAPIError, CommandError, OSError) as error:
             self.engine.dispose()
             raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {_cause(error)}") from error
+        path = self._file()
+        self._inode = path.stat().st_ino if path is not None else None
+        self._claim: Connection | None = None
+        self._lock: TextIO | None = None
         self._reading = sessionmaker(self.engine, expire_on_commit=False)
         self._writing = sessionmaker(self.engine.execution_options(writing=True), expire_on_commit=False)
 
@@ -49,8 +56,26 @@ class Database:
         with self._reading() as session:
             yield session
 
+    def claim(self) -> None:
+        """Be the only service on this database until `close`. Raises DatabaseUnusable when another one is."""
+        held = f"database {self.engine.url!r} is in use by another service: stop that one first"
+        if self.engine.dialect.name == "postgresql":
+            self._claim = self.engine.connect()
+            if not self._claim.scalar(select(func.pg_try_advisory_lock(CLAIM_KEY))):
+                raise DatabaseUnusable(held)
+        elif (path := self._file()) is not None:
+            self._lock = path.with_name(path.name + ".lock").open("w")
+            try:
+                fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                self._lock.close()
+                raise DatabaseUnusable(held) from error
+
     def check(self) -> None:
-        """Raises DatabaseUnusable when the database does not answer."""
+        """Raises DatabaseUnusable when the database does not answer, or its file is no longer there."""
+        path = self._file()
+        if path is not None and (not path.is_file() or path.stat().st_ino != self._inode):
+            raise DatabaseUnusable(f"the database file {path} was deleted or replaced: restart the service")
         try:
             with self.reading() as session:
                 session.execute(select(1))
@@ -58,8 +83,17 @@ class Database:
             raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
 
     def close(self) -> None:
-        """Give back all connections."""
+        """Give back all connections and the claim."""
+        if self._claim is not None:
+            self._claim.close()
+        if self._lock is not None:
+            self._lock.close()
         self.engine.dispose()
+
+    def _file(self) -> Path | None:
+        """The file of an SQLite database."""
+        name = self.engine.url.database
+        return Path(name) if self.engine.dialect.name == "sqlite" and name and name != ":memory:" else None
 
     def _migrate(self) -> None:
         config = alembic.config.Config()

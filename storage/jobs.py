@@ -67,7 +67,8 @@ def put_back_running(session: Session) -> int:
     """At start: queue again what an earlier process left running. Returns how many."""
     rows = session.scalars(select(JobRow).where(JobRow.state == RUNNING)).all()
     for row in rows:
-        put_back(row, "the service stopped while it was computed")
+        # A stop of the service says nothing against the job.
+        row.state, row.attempts = QUEUED, max(0, row.attempts - 1)
     return len(rows)
 
 

@@ -86,6 +86,7 @@ def source(session: Session, key: SourceKey) -> SourceRow:
             received=0,
             duplicates=0,
             lost=0,
+            late=0,
             last_time=0,
         )
         session.add(row)

@@ -70,6 +70,7 @@ class SourceRow(Base):
     received: Mapped[int]
     duplicates: Mapped[int]
     lost: Mapped[int]
+    late: Mapped[int]
     last_time: Mapped[int]
 
 

@@ -228,7 +228,7 @@ def free_endpoint() -> str:
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
-def wait_until(holds: Callable[[], bool], *, seconds: float = 10.0) -> None:
+def wait_until(holds: Callable[[], bool], *, seconds: float = 30.0) -> None:
     """Wait until something holds; fails when it still does not after so long."""
     deadline = time.monotonic() + seconds
     while not holds():

@@ -187,6 +187,7 @@ def source(row: SourceRow) -> schemas.SourceOut:
         received=row.received,
         duplicates=row.duplicates,
         lost=row.lost,
+        late=row.late,
         newest_sample_at=_time(row.last_time or None),
     )
 

@@ -171,6 +171,7 @@ class SourceOut(BaseModel):
     received: int
     duplicates: int
     lost: int
+    late: int = Field(description="stored, but older than what run collection had seen: part of no run")
     newest_sample_at: datetime | None
 
 

@@ -222,7 +222,7 @@ def test_strong_noise_does_not_bias_the_estimates() -> None:
     document["noise"] = {"relative": 0.2, "floor": 0.0}
     runs = [Measurement.of(speed=SPEED, phasor=noisy(CLEAN, seed=seed, relative=0.2)) for seed in range(6)]
     found = identify(parse_machine(document), joined(runs), ONE_START)
-    assert_at_the_bound(found)
+    assert found.accepted
     ratio = [
         math.hypot(one.value, one.imaginary) / abs(value)
         for one, value in zip(found.estimates[-4:], truth(chapter_3())[1], strict=True)
@@ -371,14 +371,14 @@ def test_input_is_left_alone() -> None:
 
 def test_long_runs_are_thinned(reference: Identification) -> None:
     found = identify(chapter_3(), joined([measured(seed) for seed in range(20, 30)]))
-    assert found.samples == 750  # every second of 1500
+    assert 900 <= found.samples <= 1000  # of 1500
     assert found.accepted
     assert np.abs(standardised(found)).max() < 4.0
     for one, other in zip(found.estimates, reference.estimates, strict=True):
         assert one.standard_error is not None
         assert other.standard_error is not None
-        # The same speeds five times over.
-        assert one.standard_error == pytest.approx(other.standard_error / math.sqrt(5), rel=0.25)
+        # The same speeds six times over.
+        assert one.standard_error == pytest.approx(other.standard_error / math.sqrt(6), rel=0.25)
 
 
 def test_report_is_complete(reference: Identification) -> None:

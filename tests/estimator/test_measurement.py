@@ -66,8 +66,8 @@ def test_usable_phasor_must_be_finite(value: complex) -> None:
     assert Measurement(**parts(phasor=phasor, usable=usable)).usable.sum() == 5
 
 
-def test_every_second_sample() -> None:
-    found = Measurement(**parts(scatter=np.arange(6.0).reshape(3, 2))).every(2)
+def test_picked_samples() -> None:
+    found = Measurement(**parts(scatter=np.arange(6.0).reshape(3, 2))).pick(np.array([True, False, True]))
     assert np.array_equal(found.speed, [10.0, 30.0])
     assert np.array_equal(found.scatter, [[0.0, 1.0], [4.0, 5.0]])
     assert np.array_equal(found.usable, [[True, True], [False, True]])

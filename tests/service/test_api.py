@@ -539,7 +539,7 @@ def test_a_database_that_does_not_answer_is_a_503(api: Api, plant: Database, tmp
     (tmp_path / "rundown.db").mkdir()
     health = api.get("/health")
     assert health.status_code == 503
-    assert "unable to open database file" in health.json()["parts"]["database"]
+    assert "was deleted or replaced" in health.json()["parts"]["database"]
     problem(api.get("/machines"), 503)
 
 

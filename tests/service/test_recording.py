@@ -129,8 +129,8 @@ def test_a_measured_run_up_can_be_read(tmp_path: Path) -> None:
     [
         ((), "no rows below its header"),
         ((ROWS[0], "0.5,fast,101,31,51,-21"), "line 3: 'fast' in column 'rpm' is not a number"),
-        ((ROWS[0], "0.5,,101,31,51,-21"), "line 3: '' in column 'rpm' is not a number"),
-        ((ROWS[0], ROWS[1], "1.25,2970,102"), "line 4: 'None' in column 'size_2' is not a number"),
+        ((ROWS[0], "0.5,,101,31,51,-21"), "line 3: column 'rpm' has no value"),
+        ((ROWS[0], ROWS[1], "1.25,2970,102"), "line 4 is too short: it has no column 'size_2'"),
         (('0.0,"2990',), "run.csv"),
     ],
 )

@@ -131,7 +131,7 @@ def test_a_source_is_alive_until_it_leaves(router: zenoh.Session, client: zenoh.
     def alive() -> bool:
         return any(reply.ok is not None for reply in router.liveliness().get(KEY.live, zenoh.handlers.FifoChannel(10)))
 
-    assert not alive()
+    wait_until(lambda: not alive())  # the token of the test before may linger
     with Source(client, KEY, name="edge") as source:
         publish(source, 1)
         wait_until(alive)

@@ -161,7 +161,9 @@ def test_what_is_only_read_is_not_stored(plant: Database) -> None:
 
 
 def test_references_are_enforced(database: Database) -> None:
-    row = SourceRow(machine_id="unknown", source="s", epoch=1, next_sequence=0, received=0, duplicates=0, lost=0, last_time=0)
+    row = SourceRow(
+        machine_id="unknown", source="s", epoch=1, next_sequence=0, received=0, duplicates=0, lost=0, late=0, last_time=0
+    )
 
     def add() -> None:
         with database.transaction() as session:
@@ -217,3 +219,13 @@ def test_another_process_s_lock_is_waited_for(plant: Database, tmp_path: Path) -
     other.close()
     with plant.reading() as session:
         assert len(machines.every(session)) == 2
+
+
+def test_one_service_at_a_time(tmp_path: Path) -> None:
+    first, second = Database(sqlite_url(tmp_path / "x.db")), Database(sqlite_url(tmp_path / "x.db"))
+    first.claim()
+    with pytest.raises(DatabaseUnusable, match="in use by another service"):
+        second.claim()
+    first.close()
+    second.claim()
+    second.close()

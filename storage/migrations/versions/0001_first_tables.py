@@ -83,6 +83,7 @@ def upgrade() -> None:
         sa.Column("received", sa.BigInteger(), nullable=False),
         sa.Column("duplicates", sa.BigInteger(), nullable=False),
         sa.Column("lost", sa.BigInteger(), nullable=False),
+        sa.Column("late", sa.BigInteger(), nullable=False),
         sa.Column("last_time", sa.BigInteger(), nullable=False),
         sa.ForeignKeyConstraint(["machine_id"], ["machines.id"], name=op.f("fk_sources_machine_id")),
         sa.PrimaryKeyConstraint("machine_id", "source", "epoch", name=op.f("pk_sources")),

@@ -1,0 +1,105 @@
+"""What new identifications do to alerts: opened after two in a row, closed by the same kind of run, blinded by nothing."""
+
+from collections.abc import Mapping
+
+from sqlalchemy.orm import Session
+
+from service.watching import judge
+from storage import alerts
+from storage.database import Database
+from storage.tables import AlertRow
+from tests.plant import KEY, SECOND, START, identification, store_identification
+
+BASELINE = 5
+WEEK = 7 * 86_400 * SECOND
+STIFFER = {
+    **{f"coupling.C1.{name}": 1.6 for name in ("kxx", "kyy")},
+    **{f"bearing.{bearing}.{name}": 1.3 for bearing in ("B2", "B3") for name in ("kxx", "kyy")},
+}
+COUPLING = ("coupling.C1.kxx", "coupling.C1.kyy")
+
+
+class Weeks:
+    """Identifications of one machine, a week apart, each judged as it is filed."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        self.count = 0
+
+    def file(
+        self,
+        factors: Mapping[str, float] | None = None,
+        *,
+        times: int = 1,
+        unknown: tuple[str, ...] = (),
+        kind: str = "run-down",
+    ) -> None:
+        for _ in range(times):
+            self.count += 1
+            moment = START + self.count * WEEK
+            outcome = identification(factors, unknown=unknown)
+            row = store_identification(self.session, outcome, run_id=self.count, measured_at=moment, run_kind=kind)
+            judge(self.session, row, baseline_runs=BASELINE)
+
+    def alerts(self) -> list[AlertRow]:
+        return list(alerts.find(self.session, machine_id=KEY.machine, only_open=False, limit=100))
+
+    def open(self) -> list[str]:
+        return [row.element for row in self.alerts() if row.closed_at is None]
+
+
+def test_misalignment_is_called_after_two_in_a_row_and_taken_back_after_two(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE + 2)
+        weeks.file(STIFFER)
+        assert weeks.open() == []
+        weeks.file(STIFFER)
+        assert weeks.open() == ["coupling.C1"]
+        weeks.file(STIFFER, times=3)
+        assert len(weeks.alerts()) == 1
+        weeks.file()
+        assert weeks.open() == ["coupling.C1"]
+        weeks.file()
+        assert weeks.open() == []
+        assert [row.state for row in weeks.alerts()] == ["returned"]
+
+
+def test_a_run_that_does_not_determine_the_coupling_blinds_nothing(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=2)
+        weeks.file(unknown=COUPLING)
+        weeks.file(times=BASELINE - 2)
+        weeks.file(STIFFER, times=2)
+        assert weeks.open() == ["coupling.C1"]
+
+
+def test_runs_that_say_nothing_leave_an_alert_open(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        weeks.file(STIFFER, times=2)
+        weeks.file(unknown=COUPLING, times=3)
+        assert weeks.open() == ["coupling.C1"]
+
+
+def test_another_kind_of_run_does_not_take_an_alert_back(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        for _ in range(BASELINE):
+            weeks.file()
+            weeks.file(kind="run-up")
+        for _ in range(4):
+            weeks.file(STIFFER)
+            weeks.file(kind="run-up")
+        assert weeks.open() == ["coupling.C1"]
+        assert len(weeks.alerts()) == 1
+
+
+def test_an_unbalance_that_changes_is_no_misalignment(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        weeks.file({"disc.D1.unbalance": 5.0, "disc.D2.unbalance": 0.2}, times=4)
+        assert weeks.alerts() == []
