@@ -26,6 +26,8 @@ UNITS: dict[Quantity, str] = {
 }
 
 LATERAL = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
+DIRECT = frozenset({"kxx", "kyy", "cxx", "cyy", "k_phix", "k_phiy"})
+"""Coefficients that are positive by nature; they are fitted, compared and averaged as logarithms."""
 _AXIS = {"x": 0, "y": 1}
 
 
@@ -142,7 +144,7 @@ def _lateral(element: str, part: LateralCoefficients, nodes: dict[int, float], s
             quantity="stiffness" if name[0] == "k" else "damping",
             left={NODE_DOFS * node + _AXIS[name[1]]: sign for node, sign in nodes.items()},
             right={NODE_DOFS * node + _AXIS[name[2]]: sign for node, sign in nodes.items()},
-            direct=name[1] == name[2],
+            direct=name in DIRECT,
             nominal=getattr(part, name),
             scale=scales[name],
         )
@@ -176,6 +178,11 @@ def _bending_stiffness(machine: Machine, shaft: Shaft) -> float:
         for section in shaft.sections
     )
     return total / shaft.length
+
+
+def is_direct(name: str) -> bool:
+    """Whether a parameter's name, such as `bearing.B1.kxx`, is that of a direct term."""
+    return name.rsplit(".", 1)[-1] in DIRECT
 
 
 def dense(vectors: list[dict[int, float]], size: int) -> NDArray[np.float64]:

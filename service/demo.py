@@ -21,6 +21,7 @@ from typing import Any
 import httpx
 import numpy as np
 
+from estimator.parameters import is_direct
 from service.documents import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
@@ -258,8 +259,7 @@ def _compare(estimate: dict[str, Any], truth: dict[str, Any], errors: list[float
     if name.endswith((".kxx", ".kyy")):
         relative["coupling" if name.startswith("coupling.") else "stiffness"].append(abs(value / true - 1.0))
     # A direct term's error is one of its logarithm.
-    direct = name.rsplit(".", 1)[-1] in {"kxx", "kyy", "cxx", "cyy", "k_phix", "k_phiy"}
-    errors.append(math.log(value / true) / (error / value) if direct else (value - true) / error)
+    errors.append(math.log(value / true) / (error / value) if is_direct(name) else (value - true) / error)
 
 
 def _median_percent(values: list[float]) -> float:

@@ -12,9 +12,9 @@ from typing import Any
 
 import threadpoolctl
 
+from estimator.gathering import combined
 from estimator.identification import Identification, Options, identify
 from estimator.machine import parse_machine
-from estimator.measurement import joined
 from storage.blocks import decode
 
 
@@ -45,8 +45,9 @@ def compute(task: Task) -> Identification:
     signal.signal(signal.SIGALRM, _out_of_time)
     signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
     try:
-        measurement = joined([decode(block).measurement() for block in task.runs])
-        return identify(parse_machine(task.document), measurement, task.options)
+        machine = parse_machine(task.document)
+        results = [identify(machine, decode(block).measurement(), task.options) for block in task.runs]
+        return results[0] if len(results) == 1 else combined(results)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 

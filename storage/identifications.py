@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.baseline import Point
 from estimator.identification import Identification
+from estimator.parameters import is_direct
 from storage.clock import now
 from storage.jobs import RUN
 from storage.tables import EstimateRow, IdentificationRow
@@ -151,16 +152,12 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
         .where(EstimateRow.identification_id == row.id)
         .where(EstimateRow.value.is_not(None), EstimateRow.quantity != "unbalance")
     )
-    values = {name: value for name, value in session.execute(query) if value is not None and _direct(name)}
+    values = {name: value for name, value in session.execute(query) if value is not None and is_direct(name)}
     names = [name for name in row.coordinates if name in values]
     index = [row.coordinates.index(name) for name in names]
     return Point(
         tuple(names), np.log(np.array([values[name] for name in names])), covariance(row)[np.ix_(index, index)].copy()
     )
-
-
-def _direct(name: str) -> bool:
-    return name.rsplit(".", 1)[-1] in {"kxx", "kyy", "cxx", "cyy", "k_phix", "k_phiy"}
 
 
 def history(

@@ -130,7 +130,7 @@ def test_check_says_when_the_database_is_gone(database: Database, tmp_path: Path
     database.check()
     database.close()
     unusable(tmp_path / "rundown.db")
-    with pytest.raises(DatabaseUnusable, match="the database does not answer: unable to open database file"):
+    with pytest.raises(DatabaseUnusable, match="was deleted or replaced"):
         database.check()
 
 
