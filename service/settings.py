@@ -24,7 +24,7 @@ class Settings(BaseSettings):
     )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(default=2, description="identification processes")
     identification_timeout_s: Annotated[float, Field(gt=0)] = Field(
-        default=300.0, description="an identification that takes longer is given up, its worker ended"
+        default=300.0, description="an identification that takes longer is given up"
     )
     gathered_interval_s: Annotated[float, Field(gt=0)] = Field(
         default=3600.0, description="how often the newest runs are identified together"

@@ -259,3 +259,10 @@ def test_runs_follow_each_other_and_end_after_they_began(steps: list[tuple[float
         assert (started.time, started.kind) == (ended.start, ended.kind)
         assert last <= started.time < ended.time
         last = ended.time
+
+
+def test_hours_at_speed_with_a_stray_reading_are_no_part_of_the_run_down() -> None:
+    at_speed = [2980.0 + (4.0 if i % 2 else -4.0) for i in range(7200)]
+    at_speed[30] = 2995.0
+    (started,) = [event for event in follow(every_second(at_speed, ramp(2970.0, 310.0)))[1] if isinstance(event, RunStarted)]
+    assert started.time >= (7200 - 130) * 1_000_000_000

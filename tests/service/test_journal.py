@@ -22,6 +22,8 @@ from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import QuarantineRow, SourceRow
 from tests.plant import (
+    KEY,
+    SECOND,
     START,
     arrived,
     assert_same_samples,
@@ -331,3 +333,26 @@ def test_a_revision_takes_effect_with_the_next_message(plant: Database, journal:
     assert len(held(plant, revision=1)) == 3
     assert len(held(plant, revision=2)) == 4
     assert counts(plant) == (7, 7, 0, 0)
+
+
+def test_an_absurd_sequence_is_rejected_and_deafens_nothing(plant: Database, journal: Journal) -> None:
+    store(journal, batch([1000.0] * 3))
+    store(journal, batch([1000.0], sequence=2**61, start=START + 10 * SECOND))
+    store(journal, batch([1000.0] * 2, sequence=3, start=START + 20 * SECOND))
+    assert [row.reason for row in rejected(plant)] == ["sequence_out_of_range"]
+    with plant.reading() as session:
+        (source,) = sample_store.sources(session)
+        assert (source.next_sequence, source.received, source.lost, source.duplicates) == (5, 5, 0, 0)
+
+
+def test_a_run_told_again_by_a_new_start_counts_each_instant_once(plant: Database, journal: Journal) -> None:
+    sweep = sweep_rpm(2900.0, 310.0, 60)
+    store(journal, batch(sweep[:30], epoch=1))
+    store(journal, batch([*sweep, 200.0], epoch=2))
+    with plant.reading() as session:
+        (run,) = runs.of_machine(session, KEY.machine)
+        kept = runs.samples(session, run.id)
+        assert kept is not None
+        assert run.state == runs.CLOSED
+        assert len(kept) == len(set(kept.time.tolist())) == 60
+        assert [source.late for source in sample_store.sources(session)] == [0, 30]
