@@ -7,4 +7,4 @@ if __name__ == "__main__":
     print()
     estimator.main([])
     print()
-    latency.main([])
+    latency.main()
