@@ -75,8 +75,9 @@ def test_synchronous_loads_are_an_equivalent_load(baseline: Identification) -> N
     for one, true in ((force, 30.0 + 10.0j), (moment, 4.0 - 8.0j)):
         assert one.value is not None
         assert one.imaginary is not None
-        # The baseline's own errors come on top of the standard error, which is below 1 %.
-        assert abs(complex(one.value, one.imaginary) - true) < 0.1 * abs(true)
+        assert one.standard_error is not None
+        # The baseline's own errors, some per cent, come on top of the standard error.
+        assert abs(complex(one.value, one.imaginary) - true) < 0.1 * abs(true) + 3 * one.standard_error
 
 
 def test_what_none_explains_is_said_to_be_so(baseline: Identification) -> None:
