@@ -80,6 +80,11 @@ class Coordinates:
         """n."""
         return len(self.names)
 
+    @property
+    def channel_count(self) -> int:
+        """Number of coordinates that belong to channels, which a prior keeps small."""
+        return 2 * int(np.count_nonzero(self.gain_place >= 0) + np.count_nonzero(self.run_out_place >= 0))
+
     def point(self, theta: Floats) -> Floats:
         """Physical values (n,) over the coordinates: logarithms of positive ones, everything else in SI."""
         return self.origin + self.unit * theta

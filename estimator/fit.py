@@ -29,6 +29,8 @@ FINAL_PASSES = 8
 """Most times the last stage is repeated with weights, outliers and noise from the response just fitted."""
 SAME_NOISE = 0.01
 """A relative change of the estimated noise below this is none."""
+SMALLEST_AMPLITUDE = 0.01
+"""Part of a sample's largest amplitude below which no channel's is taken at its word before there is a fit."""
 STEP_LIMIT = 1.0
 """Largest change of a coordinate in one step: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
@@ -71,6 +73,12 @@ class Problem:
     def used(self) -> NDArray[np.bool_]:
         """(S, m) phasors that count."""
         return self.measurement.usable & ~self.outlier
+
+    @property
+    def first_amplitude(self) -> Floats:
+        """Amplitudes (S, m) [m] to weigh with before there is a fit: a dead channel must not pass for a precise one."""
+        amplitude = np.abs(self.measurement.phasor)
+        return np.asarray(np.maximum(amplitude, SMALLEST_AMPLITUDE * amplitude.max(axis=1, keepdims=True)))
 
     def scaled_train(self, theta: Floats) -> CondensedTrain:
         """The train with the scale factors of θ; the last few are remembered."""
@@ -182,7 +190,7 @@ class Problem:
 
 def fit(problem: Problem, start: Floats) -> Fit:
     """Fit from one start θ (n,)."""
-    measured = np.abs(problem.measurement.phasor)
+    measured = problem.first_amplitude
     theta = start
     iterations = 0
     converged = False

@@ -16,6 +16,10 @@ from estimator.verdict import judge
 
 LARGEST_SAMPLE_COUNT = 5000
 """Samples that one fit uses; more are thinned out."""
+SCALE_PASSES = 10
+"""Most times the unbalances' scale is looked for; each can find one a thousand times larger."""
+SAME_SPEED = 1e-6
+"""Speeds that differ by less than this part are one: samples there repeat each other."""
 THINNING_BINS = 200
 """Pieces of the speed range in which samples are thinned out."""
 
@@ -107,14 +111,28 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    count = 2 * int(np.count_nonzero(measurement.usable))
-    if count <= coordinates.size:
+    free = coordinates.size - int(np.count_nonzero(coordinates.scale_place >= 0)) - coordinates.channel_count
+    count = _independent_numbers(measurement)
+    if count <= free:
         raise NotEnoughData(
-            f"{count} measured numbers cannot determine {coordinates.size} unknowns: more speeds or more channels are needed"
+            f"{count} measured numbers cannot determine {free} unknowns: more speeds or more channels are needed "
+            "(samples at one speed repeat each other)"
         )
     problem = _problem(train, measurement, noise, robust=options.robust)
     best = best_fit(problem, starts=options.starts, seed=options.seed, good=lambda found: judge(problem, found).accepted)
     return _result(problem, best, reasons)
+
+
+def _independent_numbers(measurement: Measurement) -> int:
+    """Real numbers that were measured, those at the same speed, sense of rotation and trial weight counted once."""
+    bins = np.round(np.log(measurement.speed) / SAME_SPEED)
+    keys = [bins, measurement.direction]
+    if measurement.added is not None:
+        keys += [*measurement.added.real.T, *measurement.added.imag.T]
+    _, place = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
+    seen = np.zeros((place.max() + 1, measurement.phasor.shape[1]), dtype=bool)
+    np.logical_or.at(seen, place.reshape(-1), measurement.usable)
+    return 2 * int(np.count_nonzero(seen))
 
 
 def _without_empty_samples(measurement: Measurement) -> Measurement:
@@ -151,12 +169,20 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     silenced = replace(measurement, phasor=np.where(measurement.usable, measurement.phasor, 0.0))
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
     problem = Problem(train, silenced, coordinates, noise, np.zeros_like(measurement.usable), robust)
-    amplitude = np.abs(silenced.phasor)
+    amplitude = problem.first_amplitude
     if not np.any(amplitude > 0.0):
         raise NotEnoughData("every usable phasor is zero: there is no response to identify from")
-    theta = problem.best_excitations(coordinates.centre, problem.weight(amplitude, STAGE_MISFITS[0]))
-    scale = float(np.max(np.abs(coordinates.excitations(theta)[: len(train.unknowns.unbalances)]), initial=0.0))
-    return replace(problem, coordinates=Coordinates.of(train, unbalance_scale=scale or 1.0))
+    scale = 1.0
+    for _ in range(SCALE_PASSES):
+        # The prior of a first scale that is far too small holds the unbalances back, so look again.
+        theta = problem.best_excitations(coordinates.centre, problem.weight(amplitude, STAGE_MISFITS[0]))
+        before = scale
+        scale = float(np.max(np.abs(coordinates.excitations(theta)[: len(train.unknowns.unbalances)]), initial=0.0)) or 1.0
+        coordinates = Coordinates.of(train, unbalance_scale=scale)
+        problem = replace(problem, coordinates=coordinates)
+        if scale < 2.0 * before:
+            break
+    return problem
 
 
 def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identification:

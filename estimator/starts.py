@@ -65,7 +65,7 @@ def best_fit(problem: Problem, *, starts: int, seed: int, good: Callable[[Fit], 
 def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
     """At the nominal values, else at the best of some random candidates, by their first-stage misfit."""
     coordinates = problem.coordinates
-    weight = problem.weight(np.abs(problem.measurement.phasor), STAGE_MISFITS[0])
+    weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():
         return problem.best_excitations(coordinates.centre, weight)
     candidates = [

@@ -14,6 +14,8 @@ LARGEST_OUTLIER_PART = 0.1
 """A fit that leaves out more than this part of the phasors explains the wrong ones."""
 LARGEST_ESTIMATED_NOISE = 0.2
 """An estimated relative noise above this is no noise but a model that does not fit."""
+SMALLEST_ESTIMATED_NOISE = 1e-5
+"""An estimated relative noise below this is rounding: the data were computed."""
 LARGEST_SERIAL_CORRELATION = 0.3
 """With estimated noise, residuals of neighbouring speeds may be as alike as this, plus five standard deviations."""
 
@@ -57,6 +59,8 @@ def judge(problem: Problem, found: Fit) -> Verdict:
 
 def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
     """With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed."""
+    if found.noise.relative <= SMALLEST_ESTIMATED_NOISE and found.noise.floor == 0.0:
+        return Verdict(True, f"accepted; no noise to be seen: {words}", freedom)
     if found.noise.relative > LARGEST_ESTIMATED_NOISE:
         return Verdict(False, f"the model does not fit the data: {words}", freedom)
     correlation, pairs = serial_correlation(problem, found)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from test_identification import CLEAN, SPEED, assert_at_the_bound, measured
 from test_modes import jeffcott
-from trains import chapter_3, chapter_3_document, noisy, one_disc_document
+from trains import chapter_3, chapter_3_document, dense_response, noisy, one_disc_document
 
 from estimator.condensation import condense
 from estimator.identification import NotEnoughData, identify
-from estimator.machine import DocumentError, parse_machine
+from estimator.machine import DocumentError, Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.modes import critical_speeds
 
@@ -60,3 +60,81 @@ def test_chain_of_near_stations() -> None:
     document = one_disc_document()
     document["probes"] = [{"id": f"P{i}", "shaft": "S", "station": 0.3 + i * 0.9e-9, "angle_deg": 0} for i in range(4)]
     condense(parse_machine(document), speed=np.array([10.0]), direction=np.array([1.0]))
+
+
+def computed(speed: np.ndarray, machine: Machine | None = None, relative: float = 0.01) -> Measurement:
+    """The dense model's response with noise."""
+    clean = dense_response(machine or chapter_3(), speed, direction=1)
+    return Measurement.of(speed=speed, phasor=noisy(clean, seed=3, relative=relative))
+
+
+def test_too_few_speeds() -> None:
+    with pytest.raises(NotEnoughData, match="48 measured numbers cannot determine 50 unknowns"):
+        identify(chapter_3(), computed(np.array([100.0, 150.0, 200.0])))
+
+
+@pytest.mark.parametrize("same", [True, False], ids=["the very sample", "noisy samples"])
+def test_one_sample_repeated(same: bool) -> None:
+    at = computed(np.full(150, 130.0))
+    phasor = np.tile(at.phasor[0], (150, 1)) if same else at.phasor
+    with pytest.raises(NotEnoughData, match=r"16 measured numbers.*samples at one speed repeat each other"):
+        identify(chapter_3(), Measurement.of(speed=at.speed, phasor=phasor))
+
+
+def test_one_channel_determines_next_to_nothing_and_says_so() -> None:
+    document = chapter_3_document()
+    document["probes"] = document["probes"][:1]
+    machine = parse_machine(document)
+    found = identify(machine, computed(np.arange(2.0, 300.0, 2.0), machine))
+    assert sum(one.estimable for one in found.estimates) < 10
+    assert all(one.reason for one in found.estimates if not one.estimable)
+
+
+def test_all_speeds_in_one_mode_leave_the_coupling_open() -> None:
+    found = identify(chapter_3(), computed(np.linspace(118.0, 128.0, 60)))
+    open_ones = {one.name: one.reason for one in found.estimates if not one.estimable}
+    assert "coupling.C1.cxx" in open_ones
+    assert any("crosses no mode that moves coupling C1" in (reason or "") for reason in open_ones.values())
+
+
+def test_contradictory_nominal_values_do_not_matter() -> None:
+    document = chapter_3_document()
+    for bearing in document["bearings"]:
+        bearing["kxx"] *= 8.0
+        bearing["kyy"] /= 8.0
+    assert_at_the_bound(identify(parse_machine(document), measured(0)))
+
+
+@pytest.mark.parametrize("estimated", [False, True])
+def test_data_without_noise(estimated: bool) -> None:
+    document = chapter_3_document()
+    document["noise"] = {"relative": 1e-6, "floor": 0.0, "estimated": estimated}
+    found = identify(parse_machine(document), computed(np.arange(2.0, 300.0, 4.0), relative=0.0))
+    assert found.accepted
+    assert ("no noise to be seen" if estimated else "the stated noise is too large") in found.verdict
+
+
+def test_noise_of_zero_is_no_noise_model() -> None:
+    document = chapter_3_document()
+    document["noise"] = {"relative": 0.0, "floor": 0.0}
+    with pytest.raises(DocumentError, match=r"noise\.relative"):
+        parse_machine(document)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e9])
+def test_the_size_of_the_response_does_not_matter(size: float) -> None:
+    clean = computed(np.arange(2.0, 300.0, 4.0))
+    found = identify(chapter_3(), Measurement.of(speed=clean.speed, phasor=size * clean.phasor))
+    expected = identify(chapter_3(), clean)
+    assert found.accepted
+    assert found.chi_square == pytest.approx(expected.chi_square, rel=1e-3)
+    one, other = found.estimate("disc.D1.unbalance"), expected.estimate("disc.D1.unbalance")
+    assert one.value == pytest.approx(size * other.value, rel=1e-3)
+
+
+def test_a_dead_channel_is_named() -> None:
+    phasor = noisy(CLEAN[::2], seed=0)
+    phasor[:, 3] = 1e-12
+    found = identify(chapter_3(), Measurement.of(speed=SPEED[::2], phasor=phasor))
+    assert not found.accepted
+    assert "most of them of B2Y" in found.verdict
