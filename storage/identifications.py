@@ -60,6 +60,10 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         code_version=origin.code_version,
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
+        noise_relative=result.noise.relative,
+        noise_floor=result.noise.floor,
+        outliers=result.outliers,
+        point=result.point.astype("<f8").tobytes(),
     )
     session.add(row)
     session.flush()

@@ -180,6 +180,11 @@ class IdentificationRow(Base):
     code_version: Mapped[str] = mapped_column(String(64))
     coordinates: Mapped[list[str]]
     covariance: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
+    # Null where an older release identified.
+    noise_relative: Mapped[float | None]
+    noise_floor: Mapped[float | None]
+    outliers: Mapped[dict[str, Any] | None]
+    point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
 
 
 class EstimateRow(Base):

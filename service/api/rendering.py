@@ -111,6 +111,9 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
         iterations=row.iterations,
         options=row.options,
         code_version=row.code_version,
+        noise_relative=row.noise_relative,
+        noise_floor=row.noise_floor,
+        outliers=row.outliers,
     )
 
 

@@ -95,6 +95,9 @@ class IdentificationSummary(BaseModel):
     iterations: int
     options: dict[str, Any]
     code_version: str
+    noise_relative: float | None = Field(description="relative error of a phasor as stated or estimated, rms [-]")
+    noise_floor: float | None = Field(description="its floor, 0-to-peak [m]")
+    outliers: dict[str, int] | None = Field(description="per channel the phasors left out because no noise explains them")
 
 
 class IdentificationDetail(IdentificationSummary):

@@ -13,11 +13,11 @@ from alembic.migration import MigrationContext
 from sqlalchemy import inspect, text
 from sqlalchemy.exc import IntegrityError
 
-from storage import machines, quarantine
+from storage import identifications, machines, quarantine
 from storage.database import MIGRATIONS, Database, DatabaseUnusable
 from storage.quarantine import Rejection
 from storage.tables import Base, SourceRow
-from tests.plant import START, machine, sqlite_url
+from tests.plant import START, identification, machine, sqlite_url, store_identification
 
 
 def migrate(database: Database, command: Callable[[alembic.config.Config, str], None], revision: str) -> None:
@@ -229,3 +229,15 @@ def test_one_service_at_a_time(tmp_path: Path) -> None:
     first.close()
     second.claim()
     second.close()
+
+
+def test_identifications_of_an_older_release_survive_the_migration(plant: Database) -> None:
+    with plant.transaction() as session:
+        found = store_identification(session, identification(), run_id=1).id
+    migrate(plant, alembic.command.downgrade, "0001")
+    migrate(plant, alembic.command.upgrade, "head")
+    with plant.reading() as session:
+        row = identifications.get(session, found)
+        assert (row.noise_relative, row.noise_floor, row.outliers, row.point) == (None, None, None, None)
+        assert row.chi_square == 123.0
+        assert identifications.estimates(session, found)
