@@ -93,10 +93,10 @@ def test_differences_agree_with_the_exact_slopes_of_the_response() -> None:
     train = condense(model.machine, speed=np.array([100.0, 170.0]), direction=np.ones(2))
 
     def phasors(of: UpdatedModel) -> np.ndarray:
-        found = response(train, coefficients=of.coefficients, unbalances=of.unbalances).reshape(-1)
+        found = response(train, coefficients=of.coefficients, excitations=of.unbalances).reshape(-1)
         return np.concatenate([found.real, found.imag])
 
-    _, slope = sensitivity(train, coefficients=model.coefficients, unbalances=model.unbalances)
+    _, slope = sensitivity(train, coefficients=model.coefficients, excitations=model.unbalances)
     exact = by_coordinate(model, slope).reshape(-1, slope.shape[-1])
     both = np.concatenate([exact.real, exact.imag])
     expected = both @ model.covariance @ both.T

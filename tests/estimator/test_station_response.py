@@ -133,7 +133,7 @@ def test_band_is_that_of_monte_carlo() -> None:
     seen = place("S1", 0.25, 45.0)
     found: StationResponse = station_response(model, speed=SPEED, places=[seen])
     train = condense(model.machine.model_copy(update={"probes": (seen,)}), speed=SPEED, direction=np.ones(SPEED.size))
-    cloud = np.array([response(train, coefficients=c, unbalances=u)[:, 0] for c, u in draws(model, 2000)])
+    cloud = np.array([response(train, coefficients=c, excitations=u)[:, 0] for c, u in draws(model, 2000)])
     band = found.response
     for part, index in (("real", 0), ("imag", 1)):
         expected = np.std(getattr(cloud, part), axis=0)
