@@ -13,7 +13,8 @@ import numpy as np
 
 from estimator.condensation import Floats
 from estimator.error_propagation import PhasorBand, by_coordinate, phasor_band
-from estimator.machine import STATION_TOLERANCE, Machine, Probe, Section
+from estimator.machine import Machine, Probe, Section
+from estimator.references import STATION_TOLERANCE
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS, shear_coefficient
 from estimator.unbalance_response import unbalance_response

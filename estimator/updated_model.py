@@ -33,7 +33,7 @@ class UpdatedModel:
         shapes = {
             "coefficients": (len(unknown.coefficients),),
             "unbalances": (len(unknown.unbalances),),
-            "covariance": (unknown.real_count, unknown.real_count),
+            "covariance": 2 * (len(unknown.coefficients) + 2 * len(unknown.unbalances),),
         }
         for name, shape in shapes.items():
             if np.shape(getattr(self, name)) != shape:

@@ -96,7 +96,7 @@ def test_differences_agree_with_the_exact_slopes_of_the_response() -> None:
         found = response(train, coefficients=of.coefficients, excitations=of.unbalances).reshape(-1)
         return np.concatenate([found.real, found.imag])
 
-    _, slope = sensitivity(train, coefficients=model.coefficients, excitations=model.unbalances)
+    slope = sensitivity(train, coefficients=model.coefficients, excitations=model.unbalances).by_parameter
     exact = by_coordinate(model, slope).reshape(-1, slope.shape[-1])
     both = np.concatenate([exact.real, exact.imag])
     expected = both @ model.covariance @ both.T
