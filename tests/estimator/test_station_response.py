@@ -14,8 +14,8 @@ from trains import (
 from estimator.condensation import condense
 from estimator.machine import Probe, parse_machine
 from estimator.response import response
-from estimator.rotor import assemble_rotor
-from estimator.shaft import shaft_element
+from estimator.rotor import assemble_rotor, both_planes
+from estimator.shaft import plane_element
 from estimator.station_response import StationResponse, displacement_row, station_response
 from estimator.updated_model import UpdatedModel
 
@@ -40,7 +40,7 @@ def test_a_place_between_nodes_moves_as_a_node_there_would_statically() -> None:
     shaft = {"outer_diameter": 0.2, "inner_diameter": 0.1, "young_modulus": 2e11, "density": 7800.0, "poisson_ratio": 0.3}
     whole = np.zeros((12, 12))
     for first, piece in ((0, part * length), (4, (1 - part) * length)):
-        whole[first : first + 8, first : first + 8] += shaft_element(length=piece, **shaft).stiffness
+        whole[first : first + 8, first : first + 8] += both_planes(plane_element(length=piece, **shaft).stiffness)
     outer = [0, 1, 2, 3, 8, 9, 10, 11]
     middle = -np.linalg.solve(whole[4:8, 4:8], whole[4:8][:, outer])  # (4, 8)
     document = one_disc_document(length=2 * length, diameter=0.2, disc_station=length, element_length=length)
