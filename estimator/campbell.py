@@ -13,10 +13,10 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
-from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, felt_crossings
+from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
 from estimator.machine import Machine
 from estimator.modes import Modes, damping_ratio, log_decrement, modes
-from estimator.system_matrices import SystemMatrices, system_matrices
+from estimator.system_matrices import CoefficientsOverSpeed, system_matrices_over_speed
 from estimator.whirl import whirl
 
 SURE_ASSURANCE = 0.9
@@ -58,18 +58,21 @@ class Campbell:
         return log_decrement(self.eigenvalue)
 
 
-def campbell(machine: Machine, *, speed: Floats, highest_frequency: float, coefficients: Floats | None = None) -> Campbell:
+def campbell(
+    machine: Machine, *, speed: Floats, highest_frequency: float, coefficients: CoefficientsOverSpeed = None
+) -> Campbell:
     """Campbell diagram of a machine in its sense of rotation.
 
     speed: (S,) [rad/s], ascending, not negative. highest_frequency: [rad/s]; curves that come below it anywhere are given,
     but none that is everywhere so heavily damped that nothing is felt of it.
-    coefficients: (K,) in SI, by default what the document expects. Critical speeds are those up to the last speed.
+    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects. Critical speeds are those
+    up to the last speed.
     Raises ValueError for speeds that do not ascend.
     """
     speed = np.asarray(speed, dtype=float)
     if speed.ndim != 1 or speed.size == 0 or speed[0] < 0 or speed[-1] <= 0 or np.any(np.diff(speed) <= 0):
         raise ValueError("speed must be an ascending list of spin speeds [rad/s], not negative, the last above zero")
-    matrices = system_matrices(machine, coefficients=coefficients)
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
     follower = _Follower(matrices, machine.direction, highest_frequency)
     at = [follower.modes(float(one)) for one in speed]
     curves: list[dict[int, int]] = [{0: number} for number in range(at[0].eigenvalue.size)]
@@ -96,12 +99,12 @@ def assurance(one: Complexes, other: Complexes, mass: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Follower:
-    matrices: SystemMatrices
+    matrices: MatricesOverSpeed
     direction: int
     highest_frequency: float
 
     def modes(self, speed: float) -> Modes:
-        return modes(self.matrices, spin=self.direction * speed)
+        return modes(self.matrices(speed), spin=self.direction * speed)
 
     def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
         """Which mode at `upper` continues which mode at `lower`."""
@@ -120,7 +123,7 @@ class _Follower:
 
     def _alike(self, before: Modes, after: Modes) -> Floats:
         """Assurance of each pair; a mode among coinciding ones counts as all of them together: their shapes are arbitrary."""
-        mass = self.matrices.mass
+        mass = self.matrices(0.0).mass
         old, new = _coinciding(before.eigenvalue), _coinciding(after.eigenvalue)
         each = assurance(_orthogonal(before.shape, old, mass), _orthogonal(after.shape, new, mass), mass)
         return np.asarray(np.minimum(old @ each @ new, 1.0))
@@ -145,7 +148,7 @@ def _orthogonal(shapes: Complexes, coinciding: NDArray[np.bool_], mass: Floats) 
 
 def _diagram(
     machine: Machine,
-    matrices: SystemMatrices,
+    matrices: MatricesOverSpeed,
     speed: Floats,
     at: list[Modes],
     curves: list[dict[int, int]],
@@ -153,7 +156,7 @@ def _diagram(
 ) -> Campbell:
     eigenvalue = np.full((speed.size, len(curves)), complex(np.nan, np.nan))
     sense = np.full(eigenvalue.shape, np.nan)
-    senses = [whirl(one.shape, matrices.mass, direction=machine.direction) for one in at]
+    senses = [whirl(one.shape, matrices(0.0).mass, direction=machine.direction) for one in at]
     for column, curve in enumerate(curves):
         for step, number in curve.items():
             eigenvalue[step, column] = at[step].eigenvalue[number]

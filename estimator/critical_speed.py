@@ -15,7 +15,7 @@ import scipy.optimize
 
 from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
-from estimator.system_matrices import SystemMatrices, system_matrices
+from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
 from estimator.whirl import whirl
 
 HEAVILY_DAMPED = 0.9
@@ -45,17 +45,23 @@ class CriticalSpeed:
         return -2 * np.pi * self.eigenvalue.real / self.eigenvalue.imag
 
 
-def critical_speed_table(machine: Machine, *, highest: float, coefficients: Floats | None = None) -> tuple[CriticalSpeed, ...]:
+MatricesOverSpeed = Callable[[float], SystemMatrices]
+"""What gives the matrices at a spin speed [rad/s, without sign]."""
+
+
+def critical_speed_table(
+    machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None
+) -> tuple[CriticalSpeed, ...]:
     """Critical speeds up to `highest` [rad/s], ascending, those of modes that are hardly felt in passing left out.
 
-    coefficients: (K,) in SI, by default what the document expects.
+    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects.
     """
-    matrices = system_matrices(machine, coefficients=coefficients)
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
     return felt_crossings(matrices, direction=machine.direction, highest=highest)
 
 
 def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Floats:
-    """All critical speeds [rad/s] without damping, ascending, from one generalised eigenvalue problem.
+    """All critical speeds [rad/s] of constant matrices without damping, ascending, from one generalised eigenvalue problem.
 
     direction: +1 for rotation from +x to +y, else -1. Unequal cross-coupled stiffnesses make some of them complex; their
     real part is given then.
@@ -68,18 +74,19 @@ def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Flo
     return np.asarray(np.sort((1 / np.sqrt(positive)).real))
 
 
-def felt_crossings(matrices: SystemMatrices, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """The synchronous crossings of modes that are not so heavily damped that nothing is felt in passing."""
     found = synchronous_crossings(matrices, direction=direction, highest=highest)
     return tuple(one for one in found if one.damping_ratio < HEAVILY_DAMPED)
 
 
-def synchronous_crossings(matrices: SystemMatrices, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """Every crossing of a damped natural frequency with the synchronous line up to `highest` [rad/s], ascending.
 
     Frequencies in ascending order, zero for overdamped modes, are continuous in the spin speed, so that a change of sign of
     (frequency - spin) between two speeds holds a crossing. The speeds looked at separate the undamped critical speeds from
-    each other: only a mode that dips below the line and comes back between two of them could escape.
+    each other: only a mode that dips below the line and comes back between two of them could escape. Where coefficients
+    follow the speed, the undamped critical speeds are those with the coefficients of either end and the middle.
     Raises ValueError when `highest` is not positive.
     """
     if not highest > 0:
@@ -87,10 +94,12 @@ def synchronous_crossings(matrices: SystemMatrices, *, direction: int, highest: 
 
     @cache
     def frequencies(speed: float) -> Floats:
-        roots = np.linalg.eigvals(matrices.state_matrix(spin=direction * speed))
+        roots = np.linalg.eigvals(matrices(speed).state_matrix(spin=direction * speed))
         return np.asarray(np.sort(np.abs(roots.imag))[::2])  # conjugate pairs, and pairs of zeros
 
-    samples = _samples(undamped_critical_speeds(matrices, direction=direction), highest)
+    places = {id(one): one for one in (matrices(part * highest) for part in (0.0, 0.5, 1.0))}.values()
+    undamped = [undamped_critical_speeds(one, direction=direction) for one in places]
+    samples = _samples(undamped, highest)
     above = np.array([frequencies(speed) - speed for speed in samples])
     found = []
     for before, mode in zip(*np.nonzero((above[:-1] > 0) != (above[1:] > 0)), strict=True):
@@ -101,11 +110,11 @@ def synchronous_crossings(matrices: SystemMatrices, *, direction: int, highest: 
     return tuple(sorted(found, key=lambda one: one.speed))
 
 
-def _samples(undamped: Floats, highest: float) -> list[float]:
-    inside = undamped[undamped < 2 * highest]
-    between = (inside[1:] + inside[:-1]) / 2
+def _samples(undamped: list[Floats], highest: float) -> list[float]:
+    between = [(one[1:] + one[:-1]) / 2 for one in undamped]
     even = np.linspace(0.0, highest, EVEN_SAMPLES + 1)
-    return [float(one) for one in np.unique(np.concatenate([even, between[between < highest]]))]
+    samples = np.unique(np.concatenate([even, *between]))
+    return [float(one) for one in samples[samples <= highest]]
 
 
 def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, upper: float) -> float:
@@ -115,13 +124,14 @@ def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, u
     return float(scipy.optimize.brentq(gap, lower, upper, xtol=TOLERANCE * upper, rtol=4 * np.finfo(float).eps))
 
 
-def _at(matrices: SystemMatrices, direction: int, speed: float, mode: int) -> CriticalSpeed:
+def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> CriticalSpeed:
     """The crossing of the mode that is `mode`-th in ascending order of frequency, overdamped ones counted as zero."""
-    roots, vectors = np.linalg.eig(matrices.state_matrix(spin=direction * speed))
-    size = matrices.mass.shape[0]
+    here = matrices(speed)
+    roots, vectors = np.linalg.eig(here.state_matrix(spin=direction * speed))
+    size = here.mass.shape[0]
     overdamped = size - int(np.count_nonzero(roots.imag > 0))
     rising = np.flatnonzero(roots.imag > 0)
     chosen = rising[np.argsort(roots[rising].imag)][mode - overdamped]
     shape: Complexes = vectors[:size, [chosen]]
-    sense = float(whirl(shape, matrices.mass, direction=direction)[0])
+    sense = float(whirl(shape, here.mass, direction=direction)[0])
     return CriticalSpeed(speed=speed, eigenvalue=complex(roots[chosen]), whirl=sense)

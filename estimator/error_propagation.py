@@ -43,17 +43,6 @@ class PhasorBand:
         return np.angle(self.value)
 
 
-def by_coordinate(model: UpdatedModel, slope: Complexes) -> Complexes:
-    """Derivatives (..., K + 2P) by the model's coordinates from those by coefficients and parts of unbalances.
-
-    ∂/∂ln p = p ∂/∂p for direct terms; the rest stays.
-    """
-    direct = np.array([one.direct for one in model.unknowns.coefficients])
-    factor = np.ones(slope.shape[-1])
-    factor[: direct.size] = np.where(direct, model.coefficients, 1.0)
-    return np.asarray(slope * factor)
-
-
 def phasor_band(value: Complexes, slope: Complexes, covariance: Floats) -> PhasorBand:
     """Band of phasors (...) from their derivatives (..., n) by coordinates of covariance (n, n).
 
@@ -85,18 +74,6 @@ def standard_errors(slope: Floats, covariance: Floats) -> Floats:
     return np.asarray(np.sqrt(np.sum((slope @ covariance) * slope, axis=-1)))
 
 
-def shifted(model: UpdatedModel, step: Floats) -> UpdatedModel:
-    """The model with its coordinates moved by (K + 2P,)."""
-    direct = np.array([one.direct for one in model.unknowns.coefficients])
-    move, rest = step[: direct.size], step[direct.size :].reshape(-1, 2)
-    factor = np.exp(np.where(direct, move, 0.0))
-    return replace(
-        model,
-        coefficients=model.coefficients * factor + np.where(direct, 0.0, move),
-        unbalances=model.unbalances + rest[:, 0] + 1j * rest[:, 1],
-    )
-
-
 def propagated(function: Callable[[UpdatedModel], Floats], model: UpdatedModel) -> Floats:
     """Covariance (n, n) of a function's real values (n,), whatever it is, by central differences.
 
@@ -105,7 +82,7 @@ def propagated(function: Callable[[UpdatedModel], Floats], model: UpdatedModel) 
     """
     columns = []
     for axis in principal_axes(model.covariance).T:
-        ahead, behind = (function(shifted(model, sign * STEP * axis)) for sign in (1.0, -1.0))
+        ahead, behind = (function(replace(model, values=model.values + sign * STEP * axis)) for sign in (1.0, -1.0))
         columns.append((ahead - behind) / (2 * STEP))
     slope = np.array(columns).T
     return np.asarray(slope @ slope.T)

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.condensation import Floats
-from estimator.error_propagation import PhasorBand, by_coordinate, phasor_band
-from estimator.parameters import dense
+from estimator.error_propagation import PhasorBand, phasor_band
+from estimator.forced_response import coefficient_slopes, forced_response
+from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS
-from estimator.unbalance_response import unbalance_response
 from estimator.updated_model import UpdatedModel
 
 
@@ -23,7 +23,7 @@ class CouplingForce:
     """What one coupling carries at S speeds [rad/s], as 1× phasors with 95 % bands.
 
     force_x, force_y: (S,) [N]; moment_x, moment_y: (S,) about x and y [N m]. The coupling pushes its driven half with them
-    and its driver half with the opposite.
+    and its driver half with the opposite. An equivalent load that was identified acts beside them and is not in them.
     """
 
     coupling: str
@@ -43,20 +43,22 @@ def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForc
 
 
 def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> CouplingForce:
-    """A load is Σ p r d over its coefficients p, r = 1 or jω and d the deformation that each acts on."""
-    numbered = enumerate(model.unknowns.coefficients)
-    own = {k: one for k, one in numbered if one.element == f"coupling.{coupling}"}
-    rows = dense([one.right for one in own.values()], assemble_rotor(model.machine).size).T
-    deformation, slope = unbalance_response(model, speed=speed, rows=rows)
-    viscous = np.array([one.quantity == "damping" for one in own.values()])
-    rate = np.where(viscous, 1j * speed[:, None], 1.0)  # (S, 10)
-    each = model.coefficients[list(own)] * rate
-    load_slope = each[:, :, None] * slope
-    for i, k in enumerate(own):
-        load_slope[:, i, k] += rate[:, i] * deformation[:, i]
-    bands = []
-    for dof in range(NODE_DOFS):
-        members = [i for i, one in enumerate(own.values()) if min(one.left) % NODE_DOFS == dof]
-        total = by_coordinate(model, load_slope[:, members].sum(axis=1))
-        bands.append(phasor_band((each * deformation)[:, members].sum(axis=1), total, model.covariance))
+    """A load is Σ p r bᵀq over the terms that act on it, r = (jω)ⁿ."""
+    rotor = assemble_rotor(model.machine)
+    numbered = enumerate(unknowns(model.machine, rotor).coefficients)
+    terms = [(k, one, pair) for k, one in numbered if one.element == f"coupling.{coupling}" for pair in one.pairs]
+    rows = dense([right for _, _, (_, right) in terms], rotor.size).T
+    found = forced_response(model, speed=speed, output=rows)
+    slopes = coefficient_slopes(model.coordinates_at(speed), found.coefficients)
+    load = np.zeros((speed.size, NODE_DOFS), dtype=complex)
+    load_slope = np.zeros((*load.shape, model.values.size), dtype=complex)
+    for i, (k, one, (left, _)) in enumerate(terms):
+        component = min(left) % NODE_DOFS
+        rate = (1j * speed) ** one.order
+        deformation = rate * found.phasor[:, i]
+        load[:, component] += found.coefficients[:, k] * deformation
+        load_slope[:, component] += (found.coefficients[:, k] * rate)[:, None] * found.slope[:, i]
+        for place, by_coordinate in slopes.get(k, {}).items():
+            load_slope[:, component, place] += by_coordinate * deformation
+    bands = [phasor_band(load[:, dof], load_slope[:, dof], model.covariance) for dof in range(NODE_DOFS)]
     return CouplingForce(coupling, speed, *bands)

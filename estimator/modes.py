@@ -11,7 +11,7 @@ from estimator.critical_speed import critical_speed_table
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
-from estimator.system_matrices import SystemMatrices, system_matrices
+from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices
 
 OSCILLATING = 1e-6
 """A mode oscillates when Im λ exceeds this part of |λ|."""
@@ -22,7 +22,7 @@ class Modes:
     """n oscillating modes, by ascending damped natural frequency.
 
     eigenvalue: (n,) λ [rad/s] with positive imaginary part. shape: (N, n) displacements q of q e^{λt}, xᴴMx = 1.
-    left: (N, n) left vectors, yᴴ (K + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1.
+    left: (N, n) left vectors, yᴴ (K + ΩH + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1.
     """
 
     eigenvalue: Complexes
@@ -70,13 +70,14 @@ def eigenvalue_slopes(machine: Machine, found: Modes) -> Complexes:
     Source: Nelson, AIAA J. 14 (1976) 1201, doi:10.2514/3.7211, for the quadratic problem. Modes of exactly equal eigenvalue
     have no slope of their own; their values here are only as good as the vectors that were found for them.
     """
-    unknown = unknowns(machine, assemble_rotor(machine))
+    unknown = unknowns(machine, assemble_rotor(machine)).coefficients
     size = found.shape.shape[0]
-    at_left = np.conj(found.left).T @ dense([c.left for c in unknown.coefficients], size)
-    at_right = found.shape.T @ dense([c.right for c in unknown.coefficients], size)
-    viscous = np.array([c.quantity == "damping" for c in unknown.coefficients])
-    rate = np.where(viscous, found.eigenvalue[:, None], 1.0)
-    return np.asarray(-at_left * at_right * rate)
+    slopes = np.zeros((found.eigenvalue.size, len(unknown)), dtype=complex)
+    for k, one in enumerate(unknown):
+        left, right = (dense(list(side), size) for side in zip(*one.pairs, strict=True))
+        acting = np.sum((np.conj(found.left).T @ left) * (found.shape.T @ right), axis=1)
+        slopes[:, k] = -acting * found.eigenvalue**one.order
+    return slopes
 
 
 def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Complexes:
@@ -95,7 +96,7 @@ def natural_frequencies(machine: Machine, *, coefficients: Floats | None = None,
     return np.asarray(eigenvalues(machine, coefficients=coefficients, spin=spin).imag)
 
 
-def critical_speeds(machine: Machine, *, highest: float, coefficients: Floats | None = None) -> Floats:
+def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
     """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
 
     The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily

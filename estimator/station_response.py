@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.condensation import Floats
-from estimator.error_propagation import PhasorBand, by_coordinate, phasor_band
+from estimator.error_propagation import PhasorBand
+from estimator.forced_response import forced_response
 from estimator.machine import Machine, Probe, Section
 from estimator.references import STATION_TOLERANCE
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS, shear_coefficient
-from estimator.unbalance_response import unbalance_response
 from estimator.updated_model import UpdatedModel
 
 
@@ -31,15 +31,14 @@ class StationResponse:
 
 
 def station_response(model: UpdatedModel, *, speed: Floats, places: Sequence[Probe]) -> StationResponse:
-    """Response of a machine to its identified unbalances, in its sense of rotation.
+    """Response of a machine to what was identified to excite it, in its sense of rotation.
 
     speed: (S,) [rad/s], positive. places: as probes would sit there; the machine's own are places like any other.
     Raises ValueError for a place that is not on a shaft or a speed that is not positive.
     """
     rotor = assemble_rotor(model.machine)
     rows = np.array([displacement_row(model.machine, rotor, place) for place in places]).reshape(-1, rotor.size)
-    value, slope = unbalance_response(model, speed=speed, rows=rows)
-    band = phasor_band(value, by_coordinate(model, slope), model.covariance)
+    band = forced_response(model, speed=speed, output=rows).band(model)
     return StationResponse(speed=np.asarray(speed), places=tuple(places), response=band)
 
 

@@ -1,14 +1,14 @@
-"""The updated model: a machine with the coefficients and unbalances that an identification found, and how sure they are."""
+"""The updated model: a machine with everything that an identification found put in, and how sure that is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
-from estimator.parameters import Unknowns, unknowns
-from estimator.rotor import assemble_rotor
 
 
 class NotDetermined(ValueError):
@@ -17,51 +17,117 @@ class NotDetermined(ValueError):
 
 @dataclass(frozen=True)
 class UpdatedModel:
-    """A machine with K coefficients and P unbalances put in.
+    """A machine and the n coordinates that an identification found, without those of its measuring chains.
 
-    coefficients: (K,) in SI and unbalances: (P,) complex [kg m], in the order of `unknowns`. covariance: (K + 2P, K + 2P)
-    over the coefficients, direct terms as logarithms, then real and imaginary part of each unbalance, [SI² or 1].
+    machine: with exact probes, so that what is predicted is the shaft's motion. coordinates: names. values: (n,) logarithm of
+    the value over the expected one for direct terms and scale factors, else SI. covariance: (n, n) of the values.
+    Raises ValueError for coordinates that are not the machine's.
     """
 
     machine: Machine
-    coefficients: Floats
-    unbalances: Complexes
+    coordinates: tuple[str, ...]
+    values: Floats
     covariance: Floats
 
     def __post_init__(self) -> None:
-        unknown = self.unknowns
-        shapes = {
-            "coefficients": (len(unknown.coefficients),),
-            "unbalances": (len(unknown.unbalances),),
-            "covariance": 2 * (len(unknown.coefficients) + 2 * len(unknown.unbalances),),
-        }
-        for name, shape in shapes.items():
-            if np.shape(getattr(self, name)) != shape:
-                raise ValueError(f"{name} has shape {np.shape(getattr(self, name))}; '{self.machine.id}' needs {shape}")
+        expected = self.coordinates_at(np.ones(1)).names
+        if self.coordinates != expected:
+            raise ValueError(f"machine '{self.machine.id}' has other coordinates: {', '.join(expected)}")
+        size = len(expected)
+        if np.shape(self.values) != (size,) or np.shape(self.covariance) != (size, size):
+            raise ValueError(f"{size} values and a covariance of ({size}, {size}) are needed")
+
+    @classmethod
+    def of(cls, machine: Machine, *, coefficients: Floats, unbalances: Complexes, covariance: Floats) -> "UpdatedModel":
+        """A model of constant coefficients (K,) [SI], unbalances (P,) [kg m], nothing else excited, E and ρ as documented."""
+        exact = with_exact_probes(machine)
+        coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+        theta = coordinates.with_coefficients(np.zeros(coordinates.size), np.asarray(coefficients, dtype=float))
+        first = coordinates.excitation_place[: len(unbalances)]
+        theta[first], theta[first + 1] = np.real(unbalances), np.imag(unbalances)
+        return cls(exact, coordinates.names, theta * coordinates.unit, covariance)
+
+    def coordinates_at(self, speed: Floats) -> Coordinates:
+        """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
+        return Coordinates.of(replace(self._reference, speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+
+    def coefficients(self, speed: float) -> Floats:
+        """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
+        coordinates = self.coordinates_at(np.array([speed]))
+        return np.asarray(coordinates.coefficients(self.values / coordinates.unit).reshape(-1))
 
     @property
-    def unknowns(self) -> Unknowns:
-        """What the coefficients and unbalances are called and where they act."""
-        return unknowns(self.machine, assemble_rotor(self.machine))
+    def excitations(self) -> Complexes:
+        """Excitations (E,) [SI], the unbalances first."""
+        coordinates = self.coordinates_at(np.ones(1))
+        return coordinates.excitations(self.values / coordinates.unit)
+
+    @property
+    def scale_factors(self) -> dict[str, float]:
+        """Factor on each modulus and density that was identified, by name."""
+        coordinates = self.coordinates_at(np.ones(1))
+        factors = coordinates.scales(self.values / coordinates.unit)
+        return dict(zip(self._reference.scale_names, map(float, factors), strict=True))
+
+    @property
+    def scaled_machine(self) -> Machine:
+        """The machine with the identified scale factors of E and ρ put into its materials."""
+        factors = self.scale_factors
+        materials = {
+            name: material.model_copy(
+                update={
+                    what: getattr(material, what) * factors.get(f"material.{name}.{what}", 1.0)
+                    for what in ("young_modulus", "density")
+                }
+            )
+            for name, material in self.machine.materials.items()
+        }
+        return self.machine.model_copy(update={"materials": materials})
+
+    @cached_property
+    def _reference(self) -> CondensedTrain:
+        return _reference(self.machine)
 
 
 def updated_model(machine: Machine, identification: Identification) -> UpdatedModel:
     """The model that an identification of the machine leads to.
 
-    Raises NotDetermined, which names the parameters that have no value, ValueError for an identification of another machine.
+    Raises NotDetermined, which names the parameters that the data leave open, ValueError for an identification of another
+    machine.
     """
-    open_ones = [one.name for one in identification.estimates if one.value is None]
-    if open_ones:
-        raise NotDetermined(f"the data leave open, so that nothing can be predicted: {', '.join(open_ones)}")
-    unknown = unknowns(machine, assemble_rotor(machine))
-    names = tuple(one.name for one in identification.estimates)
-    if names != unknown.names:
-        raise ValueError(f"the identification is of other parameters than those of machine '{machine.id}'")
-    values = [complex(one.value or 0.0, one.imaginary or 0.0) for one in identification.estimates]
-    count = len(unknown.coefficients)
-    return UpdatedModel(
-        machine=machine,
-        coefficients=np.real(values[:count]),
-        unbalances=np.array(values[count:]),
-        covariance=identification.covariance,
-    )
+    exact = with_exact_probes(machine)
+    coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+    missing = [name for name in coordinates.names if name not in identification.coordinates]
+    if missing:
+        raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
+    by_name = {one.name: complex(one.value, one.imaginary or 0.0) for one in identification.estimates if one.value is not None}
+    stems = [name.removesuffix(".real").removesuffix(".imaginary") for name in coordinates.names]
+    left_open = dict.fromkeys(stem for stem in stems if stem not in by_name)
+    if left_open:
+        raise NotDetermined(f"the data leave open, so that nothing can be predicted: {', '.join(left_open)}")
+    found = [by_name[stem] for stem in stems]
+    imaginary = [name.endswith(".imaginary") for name in coordinates.names]
+    values = np.where(imaginary, np.imag(found), np.real(found))
+    for place, expected in _expected_of_logarithms(coordinates).items():
+        values[place] = np.log(values[place] / expected)
+    rows = [identification.coordinates.index(name) for name in coordinates.names]
+    return UpdatedModel(exact, coordinates.names, values, identification.covariance[np.ix_(rows, rows)])
+
+
+def with_exact_probes(machine: Machine) -> Machine:
+    """The machine without gain errors and run-outs of its channels."""
+    exact = {"gain_spread": 0.0, "run_out_spread": 0.0}
+    return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
+
+
+def _reference(machine: Machine) -> CondensedTrain:
+    """The machine condensed at any one speed, to learn its coordinates from."""
+    return condense(machine, speed=np.ones(1), direction=np.ones(1))
+
+
+def _expected_of_logarithms(coordinates: Coordinates) -> dict[int, float]:
+    """By coordinate, what a logarithm is relative to."""
+    found = {int(place): 1.0 for place in coordinates.scale_place}
+    for k in np.flatnonzero(coordinates.logarithmic):
+        found |= dict.fromkeys(coordinates.places(int(k)), float(coordinates.expected[k]))
+    return found

@@ -25,18 +25,17 @@ def model_of(machine: Machine, *, error: float = 0.02, seed: int = 1) -> Updated
     correlation = np.eye(len(size)) + mixture @ mixture.T / len(size)
     correlation /= np.sqrt(np.outer(np.diag(correlation), np.diag(correlation)))
     scale = error * np.array(size)
-    return UpdatedModel(machine, coefficients, unbalances, correlation * np.outer(scale, scale))
+    covariance = correlation * np.outer(scale, scale)
+    return UpdatedModel.of(machine, coefficients=coefficients, unbalances=unbalances, covariance=covariance)
 
 
 def draws(model: UpdatedModel, count: int, *, seed: int = 2) -> list[tuple[Floats, NDArray[np.complex128]]]:
     """Coefficients and unbalances drawn from the model's covariance: direct terms log-normal, everything else normal."""
     rng = np.random.default_rng(seed)
     root = np.linalg.cholesky(model.covariance)
-    direct = np.array([one.direct for one in model.unknowns.coefficients])
+    coordinates = model.coordinates_at(np.ones(1))
     result = []
     for _ in range(count):
-        step = root @ rng.standard_normal(root.shape[0])
-        move, parts = step[: direct.size], step[direct.size :]
-        coefficients = np.where(direct, model.coefficients * np.exp(np.where(direct, move, 0.0)), model.coefficients + move)
-        result.append((coefficients, model.unbalances + parts[::2] + 1j * parts[1::2]))
+        theta = (model.values + root @ rng.standard_normal(root.shape[0])) / coordinates.unit
+        result.append((coordinates.coefficients(theta), coordinates.excitations(theta)))
     return result

@@ -1,27 +1,19 @@
 """Error propagation against Monte Carlo, closed-form distributions and the analytic slopes of the response."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.stats
 from models import draws, model_of
-from trains import chapter_3, noisy, ross
+from trains import chapter_3, noisy, ross, truth
 
-from estimator.condensation import condense
-from estimator.error_propagation import (
-    by_coordinate,
-    phasor_band,
-    principal_axes,
-    propagated,
-    shifted,
-    standard_errors,
-)
+from estimator.error_propagation import phasor_band, principal_axes, propagated, standard_errors
+from estimator.forced_response import forced_response
 from estimator.identification import identify
 from estimator.measurement import Measurement
 from estimator.modes import natural_frequencies
-from estimator.response import response
-from estimator.sensitivity import sensitivity
 from estimator.updated_model import NotDetermined, UpdatedModel, updated_model
 
 SPEED, CLEAN = (one[1::2] for one in ross())
@@ -75,29 +67,31 @@ def test_principal_axes_rebuild_the_covariance() -> None:
     assert axes @ axes.T / np.outer(size, size) == pytest.approx(covariance / np.outer(size, size), abs=1e-12)
 
 
-def test_shift_moves_direct_terms_by_a_factor_and_the_rest_by_a_sum() -> None:
+def test_coordinates_of_a_model_are_its_parameters() -> None:
     model = model_of(chapter_3())
-    step = np.zeros(model.covariance.shape[0])
-    count = model.coefficients.size
+    coefficients, unbalances = truth(chapter_3())
+    assert model.coefficients(123.0) == pytest.approx(coefficients)
+    assert model.excitations == pytest.approx(unbalances)
+    count = coefficients.size
+    step = np.zeros(model.values.size)
     step[[0, 1, count, count + 1]] = 0.1, 7.0, 1e-4, 2e-4
-    moved = shifted(model, step)
-    assert moved.coefficients[0] == pytest.approx(model.coefficients[0] * math.exp(0.1))
-    assert moved.coefficients[1] == model.coefficients[1] + 7.0
-    assert moved.coefficients[2:] == pytest.approx(model.coefficients[2:])
-    assert moved.unbalances[0] == pytest.approx(model.unbalances[0] + 1e-4 + 2e-4j)
-    assert moved.unbalances[1:] == pytest.approx(model.unbalances[1:])
+    moved = replace(model, values=model.values + step)
+    assert moved.coefficients(123.0)[0] == pytest.approx(coefficients[0] * math.exp(0.1))
+    assert moved.coefficients(123.0)[1] == pytest.approx(coefficients[1] + 7.0)
+    assert moved.coefficients(123.0)[2:] == pytest.approx(coefficients[2:])
+    assert moved.excitations[0] == pytest.approx(unbalances[0] + 1e-4 + 2e-4j)
+    assert moved.excitations[1:] == pytest.approx(unbalances[1:])
 
 
 def test_differences_agree_with_the_exact_slopes_of_the_response() -> None:
     model = model_of(chapter_3(), error=0.01)
-    train = condense(model.machine, speed=np.array([100.0, 170.0]), direction=np.ones(2))
+    speed = np.array([100.0, 170.0])
 
     def phasors(of: UpdatedModel) -> np.ndarray:
-        found = response(train, coefficients=of.coefficients, excitations=of.unbalances).reshape(-1)
+        found = forced_response(of, speed=speed).phasor.reshape(-1)
         return np.concatenate([found.real, found.imag])
 
-    slope = sensitivity(train, coefficients=model.coefficients, excitations=model.unbalances).by_parameter
-    exact = by_coordinate(model, slope).reshape(-1, slope.shape[-1])
+    exact = forced_response(model, speed=speed).slope.reshape(-1, model.values.size)
     both = np.concatenate([exact.real, exact.imag])
     expected = both @ model.covariance @ both.T
     size = np.sqrt(np.diag(expected))
@@ -109,7 +103,7 @@ def test_natural_frequencies_scatter_as_propagated() -> None:
     model = model_of(chapter_3(), error=0.01)
 
     def lowest(of: UpdatedModel) -> np.ndarray:
-        return natural_frequencies(of.machine, coefficients=of.coefficients)[:6]
+        return natural_frequencies(of.machine, coefficients=of.coefficients(0.0))[:6]
 
     drawn = [natural_frequencies(model.machine, coefficients=coefficients)[:6] for coefficients, _ in draws(model, 600)]
     found = np.sqrt(np.diag(propagated(lowest, model)))
@@ -119,11 +113,12 @@ def test_natural_frequencies_scatter_as_propagated() -> None:
 def test_an_identification_becomes_a_model() -> None:
     found = identify(chapter_3(), Measurement.of(speed=SPEED, phasor=noisy(CLEAN, seed=0)))
     model = updated_model(chapter_3(), found)
-    assert model.coefficients[0] == found.estimates[0].value
-    first = found.estimates[model.coefficients.size]
-    assert model.unbalances[0] == complex(first.value or 0, first.imaginary or 0)
-    assert model.covariance is found.covariance
-    assert tuple(found.coordinates[: model.coefficients.size]) == tuple(one.name for one in model.unknowns.coefficients)
+    coefficients = model.coefficients(100.0)
+    assert coefficients == pytest.approx([one.value for one in found.estimates[: coefficients.size]])
+    first = found.estimates[coefficients.size]
+    assert model.excitations[0] == pytest.approx(complex(first.value or 0, first.imaginary or 0))
+    assert model.covariance == pytest.approx(found.covariance)
+    assert model.coordinates == found.coordinates
 
 
 def test_an_open_parameter_is_named() -> None:
@@ -137,5 +132,7 @@ def test_an_open_parameter_is_named() -> None:
 
 def test_wrong_shapes_are_refused() -> None:
     model = model_of(chapter_3())
-    with pytest.raises(ValueError, match="coefficients has shape"):
-        UpdatedModel(model.machine, model.coefficients[1:], model.unbalances, model.covariance)
+    with pytest.raises(ValueError, match="50 values and a covariance"):
+        replace(model, values=model.values[1:])
+    with pytest.raises(ValueError, match=r"other coordinates: bearing\.B1\.kxx"):
+        replace(model, coordinates=model.coordinates[1:])

@@ -6,13 +6,14 @@ import math
 import numpy as np
 import pytest
 from models import draws, model_of
-from trains import Complexes, chapter_3, chapter_3_document, dense_elements, mirrored
+from trains import Complexes, chapter_3, chapter_3_document, dense_elements, mirrored, truth
 
 from estimator.error_propagation import PhasorBand
 from estimator.machine import Machine, parse_machine
 from estimator.misalignment_force import CouplingForce, coupling_forces
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
+from estimator.updated_model import UpdatedModel
 
 ROTOR = assemble_rotor(chapter_3())
 SPEED = np.array([60.0, 121.0, 180.0, 290.0])
@@ -79,11 +80,11 @@ def test_forces_hold_the_driven_shaft_in_equilibrium() -> None:
     document["couplings"] = []
     alone_stiffness, alone_damping = dense_elements(parse_machine(document))
     for i, speed in enumerate(SPEED):
-        q = displacement(machine, stiffness, damping, model.unbalances, float(speed))
+        q = displacement(machine, stiffness, damping, model.excitations, float(speed))
         alone = rotor.stiffness + alone_stiffness - speed**2 * rotor.mass
         alone = alone + 1j * speed * (alone_damping + speed * rotor.gyroscopic)
         needed = (alone @ q)[start:]
-        for disc, unbalance in zip(machine.discs, model.unbalances, strict=True):
+        for disc, unbalance in zip(machine.discs, model.excitations, strict=True):
             if disc.shaft == "S2":
                 x = 4 * rotor.node("S2", disc.station) - start
                 needed[x : x + 2] -= speed**2 * unbalance * np.array([1, -1j])
@@ -131,7 +132,8 @@ def test_sure_parameters_make_no_band() -> None:
 
 def test_forces_grow_with_the_unbalances() -> None:
     model = model_of(chapter_3(), error=0.0)
-    twice = type(model)(model.machine, model.coefficients, 2j * model.unbalances, model.covariance)
+    coefficients, unbalances = truth(chapter_3())
+    twice = UpdatedModel.of(chapter_3(), coefficients=coefficients, unbalances=2j * unbalances, covariance=model.covariance)
     (one,), (other,) = coupling_forces(model, speed=SPEED), coupling_forces(twice, speed=SPEED)
     for a, b in zip(components(one), components(other), strict=True):
         assert b.value == pytest.approx(2j * a.value, rel=1e-10)
