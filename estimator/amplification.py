@@ -3,7 +3,7 @@
 AF = Nc / (N2 - N1), Nc the speed of a peak and N1, N2 the speeds below and above it at 0.707 of its amplitude. AF below 2.5:
 critically damped, no margin required. Required margin, in per cent: 17 (1 - 1/(AF - 1.5)), at most 16, of the minimum speed
 for a peak below it; 10 + 17 (1 - 1/(AF - 1.5)), at most 26, of the maximum continuous speed for a peak above it. The
-standards themselves were not at hand; three independent programs carry these formulas with these caps.
+standards themselves were not at hand; ROSS's API report and two other public programs carry these formulas and caps.
 """
 
 import math
