@@ -1,8 +1,10 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import identification, latency
+from benchmarks import estimator, identification, latency
 
 if __name__ == "__main__":
-    identification.main()
+    identification.main([])
+    print()
+    estimator.main([])
     print()
     latency.main()

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.elimination import WhirlElimination
+from estimator.elimination import GivenShafts, WhirlElimination
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
 from estimator.rotor import Rotor, assemble_rotor, plane_columns
@@ -30,20 +30,17 @@ class CondensedTrain:
     """A train at S speeds, with n retained degrees of freedom, K coefficients, E excitations and m channels.
 
     speed: (S,) spin speed [rad/s], positive. direction: (S,) +1 or -1.
-    known: (S, n, n) dynamic stiffness of shafts and discs [N/m, N, N m/rad].
-    force: (S, n, 2E) force per real and imaginary part of each excitation.
+    shafts: dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
     left, right: (n, T) vectors a, b of each term; owner: (T,) the coefficient that a term belongs to, ascending.
     output: (m, n) displacement at each probe, along its angle.
     unknowns: names and expectations of coefficients and excitations. channels: the m channel ids.
     gain_spread, run_out_spread: (m,) how far a channel's gain [-] and run-out [m] may be off; empty: not at all.
-    elimination: how to condense anew for other scale factors of E and ρ; None where these are known.
     scale_names, scale_spread: of the F scale factors that are not known exactly.
     """
 
     speed: Floats
     direction: Floats
-    known: Complexes
-    force: Complexes
+    shafts: WhirlElimination | GivenShafts
     left: Floats
     right: Floats
     output: Floats
@@ -51,9 +48,18 @@ class CondensedTrain:
     channels: tuple[str, ...]
     gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
     run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
-    elimination: WhirlElimination | None = None
     scale_names: tuple[str, ...] = ()
     scale_spread: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def known(self) -> Complexes:
+        """Dynamic stiffness (S, n, n) of shafts and discs [N/m, N, N m/rad]."""
+        return self.shafts.known()
+
+    @property
+    def force(self) -> Complexes:
+        """Force (S, n, 2E) per real and imaginary part of each excitation."""
+        return self.shafts.force()
 
     @property
     def owner(self) -> NDArray[np.intp]:
@@ -67,7 +73,7 @@ class CondensedTrain:
 
     def dynamic_stiffness(self, coefficients: Floats) -> Complexes:
         """Z = known + Σ (jω)ⁿ p a bᵀ, shape (S, n, n), for coefficients (K,) or, where they follow the speed, (S, K)."""
-        whole = self.known.copy()
+        whole = self.known
         order = self.order[self.owner]
         value = coefficients[..., self.owner]
         for power in np.unique(order):
@@ -88,9 +94,7 @@ class CondensedTrain:
             self,
             speed=self.speed[which],
             direction=self.direction[which],
-            known=self.known[which],
-            force=self.force[which],
-            elimination=None if self.elimination is None else self.elimination.pick(which),
+            shafts=self.shafts.pick(which),
         )
 
     def blocks(self) -> Iterator[slice]:
@@ -100,10 +104,9 @@ class CondensedTrain:
 
     def scaled(self, factors: Floats) -> "CondensedTrain":
         """The train with E and ρ of its materials multiplied by the factors (F,) of `scale_names`."""
-        if self.elimination is None or factors.size == 0:
+        if factors.size == 0 or isinstance(self.shafts, GivenShafts):
             return self
-        elimination = self.elimination.scaled(dict(zip(self.scale_names, factors, strict=True)))
-        return replace(self, known=elimination.known(), force=elimination.force(), elimination=elimination)
+        return replace(self, shafts=self.shafts.scaled(dict(zip(self.scale_names, factors, strict=True))))
 
 
 def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floats | None = None) -> CondensedTrain:
@@ -144,8 +147,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     return CondensedTrain(
         speed=speed,
         direction=direction,
-        known=elimination.known(),
-        force=elimination.force(),
+        shafts=elimination,
         left=vectors["left"][kept],
         right=vectors["right"][kept],
         output=vectors["output"][kept].T,
@@ -153,7 +155,6 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         channels=machine.channels,
         gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
         run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
-        elimination=elimination if spreads else None,
         scale_names=tuple(spreads),
         scale_spread=np.array(list(spreads.values())),
     )

@@ -43,17 +43,18 @@ class FollowsSpeed:
 class Coordinates:
     """The map between physical parameters and fit coordinates θ (n,).
 
-    names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. unit: factor from θ to SI, 1 for
-    logarithms. Of the coefficients (K,): logarithmic, True for direct terms; expected, scale in SI; place, the first
-    coordinate of each, -1 where it is fixed; follows, those that follow the speed. Of the excitations (E,): excitation_place,
-    -1 where fixed; excitation_scale; held, the value of those that are fixed. scale_place (F,), gain_place and run_out_place
-    (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,) what each coefficient is; guessed: (K,) True for
-    direct terms whose expected value no document gave.
+    names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. origin, unit: origin + unit·θ
+    is the value in SI, of positive ones its logarithm. Of the coefficients (K,): logarithmic, True for direct terms;
+    expected, scale in SI; place, the first coordinate of each, -1 where it is fixed; follows, those that follow the speed.
+    Of the excitations (E,): excitation_place, -1 where fixed; excitation_scale; held, the value of those that are fixed.
+    scale_place (F,), gain_place and run_out_place (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,)
+    what each coefficient is; guessed: (K,) True for direct terms whose expected value no document gave.
     """
 
     names: tuple[str, ...]
     centre: Floats
     spread: Floats
+    origin: Floats
     unit: Floats
     logarithmic: NDArray[np.bool_]
     expected: Floats
@@ -78,6 +79,14 @@ class Coordinates:
     def size(self) -> int:
         """n."""
         return len(self.names)
+
+    def point(self, theta: Floats) -> Floats:
+        """Physical values (n,) over the coordinates: logarithms of positive ones, everything else in SI."""
+        return self.origin + self.unit * theta
+
+    def theta(self, point: Floats) -> Floats:
+        """Fit coordinates (n,) of physical values as `point` gives them."""
+        return (point - self.origin) / self.unit
 
     def places(self, coefficient: int) -> range:
         """Coordinates of a coefficient: one, or one per knot, or none where it is fixed."""
@@ -177,13 +186,15 @@ class _Builder:
         self.names: list[str] = []
         self.centre: list[float] = []
         self.spread: list[float] = []
+        self.origin: list[float] = []
         self.unit: list[float] = []
 
-    def add(self, name: str, centre: float, spread: float, unit: float) -> int:
+    def add(self, name: str, centre: float, spread: float, unit: float, origin: float = 0.0) -> int:
         self.names.append(name)
         self.centre.append(centre)
         self.spread.append(spread)
         self.unit.append(unit)
+        self.origin.append(origin)
         return len(self.names) - 1
 
     def add_pair(self, name: str, spread: float, unit: float, centre: complex = 0j) -> int:
@@ -207,6 +218,7 @@ class _Builder:
             names=tuple(self.names),
             centre=np.array(self.centre),
             spread=np.array(self.spread),
+            origin=np.array(self.origin),
             unit=np.array(self.unit),
             logarithmic=np.array([c.direct for c in coefficients], dtype=bool),
             expected=np.array([c.expected for c in coefficients], dtype=float),
@@ -229,13 +241,13 @@ class _Builder:
         for k, one in enumerate(coefficients):
             if one.fixed or one.tied_to is not None:
                 continue
-            unit = 1.0 if one.direct else one.scale
+            unit, origin = (1.0, log(one.expected)) if one.direct else (one.scale, 0.0)
             centre = 0.0 if one.direct else one.expected / one.scale
             if one.speed_dependence is None:
-                place[k] = self.add(one.name, centre, _spread(one), unit)
+                place[k] = self.add(one.name, centre, _spread(one), unit, origin)
                 continue
             knots = one.speed_dependence.knots_rpm
-            first = min([self.add(f"{one.name}@{knot:g}rpm", centre, _spread(one), unit) for knot in knots])
+            first = min([self.add(f"{one.name}@{knot:g}rpm", centre, _spread(one), unit, origin) for knot in knots])
             follows.append(FollowsSpeed(k, first, knot_weights(one.speed_dependence, self.train.speed), knots))
         return self._tied(coefficients, place, follows)
 
@@ -282,7 +294,7 @@ def knot_weights(dependence: SpeedDependence, speed: Floats) -> Floats:
 
 def _spread(coefficient: Coefficient) -> float:
     if coefficient.spread is not None:
-        return coefficient.spread if coefficient.direct else coefficient.spread * abs(coefficient.expected) / coefficient.scale
+        return coefficient.spread
     if not coefficient.direct:
         return CROSS_SPREAD
     return UNKNOWN_SPREAD if coefficient.nominal is None else KNOWN_SPREAD

@@ -47,6 +47,26 @@ class _Side:
 
 
 @dataclass(frozen=True)
+class GivenShafts:
+    """Shafts of which the dynamic stiffness (S, n, n) and the forces on them (S, n, 2E) are given."""
+
+    stiffness: Complexes
+    forces: Complexes
+
+    def known(self) -> Complexes:
+        """Dynamic stiffness (S, n, n), to be changed as one likes."""
+        return self.stiffness.copy()
+
+    def force(self) -> Complexes:
+        """Force (S, n, 2E) per real and imaginary part of each excitation."""
+        return self.forces
+
+    def pick(self, which: slice) -> "GivenShafts":
+        """The same at some of the speeds."""
+        return GivenShafts(self.stiffness[which], self.forces[which])
+
+
+@dataclass(frozen=True)
 class WhirlElimination:
     """The eliminated part of a train at S speeds, for given scale factors of E and ρ.
 
@@ -121,7 +141,11 @@ class WhirlElimination:
         """Dynamic stiffness (S, 2r, 2r) over the retained degrees of freedom: x-z plane, then y-z plane."""
         mean = (self.forward.stiffness + self.backward.stiffness) / 2
         across = 0.5j * self.direction[:, None, None] * (self.forward.stiffness - self.backward.stiffness)
-        return np.block([[mean, across], [-across, mean]]).astype(complex)
+        size = self.retained.size
+        whole = np.empty((self.speed.size, 2 * size, 2 * size), dtype=complex)
+        whole[:, :size, :size] = whole[:, size:, size:] = mean
+        whole[:, :size, size:], whole[:, size:, :size] = across, -across
+        return whole
 
     def force(self) -> Complexes:
         """Force (S, 2r, 2E) per real and imaginary part of each excitation: its mirror image against +x to +y."""

@@ -251,12 +251,12 @@ def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tup
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
         trial = theta + step
-        trial_cost = penalised(problem.chi_square(trial, weight), trial)
+        # Nearly all trials are taken, so their derivatives are computed at once.
+        trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
+        trial_cost = penalised(trial_data, trial)
         gain = (cost - trial_cost) / promised
         if np.isfinite(trial_cost) and gain > 1e-4:
-            theta = trial
-            data, gradient, curvature = problem.linearised(theta, weight)
-            cost = penalised(data, theta)
+            theta, cost, gradient, curvature = trial, trial_cost, trial_gradient, trial_curvature
             damping, growth = max(damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 1e-9), 2.0
         else:
             damping, growth = max(damping, 1e-6) * growth, 2.0 * growth

@@ -40,6 +40,7 @@ def combined(results: Sequence[Identification]) -> Identification:
             for one in first.estimates
         ),
         covariance=covariance,
+        point=np.mean([result.point for result in results], axis=0),
         chi_square=math.fsum(result.chi_square for result in results),
         degrees_of_freedom=sum(result.degrees_of_freedom for result in results),
         accepted=accepted,

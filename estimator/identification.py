@@ -44,12 +44,14 @@ class Identification:
     estimates: one per parameter name. covariance: (N, N) over `coordinates`, the real fit coordinates named there, with
     direct terms as logarithms, [SI² or 1]. chi_square over degrees_of_freedom judges the fit: accepted says the verdict,
     verdict says it in words. condition_number: of the correlation form of the information matrix. samples: used in the fit.
+    point: (N,) the values over `coordinates`, of what is not estimable too: for computing on, never for showing.
     noise: as stated or estimated. outliers: per channel the number of phasors that were left out as no noise explains them.
     """
 
     estimates: tuple[Estimate, ...]
     coordinates: tuple[str, ...]
     covariance: Floats
+    point: Floats
     chi_square: float
     degrees_of_freedom: int
     accepted: bool
@@ -173,6 +175,7 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
         estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(np.diag(covariance)), why),
         coordinates=coordinates.names,
         covariance=physical,
+        point=coordinates.point(found.theta),
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,

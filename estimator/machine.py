@@ -242,7 +242,7 @@ class ParameterRule(_Part):
     fixed: bool = Field(default=False, description="keep the nominal value")
     spread: Positive | None = Field(
         default=None,
-        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value",
+        description="how far from the nominal value, rms: of a direct term's logarithm, else in units of those beside it",
     )
     tied_to: str | None = Field(default=None, description="element whose coefficients of the same names it takes: bearing.B1")
 

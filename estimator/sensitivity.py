@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.elimination import WhirlElimination
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,11 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     rate = (1j * train.speed[:, None]) ** train.order[train.owner]  # (S, T)
     strain = -(displacement @ train.right) * rate  # (S, T)
     by_term = np.moveaxis(receptance @ train.left, 2, 0) * strain.T[:, :, None]  # (T, S, m)
-    scales = [train.elimination.scale_force(n, displacement, excitations) for n in train.scale_names if train.elimination]
+    scales = (
+        [train.shafts.scale_force(name, displacement, excitations) for name in train.scale_names]
+        if isinstance(train.shafts, WhirlElimination)
+        else []
+    )
     return Sensitivity(
         phasor=displacement @ train.output.T,
         by_coefficient=_summed(by_term, train),

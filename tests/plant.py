@@ -174,6 +174,7 @@ def identification(
         "estimates": estimates,
         "coordinates": tuple(coordinates),
         "covariance": 1e-4 * np.eye(len(coordinates)),
+        "point": np.zeros(len(coordinates)),
         "chi_square": 123.0,
         "degrees_of_freedom": 120,
         "accepted": accepted,

@@ -1,0 +1,148 @@
+"""Two views of misalignment, and which of them a run prefers: changed coefficients, or equivalent loads in the coupling.
+
+The thesis sees misalignment as changed coefficients of a coupling and the bearings beside it; Sinha, Lees and Friswell
+(J. Sound Vib. 272 (2004) 967) as synchronous forces and moments in the coupling that do not depend on speed. Each is fitted to
+the run with everything else as the baseline had it, only unbalances free, and they are compared by the Bayesian information
+criterion (Schwarz, Ann. Statist. 6 (1978) 461, doi:10.1214/aos/1176344136), beside the view that nothing has changed.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from estimator.identification import Identification, Options, identify
+from estimator.machine import Coupling, EquivalentLoad, Machine, ParameterRule, Unbalance
+from estimator.measurement import Measurement
+from estimator.misalignment import neighbouring_bearings
+from estimator.noise import OUTLIER_CHANCE
+from estimator.parameters import is_direct
+from estimator.units import rpm_to_rad_per_s
+
+CLEAR = 10.0
+"""A difference of the criterion above this is very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
+WIDE_LOAD = 100.0
+"""Spread of an equivalent load in units of the largest unbalance force: no limit in practice."""
+
+
+@dataclass(frozen=True)
+class View:
+    """One explanation of a run. criterion: Bayesian information criterion, smaller is better. unknowns: fitted numbers."""
+
+    name: str
+    identification: Identification
+    unknowns: int
+    criterion: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Views of one run, the best first, and the verdict in words. preferred: name of the best view, None if not clear."""
+
+    coupling: str
+    views: tuple[View, ...]
+    preferred: str | None
+    verdict: str
+
+
+def compare_misalignment(
+    machine: Machine, measurement: Measurement, *, baseline: Identification, coupling: str, options: Options | None = None
+) -> Comparison:
+    """Compare "unchanged", "changed coefficients" and "equivalent load" at a coupling for a run after the baseline.
+
+    Raises KeyError for a coupling that the machine does not have, and what `identify` raises.
+    """
+    found = next((one for one in machine.couplings if one.id == coupling), None)
+    if found is None:
+        raise KeyError(coupling)
+    suspects = {f"coupling.{coupling}", *(f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, found))}
+    healthy = as_identified(machine, baseline)
+    views = [
+        _view("unchanged", _held(healthy, baseline, set()), measurement, options),
+        _view("changed coefficients", _held(healthy, baseline, suspects), measurement, options),
+        _view("equivalent load", _loaded(_held(healthy, baseline, set()), found, baseline), measurement, options),
+    ]
+    views.sort(key=lambda view: view.criterion)
+    preferred, verdict = _verdict(views)
+    return Comparison(coupling, tuple(views), preferred, verdict)
+
+
+def as_identified(machine: Machine, baseline: Identification) -> Machine:
+    """The machine with the values and the noise of an identification in place of the nominal ones.
+
+    Coefficients that follow the speed keep their nominal values.
+    """
+    values = {
+        name: math.exp(value) if is_direct(name) else float(value)
+        for name, value in zip(baseline.coordinates, baseline.point, strict=True)
+    }
+
+    def updated(kind: str, part: Any) -> Any:
+        own = {
+            name: values[f"{kind}.{part.id}.{name}"]
+            for name in type(part).model_fields
+            if f"{kind}.{part.id}.{name}" in values
+        }
+        return part.model_copy(update=own)
+
+    discs = []
+    for disc in machine.discs:
+        stem = f"disc.{disc.id}.unbalance"
+        if f"{stem}.real" in values:
+            unbalance = complex(values[f"{stem}.real"], values[f"{stem}.imaginary"])
+            known = Unbalance(magnitude=abs(unbalance), angle_deg=math.degrees(np.angle(unbalance)))
+            disc = disc.model_copy(update={"unbalance": known})
+        discs.append(disc)
+    return machine.model_copy(
+        update={
+            "bearings": tuple(updated("bearing", one) for one in machine.bearings),
+            "couplings": tuple(updated("coupling", one) for one in machine.couplings),
+            "seals": tuple(updated("seal", one) for one in machine.seals),
+            "discs": tuple(discs),
+            "noise": baseline.noise.model_copy(update={"estimated": False}),
+        }
+    )
+
+
+def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
+    """The machine with all constant coefficients fixed but those of the free elements."""
+    rules = tuple(
+        ParameterRule(names=name, fixed=True)
+        for name in baseline.coordinates
+        if name.split(".")[0] in ("bearing", "coupling", "seal")
+        and "@" not in name
+        and not name.endswith((".real", ".imaginary"))
+        and name.rsplit(".", 1)[0] not in free
+    )
+    return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
+
+
+def _loaded(machine: Machine, coupling: Coupling, baseline: Identification) -> Machine:
+    unbalances = [d.unbalance.magnitude for d in machine.discs if d.unbalance is not None]
+    force = WIDE_LOAD * max(unbalances, default=1.0) * baseline.speed_maximum**2
+    force = force or WIDE_LOAD * rpm_to_rad_per_s(machine.speed_range.maximum_rpm) ** 2
+    load = EquivalentLoad(force_spread=force, moment_spread=force * machine.shaft(coupling.driver).length)
+    couplings = tuple(c.model_copy(update={"load": load}) if c.id == coupling.id else c for c in machine.couplings)
+    return machine.model_copy(update={"couplings": couplings})
+
+
+def _view(name: str, machine: Machine, measurement: Measurement, options: Options | None) -> View:
+    found = identify(machine, measurement, options)
+    phasors = int(np.count_nonzero(measurement.usable))
+    # What was left out must cost a view as much as the worst noise would.
+    left_out = 2 * math.log(phasors / OUTLIER_CHANCE) * sum(found.outliers.values())
+    unknowns = len(found.coordinates)
+    return View(name, found, unknowns, found.chi_square + left_out + unknowns * math.log(2 * phasors))
+
+
+def _verdict(views: list[View]) -> tuple[str | None, str]:
+    best, second = views[0], views[1]
+    margin = second.criterion - best.criterion
+    if not best.identification.accepted:
+        return None, f"none of the views explains the run; the best is {best.name}: {best.identification.verdict}"
+    if best.name != "unchanged" and next(v for v in views if v.name == "unchanged").criterion - best.criterion <= CLEAR:
+        return None, f"no clear change: {best.name} is better than unchanged by {margin:.1f} only, {CLEAR:g} would be clear"
+    if margin <= CLEAR:
+        return None, f"{best.name} or {second.name}: the run does not tell them apart, the criteria differ by {margin:.1f}"
+    return best.name, f"{best.name}: better than {second.name} by {margin:.1f}, above {CLEAR:g} is clear"
