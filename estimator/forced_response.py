@@ -40,7 +40,7 @@ def forced_response(
     speed = np.asarray(speed, dtype=float)
     train = condense(model.machine, speed=speed, direction=np.full(speed.size, float(model.machine.direction)), output=output)
     coordinates = model.coordinates_at(speed)
-    theta = model.values / coordinates.unit
+    theta = coordinates.theta(model.values)
     coefficients = np.broadcast_to(coordinates.coefficients(theta), (speed.size, len(train.unknowns.coefficients)))
     excitations = coordinates.excitations(theta) + (0.0 if added is None else added)
     found = sensitivity(train.scaled(coordinates.scales(theta)), coefficients=coefficients, excitations=excitations)

@@ -11,16 +11,12 @@ from estimator.identification import Identification
 from estimator.machine import Machine
 
 
-class NotDetermined(ValueError):
-    """The identification leaves parameters open, so that there is no model to predict with."""
-
-
 @dataclass(frozen=True)
 class UpdatedModel:
     """A machine and the n coordinates that an identification found, without those of its measuring chains.
 
-    machine: with exact probes, so that what is predicted is the shaft's motion. coordinates: names. values: (n,) logarithm of
-    the value over the expected one for direct terms and scale factors, else SI. covariance: (n, n) of the values.
+    machine: with exact probes, so that what is predicted is the shaft's motion. coordinates: names. values: (n,) logarithms
+    of direct terms and scale factors, everything else in SI. covariance: (n, n) of the values.
     Raises ValueError for coordinates that are not the machine's.
     """
 
@@ -45,7 +41,7 @@ class UpdatedModel:
         theta = coordinates.with_coefficients(np.zeros(coordinates.size), np.asarray(coefficients, dtype=float))
         first = coordinates.excitation_place[: len(unbalances)]
         theta[first], theta[first + 1] = np.real(unbalances), np.imag(unbalances)
-        return cls(exact, coordinates.names, theta * coordinates.unit, covariance)
+        return cls(exact, coordinates.names, coordinates.point(theta), covariance)
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
         """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
@@ -54,19 +50,19 @@ class UpdatedModel:
     def coefficients(self, speed: float) -> Floats:
         """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
         coordinates = self.coordinates_at(np.array([speed]))
-        return np.asarray(coordinates.coefficients(self.values / coordinates.unit).reshape(-1))
+        return np.asarray(coordinates.coefficients(coordinates.theta(self.values)).reshape(-1))
 
     @property
     def excitations(self) -> Complexes:
         """Excitations (E,) [SI], the unbalances first."""
         coordinates = self.coordinates_at(np.ones(1))
-        return coordinates.excitations(self.values / coordinates.unit)
+        return coordinates.excitations(coordinates.theta(self.values))
 
     @property
     def scale_factors(self) -> dict[str, float]:
         """Factor on each modulus and density that was identified, by name."""
         coordinates = self.coordinates_at(np.ones(1))
-        factors = coordinates.scales(self.values / coordinates.unit)
+        factors = coordinates.scales(coordinates.theta(self.values))
         return dict(zip(self._reference.scale_names, map(float, factors), strict=True))
 
     @property
@@ -92,26 +88,16 @@ class UpdatedModel:
 def updated_model(machine: Machine, identification: Identification) -> UpdatedModel:
     """The model that an identification of the machine leads to.
 
-    Raises NotDetermined, which names the parameters that the data leave open, ValueError for an identification of another
-    machine.
+    Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: what they leave
+    open together with the others is in the covariance. Raises ValueError for an identification of another machine.
     """
     exact = with_exact_probes(machine)
-    coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
-    missing = [name for name in coordinates.names if name not in identification.coordinates]
+    names = Coordinates.of(_reference(exact), unbalance_scale=1.0).names
+    missing = [name for name in names if name not in identification.coordinates]
     if missing:
         raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
-    by_name = {one.name: complex(one.value, one.imaginary or 0.0) for one in identification.estimates if one.value is not None}
-    stems = [name.removesuffix(".real").removesuffix(".imaginary") for name in coordinates.names]
-    left_open = dict.fromkeys(stem for stem in stems if stem not in by_name)
-    if left_open:
-        raise NotDetermined(f"the data leave open, so that nothing can be predicted: {', '.join(left_open)}")
-    found = [by_name[stem] for stem in stems]
-    imaginary = [name.endswith(".imaginary") for name in coordinates.names]
-    values = np.where(imaginary, np.imag(found), np.real(found))
-    for place, expected in _expected_of_logarithms(coordinates).items():
-        values[place] = np.log(values[place] / expected)
-    rows = [identification.coordinates.index(name) for name in coordinates.names]
-    return UpdatedModel(exact, coordinates.names, values, identification.covariance[np.ix_(rows, rows)])
+    rows = [identification.coordinates.index(name) for name in names]
+    return UpdatedModel(exact, names, identification.point[rows], identification.covariance[np.ix_(rows, rows)])
 
 
 def with_exact_probes(machine: Machine) -> Machine:
@@ -123,11 +109,3 @@ def with_exact_probes(machine: Machine) -> Machine:
 def _reference(machine: Machine) -> CondensedTrain:
     """The machine condensed at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
-
-
-def _expected_of_logarithms(coordinates: Coordinates) -> dict[int, float]:
-    """By coordinate, what a logarithm is relative to."""
-    found = {int(place): 1.0 for place in coordinates.scale_place}
-    for k in np.flatnonzero(coordinates.logarithmic):
-        found |= dict.fromkeys(coordinates.places(int(k)), float(coordinates.expected[k]))
-    return found

@@ -42,7 +42,7 @@ def draws(model: UpdatedModel, count: int, *, seed: int = 2) -> list[tuple[Float
     coordinates = model.coordinates_at(np.ones(1))
     result = []
     for _ in range(count):
-        theta = (model.values + root @ rng.standard_normal(root.shape[0])) / coordinates.unit
+        theta = coordinates.theta(model.values + root @ rng.standard_normal(root.shape[0]))
         result.append((coordinates.coefficients(theta), coordinates.excitations(theta)))
     return result
 
@@ -76,7 +76,7 @@ def rich_model() -> UpdatedModel:
     machine = with_exact_probes(parse_machine(rich_document()))
     coordinates = Coordinates.of(condense(machine, speed=np.ones(1), direction=np.ones(1)), unbalance_scale=1e-2)
     theta = coordinates.centre + 0.1 * np.random.default_rng(4).standard_normal(coordinates.size)
-    return UpdatedModel(machine, coordinates.names, coordinates.unit * theta, np.diag((0.01 * coordinates.unit) ** 2))
+    return UpdatedModel(machine, coordinates.names, coordinates.point(theta), np.diag((0.01 * coordinates.unit) ** 2))
 
 
 def differences(model: UpdatedModel, function: Any) -> np.ndarray:
