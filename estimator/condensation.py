@@ -109,10 +109,11 @@ class CondensedTrain:
         return replace(self, shafts=self.shafts.scaled(dict(zip(self.scale_names, factors, strict=True))))
 
 
-def condense(machine: Machine, *, speed: Floats, direction: Floats) -> CondensedTrain:
+def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floats | None = None) -> CondensedTrain:
     """Condense a machine at the given speeds.
 
-    speed: (S,) [rad/s], positive and finite. direction: (S,) +1 for rotation from +x to +y, -1 against it.
+    speed: (S,) [rad/s], positive and finite. direction: (S,) +1 for rotation from +x to +y, -1 against it. output: (m, N)
+    rows over all degrees of freedom that are looked at instead of the probes.
     Raises ValueError for speeds that are not positive, SingularCondensation where elimination is impossible.
     """
     speed = np.asarray(speed, dtype=float)
@@ -127,7 +128,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats) -> Condensed
     vectors = {
         "left": _in_planes(rotor, dense([left for left, _ in pairs], rotor.size)),
         "right": _in_planes(rotor, dense([right for _, right in pairs], rotor.size)),
-        "output": _in_planes(rotor, _probe_rows(machine, rotor).T),
+        "output": _in_planes(rotor, (_probe_rows(machine, rotor) if output is None else output).T),
         "acting": _in_planes(rotor, dense([item.acting or {} for item in unknown.excitations], rotor.size)),
     }
     touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)

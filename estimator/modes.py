@@ -1,18 +1,83 @@
-"""Damped natural frequencies of a train and its critical speeds."""
+"""Modes of a train at a spin speed: damped natural frequencies, shapes, and how each follows the coefficients."""
+
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
-import scipy.optimize
 
 from estimator.condensation import Complexes, Floats
+from estimator.critical_speed import critical_speed_table
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
-from estimator.rotor import Rotor, assemble_rotor
+from estimator.rotor import assemble_rotor
+from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices
 
-HEAVILY_DAMPED = 0.9
-"""Damping ratio above which a crossing is no critical speed."""
-CAMPBELL_STEPS = 24
-"""Speeds at which the natural frequencies are sampled to bracket the critical speeds."""
+OSCILLATING = 1e-6
+"""A mode oscillates when Im λ exceeds this part of |λ|."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """n oscillating modes, by ascending damped natural frequency.
+
+    eigenvalue: (n,) λ [rad/s] with positive imaginary part. shape: (N, n) displacements q of q e^{λt}, xᴴMx = 1.
+    left: (N, n) left vectors, yᴴ (K + ΩH + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1.
+    """
+
+    eigenvalue: Complexes
+    shape: Complexes
+    left: Complexes
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """-Re λ / |λ| (n,); negative for a mode that grows."""
+        return damping_ratio(self.eigenvalue)
+
+
+def damping_ratio(eigenvalue: Complexes) -> Floats:
+    """-Re λ / |λ|, negative for a mode that grows."""
+    return np.asarray(-eigenvalue.real / np.abs(eigenvalue))
+
+
+def log_decrement(eigenvalue: Complexes) -> Floats:
+    """-2π Re λ / Im λ: logarithm of the ratio of successive maxima (API 684)."""
+    return np.asarray(-2 * np.pi * eigenvalue.real / eigenvalue.imag)
+
+
+def modes(matrices: SystemMatrices, *, spin: float) -> Modes:
+    """Oscillating modes of a train at a spin speed [rad/s], signed as the sense of rotation. Overdamped ones are left out."""
+    size = matrices.mass.shape[0]
+    # scipy's type stubs know nothing of three results.
+    solution: Any = scipy.linalg.eig(matrices.state_matrix(spin=spin), left=True, right=True)
+    roots, left, right = solution
+    chosen = np.flatnonzero(roots.imag > OSCILLATING * np.abs(roots))
+    chosen = chosen[np.argsort(roots[chosen].imag, kind="stable")]
+    eigenvalue, shape = roots[chosen], right[:size, chosen]
+    shape = shape / np.sqrt(np.real(np.sum(np.conj(shape) * (matrices.mass @ shape), axis=0)))
+    # A left vector (w₁, w₂) of the state matrix holds that of the quadratic problem as M⁻¹w₂.
+    factor = scipy.linalg.cho_factor(matrices.mass)
+    adjoint = scipy.linalg.cho_solve(factor, left[size:, chosen])
+    resistance = matrices.damping + spin * matrices.gyroscopic
+    momentum = 2 * (matrices.mass @ shape) * eigenvalue + resistance @ shape
+    product = np.sum(np.conj(adjoint) * momentum, axis=0)
+    return Modes(eigenvalue=eigenvalue, shape=shape, left=adjoint / np.conj(product))
+
+
+def eigenvalue_slopes(machine: Machine, found: Modes) -> Complexes:
+    """∂λ/∂p (n, K) [rad/s per SI unit] of each mode by each coefficient: -yᴴ (∂Z/∂p) x.
+
+    Source: Nelson, AIAA J. 14 (1976) 1201, doi:10.2514/3.7211, for the quadratic problem. Modes of exactly equal eigenvalue
+    have no slope of their own; their values here are only as good as the vectors that were found for them.
+    """
+    unknown = unknowns(machine, assemble_rotor(machine)).coefficients
+    size = found.shape.shape[0]
+    slopes = np.zeros((found.eigenvalue.size, len(unknown)), dtype=complex)
+    for k, one in enumerate(unknown):
+        left, right = (dense(list(side), size) for side in zip(*one.pairs, strict=True))
+        acting = np.sum((np.conj(found.left).T @ left) * (found.shape.T @ right), axis=1)
+        slopes[:, k] = -acting * found.eigenvalue**one.order
+    return slopes
 
 
 def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Complexes:
@@ -21,14 +86,8 @@ def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: f
     coefficients: (K,) in SI, by default what the document expects; spin: signed as the sense of rotation. Im λ is the damped
     natural frequency, |λ| the undamped one, -Re λ / |λ| the damping ratio. Overdamped modes are left out.
     """
-    rotor = assemble_rotor(machine)
-    stiffness, damping = _with_elements(machine, rotor, coefficients)
-    damping = damping + spin * rotor.gyroscopic
-    inverse_mass = scipy.linalg.cho_solve(scipy.linalg.cho_factor(rotor.mass), np.hstack([stiffness, damping]))
-    size = rotor.size
-    state = np.block([[np.zeros((size, size)), np.eye(size)], [-inverse_mass[:, :size], -inverse_mass[:, size:]]])
-    roots = np.linalg.eigvals(state)
-    oscillating = roots[roots.imag > 1e-6 * np.abs(roots)]
+    roots = np.linalg.eigvals(system_matrices(machine, coefficients=coefficients).state_matrix(spin=spin))
+    oscillating = roots[roots.imag > OSCILLATING * np.abs(roots)]
     return np.asarray(oscillating[np.argsort(oscillating.imag)])
 
 
@@ -37,36 +96,11 @@ def natural_frequencies(machine: Machine, *, coefficients: Floats | None = None,
     return np.asarray(eigenvalues(machine, coefficients=coefficients, spin=spin).imag)
 
 
-def critical_speeds(machine: Machine, *, highest: float, coefficients: Floats | None = None) -> Floats:
+def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
     """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
 
     The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily
     damped that nothing is felt in passing are left out.
     """
-    spins = np.linspace(1e-6 * highest, highest, CAMPBELL_STEPS + 1)
-    curves = [natural_frequencies(machine, coefficients=coefficients, spin=machine.direction * spin) for spin in spins]
-    count = min(len(curve) for curve in curves)
-    above = np.array([curve[:count] for curve in curves]) - spins[:, None]
-    found: list[float] = []
-    for mode in range(count):
-
-        def gap(spin: float, mode: int = mode) -> float:
-            at = natural_frequencies(machine, coefficients=coefficients, spin=machine.direction * spin)
-            return float(at[mode] - spin)
-
-        for i in np.flatnonzero(np.sign(above[:-1, mode]) * np.sign(above[1:, mode]) < 0):
-            spin = float(scipy.optimize.brentq(gap, spins[i], spins[i + 1], xtol=1e-6))
-            root = eigenvalues(machine, coefficients=coefficients, spin=machine.direction * spin)[mode]
-            if -root.real < HEAVILY_DAMPED * abs(root):
-                found.append(spin)
-    return np.sort(np.array(found))
-
-
-def _with_elements(machine: Machine, rotor: Rotor, coefficients: Floats | None) -> tuple[Floats, Floats]:
-    unknown = unknowns(machine, rotor)
-    values = np.array([c.expected for c in unknown.coefficients]) if coefficients is None else coefficients
-    left = dense([c.left for c in unknown.coefficients], rotor.size) * values
-    right = dense([c.right for c in unknown.coefficients], rotor.size)
-    viscous = np.array([c.quantity == "damping" for c in unknown.coefficients])
-    stiffness = rotor.stiffness + left[:, ~viscous] @ right[:, ~viscous].T
-    return stiffness, left[:, viscous] @ right[:, viscous].T
+    found = critical_speed_table(machine, highest=highest, coefficients=coefficients)
+    return np.array([one.speed for one in found])

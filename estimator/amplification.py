@@ -1,0 +1,160 @@
+"""Amplification factors and separation margins of the response peaks (API RP 684, SP6.8.2; API 617, 8th edition).
+
+AF = Nc / (N2 - N1), Nc the speed of a peak and N1, N2 the speeds below and above it at 0.707 of its amplitude. AF below 2.5:
+critically damped, no margin required. Required margin, in per cent: 17 (1 - 1/(AF - 1.5)), at most 16, of the minimum speed
+for a peak below it; 10 + 17 (1 - 1/(AF - 1.5)), at most 26, of the maximum continuous speed for a peak above it. The
+standards themselves were not at hand; ROSS's API report and two other public programs carry these formulas and caps.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.interpolate
+
+from estimator.condensation import Floats
+from estimator.critical_speed import critical_speed_table
+from estimator.forced_response import forced_response
+from estimator.machine import Probe
+from estimator.rotor import assemble_rotor
+from estimator.station_response import displacement_row
+from estimator.updated_model import UpdatedModel
+
+CRITICALLY_DAMPED = 2.5
+"""Amplification factor below which no margin is required."""
+LARGEST_MARGIN_BELOW, LARGEST_MARGIN_ABOVE = 16.0, 26.0
+HALF_POWER = 1 / math.sqrt(2.0)
+EVEN_SPEEDS = 300
+"""Speeds of the response curve beside those around the critical speeds."""
+CROWD = np.linspace(-6.0, 6.0, 49)
+"""Where they lie around a critical speed, in units of its half bandwidth ζΩ."""
+
+Position = Literal["below", "within", "above"]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A response peak.
+
+    speed, amplitude: at the top. lower, upper: speeds at 0.707 of it, None where the curve does not fall so far before it
+    ends or rises above this peak.
+    """
+
+    speed: float
+    amplitude: float
+    lower: float | None
+    upper: float | None
+
+    @property
+    def amplification_factor(self) -> float | None:
+        """AF; from twice one side where the other is missing, None where both are."""
+        if self.lower is not None and self.upper is not None:
+            return self.speed / (self.upper - self.lower)
+        if self.lower is not None:
+            return self.speed / (2 * (self.speed - self.lower))
+        if self.upper is not None:
+            return self.speed / (2 * (self.upper - self.speed))
+        return None
+
+    @property
+    def one_sided(self) -> bool:
+        """Whether only one of the two speeds was found."""
+        return (self.lower is None) != (self.upper is None)
+
+
+@dataclass(frozen=True)
+class SeparationMargin:
+    """How far a peak is from the operating speeds.
+
+    position: of the peak to them. actual, required: [%] of the nearer operating speed; required is None where the standard
+    asks for none, and within the operating speeds, where a peak may only be critically damped.
+    """
+
+    peak: Peak
+    position: Position
+    actual: float
+    required: float | None
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the peak is where the standard wants it; None where its amplification is not known."""
+        factor = self.peak.amplification_factor
+        if factor is None:
+            return None
+        if factor < CRITICALLY_DAMPED:
+            return True
+        return self.required is not None and self.actual >= self.required
+
+
+def required_margin(amplification_factor: float, *, position: Position) -> float | None:
+    """Required separation margin [%]; None where there is none to require: critically damped, or within the speeds."""
+    if amplification_factor < CRITICALLY_DAMPED or position == "within":
+        return None
+    margin = 17.0 * (1.0 - 1.0 / (amplification_factor - 1.5))
+    return min(margin, LARGEST_MARGIN_BELOW) if position == "below" else min(10.0 + margin, LARGEST_MARGIN_ABOVE)
+
+
+def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_speed: float) -> SeparationMargin:
+    """The margin of one peak to the operating speeds, all speeds in one unit."""
+    if peak.speed < minimum_speed:
+        position: Position = "below"
+        actual = 100.0 * (minimum_speed - peak.speed) / minimum_speed
+    elif peak.speed > maximum_continuous_speed:
+        position = "above"
+        actual = 100.0 * (peak.speed - maximum_continuous_speed) / maximum_continuous_speed
+    else:
+        position, actual = "within", 0.0
+    factor = peak.amplification_factor
+    required = None if factor is None else required_margin(factor, position=position)
+    return SeparationMargin(peak=peak, position=position, actual=actual, required=required)
+
+
+def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
+    """Peaks of a curve (S,) over ascending speeds (S,), from a cubic spline through it.
+
+    The speeds must lie close enough for the narrowest peak: five or more within its half-power width.
+    """
+    spline = scipy.interpolate.CubicSpline(speed, amplitude)
+    turning = spline.derivative().roots(extrapolate=False)
+    tops = [float(one) for one in turning[np.isfinite(turning)] if float(spline(one, 2)) < 0.0]
+    peaks = []
+    for top in tops:
+        height = float(spline(top))
+        level = np.sort(spline.solve(HALF_POWER * height, extrapolate=False))
+        higher = np.sort(np.concatenate([spline.solve(height * (1 + 1e-9), extrapolate=False), [speed[0], speed[-1]]]))
+        below, above = level[level < top], level[level > top]
+        # What lies beyond a higher part of the curve belongs to another peak.
+        lower = float(below[-1]) if below.size and below[-1] >= higher[higher < top][-1] else None
+        upper = float(above[0]) if above.size and above[0] <= higher[higher > top][0] else None
+        peaks.append(Peak(speed=top, amplitude=height, lower=lower, upper=upper))
+    return tuple(peaks)
+
+
+def amplification(
+    model: UpdatedModel, *, place: Probe, lowest: float, highest: float, minimum_speed: float, maximum_continuous_speed: float
+) -> tuple[SeparationMargin, ...]:
+    """Response peaks between two speeds at a place of the train, and their margins to the operating speeds, all [rad/s].
+
+    The response is that to the identified unbalances; place: one of the machine's probes or any other.
+    Raises ValueError for speeds that are not ascending and positive.
+    """
+    if not (0 < lowest < highest and 0 < minimum_speed <= maximum_continuous_speed):
+        raise ValueError("speeds must be positive, lowest below highest, minimum_speed not above maximum_continuous_speed")
+    speed = _speeds(model, lowest, highest)
+    row = displacement_row(model.machine, assemble_rotor(model.machine), place)
+    amplitude = np.abs(forced_response(model, speed=speed, output=row[None, :]).phasor[:, 0])
+    return tuple(
+        separation_margin(peak, minimum_speed=minimum_speed, maximum_continuous_speed=maximum_continuous_speed)
+        for peak in response_peaks(speed, amplitude)
+    )
+
+
+def _speeds(model: UpdatedModel, lowest: float, highest: float) -> Floats:
+    """Speeds close enough to each other around every critical speed."""
+    table = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+    crowds = [one.speed * (1.0 + max(abs(one.damping_ratio), 1e-4) * CROWD) for one in table]
+    whole = np.unique(np.concatenate([np.linspace(lowest, highest, EVEN_SPEEDS), *crowds]))
+    whole = whole[(whole >= lowest) & (whole <= highest)]
+    # Speeds that nearly coincide would make the spline's slope out of rounding errors.
+    return np.asarray(whole[np.concatenate([[True], np.diff(whole) > 1e-9 * highest])])

@@ -1,0 +1,174 @@
+"""Campbell diagram: natural frequencies and damping over spin speed, each curve one mode, and the critical speeds.
+
+Curves are followed by the shapes, not by the order of the frequencies: between neighbouring speeds modes are paired by the
+modal assurance criterion (Allemang & Brown, 1st IMAC, 1982, weighted with the mass matrix) and by how little the frequency
+moved. Where shapes change too much from one speed to the next, speeds between are looked at, so that curves which approach
+and veer away from each other are told apart from curves which cross.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
+
+from estimator.condensation import Complexes, Floats
+from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
+from estimator.machine import Machine
+from estimator.modes import Modes, damping_ratio, log_decrement, modes
+from estimator.system_matrices import CoefficientsOverSpeed, system_matrices_over_speed
+from estimator.whirl import whirl
+
+SURE_ASSURANCE = 0.9
+"""A pair of shapes more alike than this is the same mode."""
+LEAST_ASSURANCE = 0.1
+"""A pair of shapes less alike than this is not the same mode, even if nothing better is there."""
+HALVINGS = 7
+"""Times the step between two speeds is halved while shapes change too much."""
+COINCIDING = 1e-6
+"""Frequencies nearer than this part cannot be told apart, and need not be."""
+
+
+@dataclass(frozen=True)
+class Campbell:
+    """n curves over S spin speeds.
+
+    speed: (S,) [rad/s]. eigenvalue: (S, n) λ [rad/s], NaN where a mode is overdamped. whirl: (S, n) +1 forward to -1
+    backward, NaN likewise. critical_speeds: the crossings with the synchronous line, found exactly and not on the diagram.
+    """
+
+    speed: Floats
+    eigenvalue: Complexes
+    whirl: Floats
+    critical_speeds: tuple[CriticalSpeed, ...]
+
+    @property
+    def frequency(self) -> Floats:
+        """Damped natural frequency (S, n) [rad/s]."""
+        return np.asarray(self.eigenvalue.imag)
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """-Re λ / |λ| (S, n); negative where the mode grows."""
+        return damping_ratio(self.eigenvalue)
+
+    @property
+    def log_decrement(self) -> Floats:
+        """-2π Re λ / Im λ (S, n)."""
+        return log_decrement(self.eigenvalue)
+
+
+def campbell(
+    machine: Machine, *, speed: Floats, highest_frequency: float, coefficients: CoefficientsOverSpeed = None
+) -> Campbell:
+    """Campbell diagram of a machine in its sense of rotation.
+
+    speed: (S,) [rad/s], ascending, not negative. highest_frequency: [rad/s]; curves that come below it anywhere are given,
+    but none that is everywhere so heavily damped that nothing is felt of it.
+    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects. Critical speeds are those
+    up to the last speed.
+    Raises ValueError for speeds that do not ascend.
+    """
+    speed = np.asarray(speed, dtype=float)
+    if speed.ndim != 1 or speed.size == 0 or speed[0] < 0 or speed[-1] <= 0 or np.any(np.diff(speed) <= 0):
+        raise ValueError("speed must be an ascending list of spin speeds [rad/s], not negative, the last above zero")
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
+    follower = _Follower(matrices, machine.direction, highest_frequency)
+    at = [follower.modes(float(one)) for one in speed]
+    curves: list[dict[int, int]] = [{0: number} for number in range(at[0].eigenvalue.size)]
+    ends = dict(enumerate(curves))
+    for step in range(1, speed.size):
+        successor = follower.pairs(float(speed[step - 1]), at[step - 1], float(speed[step]), at[step], HALVINGS)
+        continued = {new: ends[old] for old, new in successor.items()}
+        ends = {}
+        for number in range(at[step].eigenvalue.size):
+            curve = continued.get(number, {})
+            if not curve:
+                curves.append(curve)
+            curve[step] = number
+            ends[number] = curve
+    return _diagram(machine, matrices, speed, at, curves, highest_frequency)
+
+
+def assurance(one: Complexes, other: Complexes, mass: Floats) -> Floats:
+    """Modal assurance criterion |xᴴMy|² / (xᴴMx · yᴴMy) between shapes (N, n) and (N, m), (n, m) between 0 and 1."""
+    cross = np.abs(np.conj(one).T @ mass @ other) ** 2
+    norms = [np.real(np.sum(np.conj(shape) * (mass @ shape), axis=0)) for shape in (one, other)]
+    return np.asarray(cross / np.outer(*norms))
+
+
+@dataclass(frozen=True)
+class _Follower:
+    matrices: MatricesOverSpeed
+    direction: int
+    highest_frequency: float
+
+    def modes(self, speed: float) -> Modes:
+        return modes(self.matrices(speed), spin=self.direction * speed)
+
+    def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
+        """Which mode at `upper` continues which mode at `lower`."""
+        alike = self._alike(before, after)
+        moved = np.abs(after.eigenvalue[None, :] - before.eigenvalue[:, None]) / np.abs(before.eigenvalue)[:, None]
+        rows, columns = scipy.optimize.linear_sum_assignment((1 - alike) + np.minimum(moved, 1.0))
+        pairs = {int(i): int(j) for i, j in zip(rows, columns, strict=True) if alike[i, j] >= LEAST_ASSURANCE}
+        matters = map(int, np.flatnonzero(before.eigenvalue.imag <= self.highest_frequency))
+        if halvings == 0 or all(i in pairs and alike[i, pairs[i]] >= SURE_ASSURANCE for i in matters):
+            return pairs
+        middle = (lower + upper) / 2
+        between = self.modes(middle)
+        first = self.pairs(lower, before, middle, between, halvings - 1)
+        second = self.pairs(middle, between, upper, after, halvings - 1)
+        return {old: second[new] for old, new in first.items() if new in second}
+
+    def _alike(self, before: Modes, after: Modes) -> Floats:
+        """Assurance of each pair; a mode among coinciding ones counts as all of them together: their shapes are arbitrary."""
+        mass = self.matrices(0.0).mass
+        old, new = _coinciding(before.eigenvalue), _coinciding(after.eigenvalue)
+        each = assurance(_orthogonal(before.shape, old, mass), _orthogonal(after.shape, new, mass), mass)
+        return np.asarray(np.minimum(old @ each @ new, 1.0))
+
+
+def _coinciding(eigenvalue: Complexes) -> NDArray[np.bool_]:
+    """(n, n) True where two modes have the same eigenvalue, each with itself too."""
+    distance = np.abs(eigenvalue[:, None] - eigenvalue[None, :])
+    return np.asarray(distance < COINCIDING * np.abs(eigenvalue))
+
+
+def _orthogonal(shapes: Complexes, coinciding: NDArray[np.bool_], mass: Floats) -> Complexes:
+    """The shapes, those of coinciding modes exchanged for orthogonal ones that span the same."""
+    result = shapes.copy()
+    for first in np.flatnonzero(coinciding.sum(axis=1) > 1):
+        group = np.flatnonzero(coinciding[first])
+        if first == group[0]:
+            gram = np.conj(shapes[:, group]).T @ mass @ shapes[:, group]
+            result[:, group] = shapes[:, group] @ np.linalg.inv(np.linalg.cholesky(gram)).conj().T
+    return result
+
+
+def _diagram(
+    machine: Machine,
+    matrices: MatricesOverSpeed,
+    speed: Floats,
+    at: list[Modes],
+    curves: list[dict[int, int]],
+    highest_frequency: float,
+) -> Campbell:
+    eigenvalue = np.full((speed.size, len(curves)), complex(np.nan, np.nan))
+    sense = np.full(eigenvalue.shape, np.nan)
+    senses = [whirl(one.shape, matrices(0.0).mass, direction=machine.direction) for one in at]
+    for column, curve in enumerate(curves):
+        for step, number in curve.items():
+            eigenvalue[step, column] = at[step].eigenvalue[number]
+            sense[step, column] = senses[step][number]
+    exists = ~np.isnan(sense)
+    lowest = np.min(np.where(exists, eigenvalue.imag, np.inf), axis=0)
+    lightest = np.min(np.where(exists, damping_ratio(eigenvalue), np.inf), axis=0)
+    shown = np.flatnonzero((lowest <= highest_frequency) & (lightest < HEAVILY_DAMPED))
+    shown = shown[np.argsort(lowest[shown], kind="stable")]
+    return Campbell(
+        speed=speed,
+        eigenvalue=eigenvalue[:, shown],
+        whirl=sense[:, shown],
+        critical_speeds=felt_crossings(matrices, direction=machine.direction, highest=float(speed[-1])),
+    )

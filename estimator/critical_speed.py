@@ -1,0 +1,137 @@
+"""Critical speeds: where a natural frequency of the train equals its spin speed.
+
+Without damping they are the eigenvalues of one problem: a synchronous whirl e^{jΩt} at spin Ω turns Z into
+K - Ω² (M - jG) for rotation from +x to +y, so that K q = Ω² (M - jG) q (Nelson & McVaugh, J. Eng. Ind. 98 (1976) 593,
+doi:10.1115/1.3438942). With damping, each natural frequency is followed to the synchronous line.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+
+from estimator.condensation import Complexes, Floats
+from estimator.machine import Machine
+from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
+from estimator.whirl import whirl
+
+HEAVILY_DAMPED = 0.9
+"""Damping ratio above which a crossing is no critical speed."""
+EVEN_SAMPLES = 12
+"""Speeds looked at beside those between the undamped critical speeds."""
+TOLERANCE = 1e-9
+"""Relative error of a crossing."""
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """One crossing. speed: [rad/s]. eigenvalue: λ [rad/s] with Im λ = speed. whirl: +1 forward to -1 backward; see `whirl`."""
+
+    speed: float
+    eigenvalue: complex
+    whirl: float
+
+    @property
+    def damping_ratio(self) -> float:
+        """-Re λ / |λ|."""
+        return -self.eigenvalue.real / abs(self.eigenvalue)
+
+    @property
+    def log_decrement(self) -> float:
+        """-2π Re λ / Im λ."""
+        return -2 * np.pi * self.eigenvalue.real / self.eigenvalue.imag
+
+
+MatricesOverSpeed = Callable[[float], SystemMatrices]
+"""What gives the matrices at a spin speed [rad/s, without sign]."""
+
+
+def critical_speed_table(
+    machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None
+) -> tuple[CriticalSpeed, ...]:
+    """Critical speeds up to `highest` [rad/s], ascending, those of modes that are hardly felt in passing left out.
+
+    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects.
+    """
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
+    return felt_crossings(matrices, direction=machine.direction, highest=highest)
+
+
+def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Floats:
+    """All critical speeds [rad/s] of constant matrices without damping, ascending, from one generalised eigenvalue problem.
+
+    direction: +1 for rotation from +x to +y, else -1. Unequal cross-coupled stiffnesses make some of them complex; their
+    real part is given then.
+    """
+    inertia = matrices.mass - 1j * direction * matrices.gyroscopic
+    # Solved for 1/Ω², which is negative where gyroscopic moments keep a disc from ever being overtaken.
+    inverse_square = scipy.linalg.eigvals(inertia, matrices.stiffness)
+    inverse_square = inverse_square[np.isfinite(inverse_square)]
+    positive = inverse_square[inverse_square.real > 1e-12 * np.max(np.abs(inverse_square), initial=0.0)]
+    return np.asarray(np.sort((1 / np.sqrt(positive)).real))
+
+
+def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+    """The synchronous crossings of modes that are not so heavily damped that nothing is felt in passing."""
+    found = synchronous_crossings(matrices, direction=direction, highest=highest)
+    return tuple(one for one in found if one.damping_ratio < HEAVILY_DAMPED)
+
+
+def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+    """Every crossing of a damped natural frequency with the synchronous line up to `highest` [rad/s], ascending.
+
+    Frequencies in ascending order, zero for overdamped modes, are continuous in the spin speed, so that a change of sign of
+    (frequency - spin) between two speeds holds a crossing. The speeds looked at separate the undamped critical speeds from
+    each other: only a mode that dips below the line and comes back between two of them could escape. Where coefficients
+    follow the speed, the undamped critical speeds are those with the coefficients of either end and the middle.
+    Raises ValueError when `highest` is not positive.
+    """
+    if not highest > 0:
+        raise ValueError(f"the highest speed must be positive, not {highest}")
+
+    @cache
+    def frequencies(speed: float) -> Floats:
+        roots = np.linalg.eigvals(matrices(speed).state_matrix(spin=direction * speed))
+        return np.asarray(np.sort(np.abs(roots.imag))[::2])  # conjugate pairs, and pairs of zeros
+
+    places = {id(one): one for one in (matrices(part * highest) for part in (0.0, 0.5, 1.0))}.values()
+    undamped = [undamped_critical_speeds(one, direction=direction) for one in places]
+    samples = _samples(undamped, highest)
+    above = np.array([frequencies(speed) - speed for speed in samples])
+    found = []
+    for before, mode in zip(*np.nonzero((above[:-1] > 0) != (above[1:] > 0)), strict=True):
+        if samples[before] == 0.0 and above[before, mode] <= 0.0:
+            continue  # overdamped at standstill: nothing is crossed there
+        speed = _crossing(frequencies, int(mode), samples[before], samples[before + 1])
+        found.append(_at(matrices, direction, speed, int(mode)))
+    return tuple(sorted(found, key=lambda one: one.speed))
+
+
+def _samples(undamped: list[Floats], highest: float) -> list[float]:
+    between = [(one[1:] + one[:-1]) / 2 for one in undamped]
+    even = np.linspace(0.0, highest, EVEN_SAMPLES + 1)
+    samples = np.unique(np.concatenate([even, *between]))
+    return [float(one) for one in samples[samples <= highest]]
+
+
+def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, upper: float) -> float:
+    def gap(speed: float) -> float:
+        return float(frequencies(speed)[mode] - speed)
+
+    return float(scipy.optimize.brentq(gap, lower, upper, xtol=TOLERANCE * upper, rtol=4 * np.finfo(float).eps))
+
+
+def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> CriticalSpeed:
+    """The crossing of the mode that is `mode`-th in ascending order of frequency, overdamped ones counted as zero."""
+    here = matrices(speed)
+    roots, vectors = np.linalg.eig(here.state_matrix(spin=direction * speed))
+    size = here.mass.shape[0]
+    overdamped = size - int(np.count_nonzero(roots.imag > 0))
+    rising = np.flatnonzero(roots.imag > 0)
+    chosen = rising[np.argsort(roots[rising].imag)][mode - overdamped]
+    shape: Complexes = vectors[:size, [chosen]]
+    sense = float(whirl(shape, here.mass, direction=direction)[0])
+    return CriticalSpeed(speed=speed, eigenvalue=complex(roots[chosen]), whirl=sense)

@@ -1,0 +1,96 @@
+"""Error propagation: how sure a prediction is, from the covariance of what it was predicted with.
+
+First order ("delta method"; JCGM 100:2008, 5.2), in the coordinates of the fit: direct terms as logarithms, so that an
+uncertain stiffness stays positive.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.special
+
+from estimator.condensation import Complexes, Floats
+from estimator.estimates import CONFIDENCE_95
+from estimator.updated_model import UpdatedModel
+
+UPPER_97_5 = 0.975
+STEP = 1e-2
+"""Step of the central differences, in standard deviations."""
+
+
+@dataclass(frozen=True)
+class PhasorBand:
+    """Phasors with their uncertainty, arrays of any one shape.
+
+    value: complex estimate. covariance: (..., 2, 2) of its real and imaginary part. lower, upper: 95 % bounds of the true
+    amplitude; the upper one stays above zero where the estimate is zero.
+    """
+
+    value: Complexes
+    covariance: Floats
+    lower: Floats
+    upper: Floats
+
+    @property
+    def amplitude(self) -> Floats:
+        """|value|."""
+        return np.abs(self.value)
+
+    @property
+    def phase(self) -> Floats:
+        """Phase lead [rad]."""
+        return np.angle(self.value)
+
+
+def phasor_band(value: Complexes, slope: Complexes, covariance: Floats) -> PhasorBand:
+    """Band of phasors (...) from their derivatives (..., n) by coordinates of covariance (n, n).
+
+    Lower bound: 1.96 standard errors of the amplitude below it, not below zero. Upper bound: 97.5 % quantile of a gamma
+    distribution with the mean and variance of the squared modulus of a normal variable (Patnaik, Biometrika 36 (1949) 202,
+    doi:10.2307/2332542), which is 1.96 standard errors above a well known amplitude and right for one near zero, too.
+    """
+    parts = np.stack([slope.real, slope.imag], axis=-2)
+    spread = parts @ covariance @ np.swapaxes(parts, -1, -2)
+    mean = np.stack([value.real, value.imag], axis=-1)[..., None]
+    along = (np.swapaxes(mean, -1, -2) @ spread @ mean)[..., 0, 0]
+    amplitude = np.abs(value)
+    error = np.sqrt(np.divide(along, amplitude**2, out=np.zeros_like(along), where=amplitude > 0.0))
+    square = amplitude**2 + np.trace(spread, axis1=-2, axis2=-1)
+    variance = 2 * np.trace(spread @ spread, axis1=-2, axis2=-1) + 4 * along
+    # Nothing uncertain: any shape does, the scale is zero.
+    shape = np.divide(square**2, variance, out=np.ones_like(square), where=variance > 0.0)
+    quantile = np.where(variance > 0.0, scipy.special.gammaincinv(shape, UPPER_97_5) * square / shape, square)
+    return PhasorBand(
+        value=np.asarray(value),
+        covariance=np.asarray(spread),
+        lower=np.maximum(amplitude - CONFIDENCE_95 * error, 0.0),
+        upper=np.sqrt(quantile),
+    )
+
+
+def standard_errors(slope: Floats, covariance: Floats) -> Floats:
+    """Standard errors (...) of real predictions from their derivatives (..., n) by coordinates of covariance (n, n)."""
+    return np.asarray(np.sqrt(np.sum((slope @ covariance) * slope, axis=-1)))
+
+
+def propagated(function: Callable[[UpdatedModel], Floats], model: UpdatedModel) -> Floats:
+    """Covariance (n, n) of a function's real values (n,), whatever it is, by central differences.
+
+    Differences run along the principal axes of the covariance, a hundredth of a standard deviation to either side, so that
+    no step size has to be chosen for parameters of different units.
+    """
+    columns = []
+    for axis in principal_axes(model.covariance).T:
+        ahead, behind = (function(replace(model, values=model.values + sign * STEP * axis)) for sign in (1.0, -1.0))
+        columns.append((ahead - behind) / (2 * STEP))
+    slope = np.array(columns).T
+    return np.asarray(slope @ slope.T)
+
+
+def principal_axes(covariance: Floats) -> Floats:
+    """A (n, n) with A Aᵀ = covariance (n, n): columns are independent errors of one standard deviation each."""
+    size = np.sqrt(np.diag(covariance))
+    unit = np.where(size > 0.0, size, 1.0)
+    values, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
+    return np.asarray(unit[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

@@ -1,0 +1,75 @@
+"""Response of the updated model to what excites it, at any linear combinations of its degrees of freedom, with slopes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats, condense
+from estimator.coordinates import Coordinates
+from estimator.error_propagation import PhasorBand, phasor_band
+from estimator.sensitivity import sensitivity
+from estimator.updated_model import UpdatedModel
+
+
+@dataclass(frozen=True)
+class ForcedResponse:
+    """Phasors at S speeds.
+
+    phasor: (S, m). slope: (S, m, n) by the model's coordinates. influence: (S, m, 2E) by real and imaginary part of each
+    excitation. coefficients: (S, K) at these speeds [SI].
+    """
+
+    phasor: Complexes
+    slope: Complexes
+    influence: Complexes
+    coefficients: Floats
+
+    def band(self, model: UpdatedModel) -> PhasorBand:
+        """The phasors with their uncertainty."""
+        return phasor_band(self.phasor, self.slope, model.covariance)
+
+
+def forced_response(
+    model: UpdatedModel, *, speed: Floats, output: Floats | None = None, added: Complexes | None = None
+) -> ForcedResponse:
+    """Response of a machine in its sense of rotation.
+
+    speed: (S,) [rad/s], positive. output: (m, N) rows over all degrees of freedom, by default the probes. added: (E,) to the
+    identified excitations, exactly known, such as correction masses. Raises ValueError for speeds that are not positive.
+    """
+    speed = np.asarray(speed, dtype=float)
+    train = condense(model.machine, speed=speed, direction=np.full(speed.size, float(model.machine.direction)), output=output)
+    coordinates = model.coordinates_at(speed)
+    theta = coordinates.theta(model.values)
+    coefficients = np.broadcast_to(coordinates.coefficients(theta), (speed.size, len(train.unknowns.coefficients)))
+    excitations = coordinates.excitations(theta) + (0.0 if added is None else added)
+    found = sensitivity(train.scaled(coordinates.scales(theta)), coefficients=coefficients, excitations=excitations)
+    slope = np.zeros((coordinates.size, *found.phasor.shape), dtype=complex)
+    # The probes' gains, which the coordinates' own slopes deal with, are none of the shaft's motion.
+    for k, places in coefficient_slopes(coordinates, coefficients).items():
+        for place, by_coordinate in places.items():
+            slope[place] += found.by_coefficient[k] * by_coordinate[:, None]
+    for number, first in enumerate(coordinates.excitation_place):
+        if first >= 0:
+            slope[first : first + 2] = found.by_excitation[2 * number : 2 * number + 2]
+    slope[coordinates.scale_place] = found.by_scale
+    return ForcedResponse(
+        phasor=found.phasor,
+        slope=np.moveaxis(slope, 0, -1),
+        influence=np.moveaxis(found.by_excitation, 0, -1),
+        coefficients=coefficients,
+    )
+
+
+def coefficient_slopes(coordinates: Coordinates, coefficients: Floats) -> dict[int, dict[int, Floats]]:
+    """Per coefficient and coordinate, the derivative (S,) of the one by the other, for coefficients (S, K)."""
+    slopes: dict[int, dict[int, Floats]] = {}
+    following = {one.coefficient: one for one in coordinates.follows}
+    for k, logarithmic in enumerate(coordinates.logarithmic):
+        own = coefficients[:, k] if logarithmic else np.ones(len(coefficients))
+        if k in following:
+            one = following[k]
+            slopes[k] = {one.first + knot: own * one.weight[:, knot] for knot in range(one.weight.shape[1])}
+        elif coordinates.place[k] >= 0:
+            slopes[k] = {int(coordinates.place[k]): own}
+    return slopes

@@ -1,0 +1,135 @@
+"""Natural frequencies from an impact test beside those of the updated model at standstill (thesis §5.5, Table 5.6)."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.optimize
+
+from estimator.condensation import Floats
+from estimator.critical_speed import HEAVILY_DAMPED
+from estimator.machine import ImpactTest
+from estimator.modal_uncertainty import modes_at, natural_frequency_errors
+from estimator.modes import Modes
+from estimator.rotor import assemble_rotor
+from estimator.shaft import NODE_DOFS
+from estimator.updated_model import UpdatedModel
+
+LARGEST_DEVIATION = math.log(1.25)
+"""Frequencies further apart than 25 % are not taken for the same mode."""
+LEAST_SHARE = 0.1
+"""A hammer along x does not show a mode with less than this part of its kinetic energy in the x-z plane."""
+
+
+@dataclass(frozen=True)
+class MeasuredFrequency:
+    """A peak of an impact test at standstill.
+
+    frequency, standard_deviation: [Hz], None where not known. direction: of hammer and sensor, None where not known.
+    """
+
+    frequency: float
+    standard_deviation: float | None = None
+    direction: Literal["x", "y"] | None = None
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.frequency) and self.frequency > 0):
+            raise ValueError(f"a natural frequency must be positive, not {self.frequency} Hz")
+        if self.standard_deviation is not None and not self.standard_deviation >= 0:
+            raise ValueError(f"a standard deviation must not be negative: {self.standard_deviation} Hz")
+
+
+@dataclass(frozen=True)
+class ComparedFrequency:
+    """A measured frequency and the mode of the model that it is taken for.
+
+    model, model_error: its damped natural frequency and standard error [Hz]. deviation: model over measured, minus 1 [-].
+    standard_deviations: the difference in units of its own uncertainty, None where there is none.
+    """
+
+    measured: MeasuredFrequency
+    model: float
+    model_error: float
+    deviation: float
+    standard_deviations: float | None
+
+
+@dataclass(frozen=True)
+class ImpactComparison:
+    """An impact test beside the updated model, ascending.
+
+    unmatched: measured peaks without a mode near them, of the foundation, say. unseen: the model's frequencies up to the
+    highest measured one that no peak was taken for [Hz].
+    """
+
+    compared: tuple[ComparedFrequency, ...]
+    unmatched: tuple[MeasuredFrequency, ...]
+    unseen: tuple[float, ...]
+
+    @property
+    def rms_deviation(self) -> float | None:
+        """Root mean square of the deviations [-]; None where nothing was matched."""
+        if not self.compared:
+            return None
+        return math.sqrt(math.fsum(one.deviation**2 for one in self.compared) / len(self.compared))
+
+
+def measured_frequencies(test: ImpactTest) -> tuple[MeasuredFrequency, ...]:
+    """The impact test of a machine document."""
+    return tuple(MeasuredFrequency(one, test.relative_error * one) for one in test.frequencies_hz)
+
+
+def compare_impact_test(model: UpdatedModel, measured: Sequence[MeasuredFrequency]) -> ImpactComparison:
+    """Pair measured natural frequencies with the modes of the updated model at standstill.
+
+    Pairs are those with the least sum of squared logarithms of the frequencies' ratio (Kuhn, Naval Res. Logist. Q. 2 (1955)
+    83, doi:10.1002/nav.3800020109); leaving a peak alone costs as much as a deviation of 25 %.
+    Coefficients that follow the speed are taken at zero speed; oil-film bearings are others at standstill anyway.
+    """
+    found = modes_at(model, speed=0.0)
+    felt = np.flatnonzero(found.damping_ratio < HEAVILY_DAMPED)
+    found = Modes(found.eigenvalue[felt], found.shape[:, felt], found.left[:, felt])
+    frequency = found.eigenvalue.imag / (2 * math.pi)
+    error = natural_frequency_errors(model, found, speed=0.0) / (2 * math.pi)
+    cost = _costs(measured, frequency, share_along_x(found, assemble_rotor(model.scaled_machine).mass))
+    rows, columns = scipy.optimize.linear_sum_assignment(cost)
+    pairs = {int(i): int(j) for i, j in zip(rows, columns, strict=True) if j < frequency.size}
+    order = sorted(range(len(measured)), key=lambda i: measured[i].frequency)
+    highest = max((one.frequency for one in measured), default=0.0)
+    return ImpactComparison(
+        compared=tuple(_compared(measured[i], frequency[pairs[i]], error[pairs[i]]) for i in order if i in pairs),
+        unmatched=tuple(measured[i] for i in order if i not in pairs),
+        unseen=tuple(float(one) for j, one in enumerate(frequency) if one <= highest and j not in pairs.values()),
+    )
+
+
+def share_along_x(found: Modes, mass: Floats) -> Floats:
+    """Part of each mode's kinetic energy in the x-z plane, (modes,)."""
+    along_x = np.zeros(mass.shape[0], dtype=bool)
+    along_x[0::NODE_DOFS] = along_x[3::NODE_DOFS] = True
+    shape = np.where(along_x[:, None], found.shape, 0.0)
+    whole = np.sum(np.conj(found.shape) * (mass @ found.shape), axis=0).real
+    return np.asarray(np.sum(np.conj(shape) * (mass @ shape), axis=0).real / whole)
+
+
+def _costs(measured: Sequence[MeasuredFrequency], frequency: Floats, share: Floats) -> Floats:
+    """(measured, modes + measured): each peak may also stay alone."""
+    cost = np.full((len(measured), frequency.size + len(measured)), LARGEST_DEVIATION**2)
+    for i, one in enumerate(measured):
+        shows = {None: np.ones(share.size), "x": share, "y": 1.0 - share}[one.direction] >= LEAST_SHARE
+        distance = np.log(frequency / one.frequency) ** 2
+        cost[i, : frequency.size] = np.where(shows & (distance < LARGEST_DEVIATION**2), distance, 1e6)
+    return cost
+
+
+def _compared(measured: MeasuredFrequency, model: float, error: float) -> ComparedFrequency:
+    spread = math.hypot(error, measured.standard_deviation or 0.0)
+    return ComparedFrequency(
+        measured=measured,
+        model=float(model),
+        model_error=float(error),
+        deviation=float(model / measured.frequency - 1.0),
+        standard_deviations=float((model - measured.frequency) / spread) if spread > 0.0 else None,
+    )

@@ -1,0 +1,64 @@
+"""Forces and moments in a coupling over speed: what misalignment loads bearings and shaft ends with (thesis Eq. 2.11-2.12).
+
+F = (k + jωc) times the displacement of the driver's half relative to the driven one's; M = k_phi times the relative slope.
+The thesis's M_xz (moment in the x-z plane) is the moment about y here, its M_yz the one about x. Displacements come from the
+updated model, as §4.6 of the thesis suggests, because slopes are not measured.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Floats
+from estimator.error_propagation import PhasorBand, phasor_band
+from estimator.forced_response import coefficient_slopes, forced_response
+from estimator.parameters import dense, unknowns
+from estimator.rotor import assemble_rotor
+from estimator.shaft import NODE_DOFS
+from estimator.updated_model import UpdatedModel
+
+
+@dataclass(frozen=True)
+class CouplingForce:
+    """What one coupling carries at S speeds [rad/s], as 1× phasors with 95 % bands.
+
+    force_x, force_y: (S,) [N]; moment_x, moment_y: (S,) about x and y [N m]. The coupling pushes its driven half with them
+    and its driver half with the opposite. An equivalent load that was identified acts beside them and is not in them.
+    """
+
+    coupling: str
+    speed: Floats
+    force_x: PhasorBand
+    force_y: PhasorBand
+    moment_x: PhasorBand
+    moment_y: PhasorBand
+
+
+def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForce, ...]:
+    """Forces and moments in each coupling of a machine in its sense of rotation, in the document's order.
+
+    speed: (S,) spin speed [rad/s], positive. Raises ValueError for speeds that are not.
+    """
+    return tuple(_coupling_force(model, coupling.id, np.asarray(speed)) for coupling in model.machine.couplings)
+
+
+def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> CouplingForce:
+    """A load is Σ p r bᵀq over the terms that act on it, r = (jω)ⁿ."""
+    rotor = assemble_rotor(model.machine)
+    numbered = enumerate(unknowns(model.machine, rotor).coefficients)
+    terms = [(k, one, pair) for k, one in numbered if one.element == f"coupling.{coupling}" for pair in one.pairs]
+    rows = dense([right for _, _, (_, right) in terms], rotor.size).T
+    found = forced_response(model, speed=speed, output=rows)
+    slopes = coefficient_slopes(model.coordinates_at(speed), found.coefficients)
+    load = np.zeros((speed.size, NODE_DOFS), dtype=complex)
+    load_slope = np.zeros((*load.shape, model.values.size), dtype=complex)
+    for i, (k, one, (left, _)) in enumerate(terms):
+        component = min(left) % NODE_DOFS
+        rate = (1j * speed) ** one.order
+        deformation = rate * found.phasor[:, i]
+        load[:, component] += found.coefficients[:, k] * deformation
+        load_slope[:, component] += (found.coefficients[:, k] * rate)[:, None] * found.slope[:, i]
+        for place, by_coordinate in slopes.get(k, {}).items():
+            load_slope[:, component, place] += by_coordinate * deformation
+    bands = [phasor_band(load[:, dof], load_slope[:, dof], model.covariance) for dof in range(NODE_DOFS)]
+    return CouplingForce(coupling, speed, *bands)

@@ -1,0 +1,87 @@
+"""Mode shapes of a train: what each shaft does in a mode, and the orbit of every node."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats
+from estimator.critical_speed import HEAVILY_DAMPED
+from estimator.machine import Machine
+from estimator.modes import Modes, modes
+from estimator.rotor import Rotor, assemble_rotor
+from estimator.shaft import NODE_DOFS
+from estimator.system_matrices import system_matrices
+from estimator.whirl import Orbit, orbit, whirl
+
+
+@dataclass(frozen=True)
+class ShaftShape:
+    """One shaft in one mode, at its n nodes.
+
+    station: (n,) [m] from the shaft's driver-side end. x, y: (n,) complex displacement; theta_x, theta_y: (n,) complex slope
+    [1/m]. orbit: ellipses of the nodes; a semi_minor above zero whirls forward.
+    """
+
+    shaft: str
+    station: Floats
+    x: Complexes
+    y: Complexes
+    theta_x: Complexes
+    theta_y: Complexes
+    orbit: Orbit
+
+
+@dataclass(frozen=True)
+class ModeShape:
+    """One mode. eigenvalue: λ [rad/s], the motion is Re(q e^{λt}). whirl: of the whole mode, +1 forward to -1 backward.
+
+    The largest semi-major axis of the train is 1, and at t = 0 that node is at the end of it.
+    """
+
+    eigenvalue: complex
+    whirl: float
+    shafts: tuple[ShaftShape, ...]
+
+    @property
+    def frequency(self) -> float:
+        """Damped natural frequency [rad/s]."""
+        return self.eigenvalue.imag
+
+    @property
+    def damping_ratio(self) -> float:
+        """-Re λ / |λ|."""
+        return -self.eigenvalue.real / abs(self.eigenvalue)
+
+
+def mode_shapes(
+    machine: Machine, *, spin: float, highest_frequency: float, coefficients: Floats | None = None
+) -> tuple[ModeShape, ...]:
+    """Mode shapes at a spin speed [rad/s, signed] of all modes up to a damped natural frequency [rad/s], ascending.
+
+    Modes so heavily damped that nothing is felt of them are left out.
+    coefficients: (K,) in SI, by default what the document expects. Whirl is forward when it goes with the spin; at standstill
+    with the machine's sense of rotation.
+    """
+    rotor = assemble_rotor(machine)
+    found = modes(system_matrices(machine, coefficients=coefficients), spin=spin)
+    direction = int(np.sign(spin)) or machine.direction
+    senses = whirl(found.shape, rotor.mass, direction=direction)
+    shown = np.flatnonzero((found.eigenvalue.imag <= highest_frequency) & (found.damping_ratio < HEAVILY_DAMPED))
+    return tuple(_mode_shape(rotor, found, number, float(senses[number]), direction) for number in map(int, shown))
+
+
+def _mode_shape(rotor: Rotor, found: Modes, number: int, sense: float, direction: int) -> ModeShape:
+    shape = normalised(found.shape[:, number], direction=direction)
+    shafts = []
+    for shaft, station in rotor.stations.items():
+        first = NODE_DOFS * rotor.first_node[shaft]
+        x, y, theta_x, theta_y = shape[first : first + NODE_DOFS * station.size].reshape(-1, NODE_DOFS).T
+        shafts.append(ShaftShape(shaft, station, x, y, theta_x, theta_y, orbit(x, y, direction=direction)))
+    return ModeShape(eigenvalue=complex(found.eigenvalue[number]), whirl=sense, shafts=tuple(shafts))
+
+
+def normalised(shape: Complexes, *, direction: int) -> Complexes:
+    """A shape (N,) scaled so that the largest semi-major axis is 1 and that node at the end of it at t = 0."""
+    ellipses = orbit(shape[0::NODE_DOFS], shape[1::NODE_DOFS], direction=direction)
+    largest = int(np.argmax(ellipses.semi_major))
+    return np.asarray(shape * np.exp(1j * ellipses.delay[largest]) / ellipses.semi_major[largest])

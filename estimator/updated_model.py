@@ -1,0 +1,111 @@
+"""The updated model: a machine with everything that an identification found put in, and how sure that is."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.coordinates import Coordinates
+from estimator.identification import Identification
+from estimator.machine import Machine
+
+
+@dataclass(frozen=True)
+class UpdatedModel:
+    """A machine and the n coordinates that an identification found, without those of its measuring chains.
+
+    machine: with exact probes, so that what is predicted is the shaft's motion. coordinates: names. values: (n,) logarithms
+    of direct terms and scale factors, everything else in SI. covariance: (n, n) of the values.
+    Raises ValueError for coordinates that are not the machine's.
+    """
+
+    machine: Machine
+    coordinates: tuple[str, ...]
+    values: Floats
+    covariance: Floats
+
+    def __post_init__(self) -> None:
+        expected = self.coordinates_at(np.ones(1)).names
+        if self.coordinates != expected:
+            raise ValueError(f"machine '{self.machine.id}' has other coordinates: {', '.join(expected)}")
+        size = len(expected)
+        if np.shape(self.values) != (size,) or np.shape(self.covariance) != (size, size):
+            raise ValueError(f"{size} values and a covariance of ({size}, {size}) are needed")
+
+    @classmethod
+    def of(cls, machine: Machine, *, coefficients: Floats, unbalances: Complexes, covariance: Floats) -> "UpdatedModel":
+        """A model of constant coefficients (K,) [SI], unbalances (P,) [kg m], nothing else excited, E and ρ as documented."""
+        exact = with_exact_probes(machine)
+        coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+        theta = coordinates.with_coefficients(np.zeros(coordinates.size), np.asarray(coefficients, dtype=float))
+        first = coordinates.excitation_place[: len(unbalances)]
+        theta[first], theta[first + 1] = np.real(unbalances), np.imag(unbalances)
+        return cls(exact, coordinates.names, coordinates.point(theta), covariance)
+
+    def coordinates_at(self, speed: Floats) -> Coordinates:
+        """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
+        return Coordinates.of(replace(self._reference, speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+
+    def coefficients(self, speed: float) -> Floats:
+        """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
+        coordinates = self.coordinates_at(np.array([speed]))
+        return np.asarray(coordinates.coefficients(coordinates.theta(self.values)).reshape(-1))
+
+    @property
+    def excitations(self) -> Complexes:
+        """Excitations (E,) [SI], the unbalances first."""
+        coordinates = self.coordinates_at(np.ones(1))
+        return coordinates.excitations(coordinates.theta(self.values))
+
+    @property
+    def scale_factors(self) -> dict[str, float]:
+        """Factor on each modulus and density that was identified, by name."""
+        coordinates = self.coordinates_at(np.ones(1))
+        factors = coordinates.scales(coordinates.theta(self.values))
+        return dict(zip(self._reference.scale_names, map(float, factors), strict=True))
+
+    @property
+    def scaled_machine(self) -> Machine:
+        """The machine with the identified scale factors of E and ρ put into its materials."""
+        factors = self.scale_factors
+        materials = {
+            name: material.model_copy(
+                update={
+                    what: getattr(material, what) * factors.get(f"material.{name}.{what}", 1.0)
+                    for what in ("young_modulus", "density")
+                }
+            )
+            for name, material in self.machine.materials.items()
+        }
+        return self.machine.model_copy(update={"materials": materials})
+
+    @cached_property
+    def _reference(self) -> CondensedTrain:
+        return _reference(self.machine)
+
+
+def updated_model(machine: Machine, identification: Identification) -> UpdatedModel:
+    """The model that an identification of the machine leads to.
+
+    Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: what they leave
+    open together with the others is in the covariance. Raises ValueError for an identification of another machine.
+    """
+    exact = with_exact_probes(machine)
+    names = Coordinates.of(_reference(exact), unbalance_scale=1.0).names
+    missing = [name for name in names if name not in identification.coordinates]
+    if missing:
+        raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
+    rows = [identification.coordinates.index(name) for name in names]
+    return UpdatedModel(exact, names, identification.point[rows], identification.covariance[np.ix_(rows, rows)])
+
+
+def with_exact_probes(machine: Machine) -> Machine:
+    """The machine without gain errors and run-outs of its channels."""
+    exact = {"gain_spread": 0.0, "run_out_spread": 0.0}
+    return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
+
+
+def _reference(machine: Machine) -> CondensedTrain:
+    """The machine condensed at any one speed, to learn its coordinates from."""
+    return condense(machine, speed=np.ones(1), direction=np.ones(1))

@@ -1,0 +1,68 @@
+"""Whirl: the ellipse that a point of the shaft runs through, and the sense in which a whole mode whirls.
+
+x + jy = z₊ e^{jωt} + z₋ e^{-jωt} with z₊ = (X + jY)/2 and z₋ = conj(X - jY)/2: two circles, one turning from +x to +y, one
+against it (Childs, Turbomachinery Rotordynamics, Wiley 1993, §1.4).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats
+from estimator.shaft import NODE_DOFS
+
+PLANAR = 0.05
+"""A mode whose whirl is weaker than this, on a scale from 0 (in a plane) to 1 (circular), is called planar."""
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Ellipses, arrays of any one shape.
+
+    semi_major: ≥ 0, in the phasors' unit. semi_minor: positive when the point whirls with the rotation, negative against it.
+    inclination: of the major axis, from +x towards +y [rad], in (-π/2, π/2]. delay: phase ωt [rad] at which the point is at
+    the end of the major axis that lies at `inclination`.
+    """
+
+    semi_major: Floats
+    semi_minor: Floats
+    inclination: Floats
+    delay: Floats
+
+
+def orbit(x: Complexes, y: Complexes, *, direction: int) -> Orbit:
+    """Orbits of points with displacement phasors x and y; direction: +1 for rotation from +x to +y, else -1."""
+    with_axes = (np.asarray(x) + 1j * np.asarray(y)) / 2
+    against_axes = np.conj(np.asarray(x) - 1j * np.asarray(y)) / 2
+    # On the major axis both circles point the same way.
+    inclination = (np.angle(with_axes) + np.angle(against_axes)) / 2
+    delay = (np.angle(against_axes) - np.angle(with_axes)) / 2
+    turns = np.ceil(inclination / np.pi - 0.5)
+    return Orbit(
+        semi_major=np.abs(with_axes) + np.abs(against_axes),
+        semi_minor=direction * (np.abs(with_axes) - np.abs(against_axes)),
+        inclination=inclination - np.pi * turns,
+        delay=delay + np.pi * turns,
+    )
+
+
+def whirl(shapes: Complexes, mass: Floats, *, direction: int) -> Floats:
+    """How far each mode whirls: +1 circular with the rotation, -1 circular against it, 0 in a plane or undecided, (n,).
+
+    shapes: (N, n) displacements of all degrees of freedom; mass: (N, N), by which the nodes count. The mean over the train:
+    a mode may whirl forward in one place and backward in another.
+    """
+    turned = np.empty_like(shapes)
+    # (x, y, θx, θy) turned by 90° from +x to +y.
+    for dof, source, sign in ((0, 1, -1.0), (1, 0, 1.0), (2, 3, -1.0), (3, 2, 1.0)):
+        turned[dof::NODE_DOFS] = sign * shapes[source::NODE_DOFS]
+    weighted = mass @ shapes
+    with_rotation = np.imag(np.sum(np.conj(weighted) * turned, axis=0))
+    return np.asarray(direction * with_rotation / np.real(np.sum(np.conj(weighted) * shapes, axis=0)))
+
+
+def whirl_name(value: float) -> str:
+    """'forward', 'backward' or 'planar' of a whirl between -1 and 1."""
+    if abs(value) < PLANAR:
+        return "planar"
+    return "forward" if value > 0 else "backward"
