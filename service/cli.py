@@ -13,12 +13,17 @@ import typer
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
-from estimator.identification import identify
+from estimator.identification import Identification, identify
 from estimator.machine import Machine, field_path
+from estimator.measurement import Measurement
+from estimator.model_comparison import compare_misalignment
 from estimator.simulation import Story
+from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
-from service.printing import identification_text
+from service.model_report import model_text
+from service.offline import read_measurement
+from service.printing import advice_text, comparison_text, identification_text
 from service.recording import read_recording, split
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -28,8 +33,7 @@ from service.simulator import simulate as run_simulation
 from service.source import Source
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
-from service.wire import Key, Rejected, to_samples
-from storage.clock import now
+from service.wire import Key, Rejected
 from storage.database import DatabaseUnusable
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition monitoring of coupled rotor trains.")
@@ -132,31 +136,86 @@ def document(machine: Annotated[Path, typer.Argument(help="machine document, YAM
         _fail(str(error))
 
 
+MachineFile = Annotated[Path, typer.Argument(help="machine document")]
+RunFiles = Annotated[list[Path], typer.Argument(help="recorded runs, as for replay; several are fitted together")]
+OtherSidecar = Annotated[Path | None, typer.Option(help="another sidecar, for a single run")]
+
+
 @app.command("identify")
 def identify_offline(
-    machine: Annotated[Path, typer.Argument(help="machine document")],
-    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
-    sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
+    machine: MachineFile,
+    files: RunFiles,
+    sidecar: OtherSidecar = None,
+    advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
 ) -> None:
-    """Identify a machine from a recorded run, without a service, and print estimates ± standard errors.
+    """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
     Ends with status 1 when the fit is not accepted.
     """
-    try:
-        described = read_machine(machine)
-        recording = read_recording(file, sidecar)
-        if recording.machine != described.id:
-            _fail(f"{file} is a recording of '{recording.machine}', {machine} describes '{described.id}'")
-        samples, taken, faults = to_samples(recording, described, received_at=now())
-        for fault in faults:
-            typer.echo(f"row {fault.index + 1} left out: {fault.detail}", err=True)
-        with threadpoolctl.threadpool_limits(1):
-            result = identify(described, samples.pick(taken).measurement())
-    except (UnreadableFile, Rejected, ValueError) as error:
-        _fail(str(error))
+    described, measurement, result = _identified(machine, files, sidecar)
     typer.echo(identification_text(result))
+    if advice:
+        typer.echo(advice_text(described, result, measurement))
     if not result.accepted:
         raise typer.Exit(1)
+
+
+@app.command()
+def model(
+    machine: MachineFile,
+    files: RunFiles,
+    sidecar: OtherSidecar = None,
+    service_rpm: Annotated[float | None, typer.Option(help="speed at which it works; by default the range's end")] = None,
+    grade: Annotated[float, typer.Option(help="balance quality grade G asked for [mm/s]")] = 2.5,
+) -> None:
+    """Identify a machine from recorded runs and print what the updated model says.
+
+    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test.
+    Ends with status 1 when the fit is not accepted.
+    """
+    described, _, result = _identified(machine, files, sidecar)
+    typer.echo(result.verdict)
+    if not result.accepted:
+        raise typer.Exit(1)
+    try:
+        speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
+        typer.echo(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
+    except ValueError as error:
+        _fail(str(error))
+
+
+@app.command()
+def compare(
+    machine: MachineFile,
+    baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine")],
+    files: RunFiles,
+    coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
+) -> None:
+    """Say whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
+    described, _, healthy = _identified(machine, [baseline], None)
+    if not healthy.accepted:
+        _fail(f"{baseline}: {healthy.verdict}")
+    try:
+        measurement, _ = read_measurement(described, files)
+        with threadpoolctl.threadpool_limits(1):
+            found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
+    except KeyError:
+        _fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
+    except (UnreadableFile, Rejected, ValueError) as error:
+        _fail(str(error))
+    typer.echo(comparison_text(found))
+
+
+def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+    try:
+        described = read_machine(machine)
+        measurement, left_out = read_measurement(described, files, sidecar)
+        for line in left_out:
+            typer.echo(line, err=True)
+        with threadpoolctl.threadpool_limits(1):
+            return described, measurement, identify(described, measurement)
+    except (UnreadableFile, Rejected, ValueError) as error:
+        _fail(str(error))
 
 
 @app.command()

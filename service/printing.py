@@ -1,8 +1,18 @@
-"""An identification as text for a terminal."""
+"""An identification, what would help it, and a comparison of views, as text for a terminal."""
 
+import numpy as np
+
+from estimator.design import helpful_probes, helpful_speeds
 from estimator.estimates import Estimate
 from estimator.identification import Identification
-from estimator.units import rad_per_s_to_rpm
+from estimator.machine import Machine
+from estimator.measurement import Measurement
+from estimator.model_comparison import Comparison
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+
+CANDIDATE_SPEEDS = 60
+BEYOND = 1.5
+"""Candidate speeds reach to this part of the speed range's end."""
 
 
 def identification_text(result: Identification) -> str:
@@ -16,6 +26,30 @@ def identification_text(result: Identification) -> str:
     ]
     width = max(len(estimate.name) for estimate in result.estimates)
     return "\n".join(lines + [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in result.estimates])
+
+
+def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
+    """The speeds and probes that would help most, beside each other, and how much."""
+    limits = machine.speed_range
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), BEYOND * rpm_to_rad_per_s(limits.maximum_rpm)
+    speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
+    probes = helpful_probes(machine, result, measurement)
+    lines = ["", "What would help most, and by how much the standard errors would shrink together:"]
+    lines += [f"  {one.what} ({rad_per_s_to_rpm(one.speed):.0f} rpm): by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
+    lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
+    return "\n".join(lines)
+
+
+def comparison_text(comparison: Comparison) -> str:
+    """The verdict, the views and what the best one found at the coupling."""
+    lines = [comparison.verdict, ""]
+    lines += [
+        f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
+        for view in comparison.views
+    ]
+    best = comparison.views[0].identification
+    shown = [one for one in best.estimates if one.element == f"coupling.{comparison.coupling}" and one.estimable]
+    return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
 
 
 def _value(estimate: Estimate) -> str:

@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 import msgspec
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from estimator.machine import Identifier, Positive, field_path
+from estimator.machine import Identifier, Positive, Unbalance, field_path
 from service.documents import UnreadableFile, read_yaml
 from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
@@ -47,6 +47,9 @@ class Sidecar(BaseModel):
     amplitude_kind: str
     phase_convention: str
     phase_unit: str
+    added_unbalance: dict[Identifier, Unbalance] = Field(
+        default_factory=dict, description="trial weights that were on: disc, and what they add to its unbalance"
+    )
 
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:

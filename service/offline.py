@@ -1,0 +1,47 @@
+"""Recorded runs as one measurement of a machine, without a service."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from estimator.machine import Machine
+from estimator.measurement import Measurement, joined
+from service.documents import UnreadableFile
+from service.recording import Sidecar, read_recording, read_sidecar
+from service.wire import to_samples
+from storage.clock import now
+
+
+def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
+    """All runs of some files as one measurement, and what was left out of them in words.
+
+    sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
+    recording that is not of this machine's channels.
+    """
+    if sidecar is not None and len(files) > 1:
+        raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
+    runs, left_out = [], []
+    for file in files:
+        recording = read_recording(file, sidecar)
+        if recording.machine != machine.id:
+            raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
+        samples, taken, faults = to_samples(recording, machine, received_at=now())
+        left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+        run = samples.pick(taken).measurement()
+        runs.append(_with_trial_weights(machine, run, read_sidecar(sidecar or file.with_suffix(".yaml")), file))
+    return joined(runs), left_out
+
+
+def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:
+    discs = [disc.id for disc in machine.discs]
+    unknown = sorted(set(sidecar.added_unbalance) - set(discs))
+    if unknown:
+        raise UnreadableFile(f"the sidecar of {file} adds unbalance to {', '.join(unknown)}; the discs are {', '.join(discs)}")
+    if not sidecar.added_unbalance:
+        return run
+    added = np.zeros(len(discs), dtype=complex)
+    for disc, unbalance in sidecar.added_unbalance.items():
+        added[discs.index(disc)] = unbalance.magnitude * np.exp(1j * math.radians(unbalance.angle_deg))
+    return run.with_trial_weight(added)
