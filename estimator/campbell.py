@@ -97,6 +97,13 @@ def assurance(one: Complexes, other: Complexes, mass: Floats) -> Floats:
     return np.asarray(cross / np.outer(*norms))
 
 
+def modal_assurance(before: Modes, after: Modes, mass: Floats) -> Floats:
+    """Assurance (n, m) of each mode with each; one among coinciding ones counts as all of them: their shapes are arbitrary."""
+    old, new = _coinciding(before.eigenvalue), _coinciding(after.eigenvalue)
+    each = assurance(_orthogonal(before.shape, old, mass), _orthogonal(after.shape, new, mass), mass)
+    return np.asarray(np.minimum(old @ each @ new, 1.0))
+
+
 @dataclass(frozen=True)
 class _Follower:
     matrices: MatricesOverSpeed
@@ -108,7 +115,7 @@ class _Follower:
 
     def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
         """Which mode at `upper` continues which mode at `lower`."""
-        alike = self._alike(before, after)
+        alike = modal_assurance(before, after, self.matrices(0.0).mass)
         moved = np.abs(after.eigenvalue[None, :] - before.eigenvalue[:, None]) / np.abs(before.eigenvalue)[:, None]
         rows, columns = scipy.optimize.linear_sum_assignment((1 - alike) + np.minimum(moved, 1.0))
         pairs = {int(i): int(j) for i, j in zip(rows, columns, strict=True) if alike[i, j] >= LEAST_ASSURANCE}
@@ -120,13 +127,6 @@ class _Follower:
         first = self.pairs(lower, before, middle, between, halvings - 1)
         second = self.pairs(middle, between, upper, after, halvings - 1)
         return {old: second[new] for old, new in first.items() if new in second}
-
-    def _alike(self, before: Modes, after: Modes) -> Floats:
-        """Assurance of each pair; a mode among coinciding ones counts as all of them together: their shapes are arbitrary."""
-        mass = self.matrices(0.0).mass
-        old, new = _coinciding(before.eigenvalue), _coinciding(after.eigenvalue)
-        each = assurance(_orthogonal(before.shape, old, mass), _orthogonal(after.shape, new, mass), mass)
-        return np.asarray(np.minimum(old @ each @ new, 1.0))
 
 
 def _coinciding(eigenvalue: Complexes) -> NDArray[np.bool_]:

@@ -22,6 +22,10 @@ HEAVILY_DAMPED = 0.9
 """Damping ratio above which a crossing is no critical speed."""
 EVEN_SAMPLES = 12
 """Speeds looked at beside those between the undamped critical speeds."""
+STEEPEST = 2.0
+"""Rate at which a frequency is taken to come nearer to the synchronous line, or leave it, at most."""
+FINEST = 2e-3
+"""Part of the highest speed below which two crossings of one curve are not told apart."""
 TOLERANCE = 1e-9
 """Relative error of a crossing."""
 
@@ -85,8 +89,8 @@ def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highes
 
     Frequencies in ascending order, zero for overdamped modes, are continuous in the spin speed, so that a change of sign of
     (frequency - spin) between two speeds holds a crossing. The speeds looked at separate the undamped critical speeds from
-    each other: only a mode that dips below the line and comes back between two of them could escape. Where coefficients
-    follow the speed, the undamped critical speeds are those with the coefficients of either end and the middle.
+    each other; between them intervals are halved while some frequency is so near the line that it could cross it and come
+    back. Where coefficients follow the speed, the undamped critical speeds are those of either end and the middle.
     Raises ValueError when `highest` is not positive.
     """
     if not highest > 0:
@@ -99,14 +103,15 @@ def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highes
 
     places = {id(one): one for one in (matrices(part * highest) for part in (0.0, 0.5, 1.0))}.values()
     undamped = [undamped_critical_speeds(one, direction=direction) for one in places]
-    samples = _samples(undamped, highest)
-    above = np.array([frequencies(speed) - speed for speed in samples])
     found = []
-    for before, mode in zip(*np.nonzero((above[:-1] > 0) != (above[1:] > 0)), strict=True):
-        if samples[before] == 0.0 and above[before, mode] <= 0.0:
-            continue  # overdamped at standstill: nothing is crossed there
-        speed = _crossing(frequencies, int(mode), samples[before], samples[before + 1])
-        found.append(_at(matrices, direction, speed, int(mode)))
+    samples = _samples(undamped, highest)
+    for lower, upper in zip(samples[:-1], samples[1:], strict=True):
+        for start, stop in _intervals(frequencies, lower, upper, FINEST * highest):
+            before, after = frequencies(start) - start, frequencies(stop) - stop
+            for mode in map(int, np.flatnonzero((before > 0) != (after > 0))):
+                if start == 0.0 and before[mode] <= 0.0:
+                    continue  # overdamped at standstill: nothing is crossed there
+                found.append(_at(matrices, direction, _crossing(frequencies, mode, start, stop), mode))
     return tuple(sorted(found, key=lambda one: one.speed))
 
 
@@ -115,6 +120,18 @@ def _samples(undamped: list[Floats], highest: float) -> list[float]:
     even = np.linspace(0.0, highest, EVEN_SAMPLES + 1)
     samples = np.unique(np.concatenate([even, *between]))
     return [float(one) for one in samples[samples <= highest]]
+
+
+def _intervals(frequencies: Callable[[float], Floats], lower: float, upper: float, finest: float) -> list[tuple[float, float]]:
+    """Pieces of an interval in which no frequency can cross the line twice, or that are as fine as `finest`."""
+    distance = np.abs(frequencies(lower) - lower) + np.abs(frequencies(upper) - upper)
+    if upper - lower <= finest or not np.any(distance < STEEPEST * (upper - lower)):
+        return [(lower, upper)]
+    middle = (lower + upper) / 2
+    return [
+        *_intervals(frequencies, lower, middle, finest),
+        *_intervals(frequencies, middle, upper, finest),
+    ]
 
 
 def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, upper: float) -> float:

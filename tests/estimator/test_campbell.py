@@ -7,9 +7,9 @@ import pytest
 from rigid_rotor import bounce, conical, rigid_rotor
 from trains import chapter_3, chapter_3_document, mirrored
 
-from estimator.campbell import Campbell, assurance, campbell
+from estimator.campbell import Campbell, assurance, campbell, modal_assurance
 from estimator.machine import parse_machine
-from estimator.modes import critical_speeds, eigenvalues
+from estimator.modes import Modes, critical_speeds, eigenvalues
 from estimator.rotor import assemble_rotor
 
 INERTIA = {"diametral": 0.04, "polar": 0.03}
@@ -109,6 +109,22 @@ def test_assurance_is_one_for_the_same_shape_and_zero_for_orthogonal_ones() -> N
     values, vectors = np.linalg.eigh(mass)
     shapes = (vectors / np.sqrt(values))[:, :3].astype(complex)  # orthonormal in the mass
     assert assurance(shapes, shapes * 2j, mass) == pytest.approx(np.eye(3), abs=1e-9)
+
+
+def test_coinciding_modes_are_alike_whatever_their_shapes() -> None:
+    """Two shapes that span a plane, hardly apart from each other, are as good as two others of that plane."""
+    shapes = np.eye(4, dtype=complex)
+
+    def of(eigenvalue: list[complex], columns: np.ndarray) -> Modes:
+        return Modes(np.array(eigenvalue), columns, columns)
+
+    straight = of([1j, 1j, 2j], shapes[:, :3])
+    skew = of([1j, 1j, 2j], np.stack([shapes[0], shapes[0] + 0.01 * shapes[1], shapes[2]], axis=1))
+    apart = of([1j, 1.1j, 2j], shapes[:, :3])
+    for before, after in ((straight, skew), (skew, straight), (skew, apart), (apart, skew)):
+        found = modal_assurance(before, after, np.eye(4))
+        assert found == pytest.approx(np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), abs=1e-9)
+    assert modal_assurance(apart, apart, np.eye(4)) == pytest.approx(np.eye(3), abs=1e-12)
 
 
 @pytest.mark.parametrize("speed", [[], [1.0, 1.0], [-1.0, 1.0], [0.0]])

@@ -61,13 +61,13 @@ def test_damped_rigid_rotor_has_its_closed_form() -> None:
         assert one.eigenvalue.imag == pytest.approx(one.speed, rel=1e-8)
 
 
-def dense_crossings(machine: Machine, highest: float, steps: int) -> np.ndarray:
+def dense_crossings(machine: Machine, highest: float, steps: int, lowest: float = 0.0) -> np.ndarray:
     """Crossings by looking at the frequencies, in ascending order, at every one of many speeds, linear between them."""
     rotor = assemble_rotor(machine)
     stiffness, damping = dense_elements(machine)
     inverse = np.linalg.inv(rotor.mass)
     size = rotor.size
-    speeds = np.linspace(0.0, highest, steps + 1)
+    speeds = np.linspace(lowest, highest, steps + 1)
     gaps = []
     for speed in speeds:
         resistance = damping + machine.direction * speed * rotor.gyroscopic
@@ -85,6 +85,24 @@ def test_all_crossings_of_a_damped_train_are_found(turned: bool) -> None:
     machine = parse_machine(mirrored(chapter_3_document())) if turned else chapter_3()
     found = synchronous_crossings(system_matrices_over_speed(machine), direction=machine.direction, highest=600.0)
     assert np.array([one.speed for one in found]) == pytest.approx(dense_crossings(machine, 600.0, 300), abs=1e-2)
+
+
+def test_a_mode_that_dips_below_the_line_and_comes_back_is_found() -> None:
+    """A train far from any real one, drawn until that happened: near 158 rad/s, within 2 rad/s."""
+    rng = np.random.default_rng(28)
+    document = chapter_3_document()
+    for part in (*document["bearings"], *document["couplings"]):
+        for name in list(part):
+            if name.startswith(("k", "c")) and isinstance(part[name], float):
+                part[name] *= float(np.exp(rng.normal(0, 1.2))) * (rng.choice([-1, 1]) if name[1:3] in ("xy", "yx") else 1)
+    for disc in document["discs"]:
+        disc["polar_inertia"] *= 3 * float(np.exp(rng.normal(0.5, 1)))
+        disc["diametral_inertia"] *= 3 * float(np.exp(rng.normal(0, 1)))
+    machine = parse_machine(document)
+    seen = dense_crossings(machine, 170.0, 100, lowest=140.0)
+    assert len(seen) == 2
+    found = synchronous_crossings(system_matrices_over_speed(machine), direction=1, highest=700.0)
+    assert [one.speed for one in found if 140.0 < one.speed < 170.0] == pytest.approx(seen, abs=0.02)
 
 
 def test_without_damping_one_problem_gives_all_of_them() -> None:
