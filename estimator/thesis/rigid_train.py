@@ -10,7 +10,7 @@ Kept from the print: the coupling's bending term resists (x_b1 - x_b2)/l_1 + (x_
 printed natural frequencies come out.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,11 +147,6 @@ def natural_frequencies(train: RigidTrain) -> Floats:
     """Undamped natural frequencies (8,) [rad/s], ascending."""
     stiffness, _ = stiffness_and_damping(train)
     return np.sort(np.sqrt(eigvals(stiffness, mass(train))).real)
-
-
-def with_disc_masses(train: RigidTrain, disc_mass: tuple[float, float, float, float]) -> RigidTrain:
-    """The same train with other discs (Table 2.10)."""
-    return replace(train, disc_mass=disc_mass)
 
 
 def _square(vector: list[float] | Floats) -> Floats:

@@ -64,9 +64,10 @@ def generalised_cross_validation(problem: SpectralProblem, parameter: float) -> 
 
 
 def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
-    """Curvature of (ln ‖A x - b‖, ln ‖x‖) over λ; positive at the corner.
+    """Curvature of (ln ‖A x - b‖, ln ‖x‖) over growing λ; positive at the corner.
 
-    Closed form of Hansen, "The L-curve and its use in the numerical treatment of inverse problems" (2001).
+    With η = ‖x‖², ρ = ‖A x - b‖² and dρ/dλ = -λ² dη/dλ it needs no second derivative:
+    2 ηρ/|η'| (λ²η'ρ + 2ληρ + λ⁴ηη') / (λ⁴η² + ρ²)^(3/2).
     """
     factors = filter_factors(problem.singular_values, parameter)
     along = problem.components / problem.singular_values
@@ -76,7 +77,7 @@ def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
     if slope == 0.0 or residual == 0.0:
         return 0.0  # λ is far below every singular value: the curve has not begun to bend
     bend = parameter**2 * slope * residual + 2.0 * parameter * solution * residual + parameter**4 * solution * slope
-    return float(2.0 * solution * residual / slope * bend / (parameter**2 * solution**2 + residual**2) ** 1.5)
+    return float(2.0 * solution * residual / abs(slope) * bend / (parameter**4 * solution**2 + residual**2) ** 1.5)
 
 
 def choose_parameter(problem: SpectralProblem, rule: Rule) -> float:
