@@ -1,0 +1,50 @@
+"""Markdown tables and the numbers in them."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A markdown table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def percent(value: float) -> str:
+    """A relative error for a table: two digits, in per cent."""
+    shown = 100.0 * value
+    if not math.isfinite(shown):
+        return "-"
+    if shown >= 9.95e3:
+        return f"{shown:.1e} %"
+    if shown >= 99.5:
+        return f"{float(f'{shown:.2g}'):.0f} %"
+    return f"{shown:.2g} %" if shown >= 1e-3 else f"{shown:.0e} %"
+
+
+def power(value: float) -> str:
+    """A condition number: two digits and the power of ten."""
+    return f"{value:.1e}" if math.isfinite(value) else "infinite"
+
+
+def median_and_worst(errors: Floats) -> str:
+    """Of errors (seeds, parameters): median over all, and the median over seeds of each seed's largest error."""
+    worst = np.nanmax(errors, axis=1)
+    return f"{percent(float(np.nanmedian(errors)))} / {percent(float(np.median(worst)))}"
+
+
+def worst_of_seeds(errors: Floats) -> str:
+    """Of errors (seeds, parameters): each seed's largest error, as median over seeds (smallest to largest)."""
+    worst = np.nanmax(errors, axis=1)
+    return f"{percent(float(np.median(worst)))} ({percent(float(worst.min()))} to {percent(float(worst.max()))})"
+
+
+def short_name(name: str) -> str:
+    """A parameter's name without its kind of element: `B1 kxx`, `C k_phix`, `D2 U real`."""
+    _, element, rest = name.split(".", 2)
+    return f"{element} {rest.replace('unbalance.', 'U ')}"
