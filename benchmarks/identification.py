@@ -118,7 +118,7 @@ def model_deviation(train: Train) -> float:
     """Largest relative deviation of the model's response from the reference, on the same mesh."""
     condensed = condense(train.machine, speed=train.speed, direction=np.ones_like(train.speed))
     coefficients, unbalances = _nominal(train.machine)
-    modelled = response(condensed, coefficients=coefficients, unbalances=unbalances)
+    modelled = response(condensed, coefficients=coefficients, excitations=unbalances)
     return float(np.max(np.abs(modelled - train.clean) / np.abs(train.clean)))
 
 
@@ -126,7 +126,7 @@ def cramer_rao(train: Train) -> Floats:
     """Smallest standard error that an unbiased estimate of each real unknown can have."""
     condensed = condense(train.machine, speed=train.speed, direction=np.ones_like(train.speed))
     coefficients, unbalances = _nominal(train.machine)
-    _, slope = sensitivity(condensed, coefficients=coefficients, unbalances=unbalances)
+    slope = sensitivity(condensed, coefficients=coefficients, excitations=unbalances).by_parameter
     weighted = (slope / (RELATIVE_NOISE / math.sqrt(2) * np.abs(train.clean))[..., None]).reshape(-1, slope.shape[-1])
     size = np.linalg.norm(weighted, axis=0)
     information = ((weighted / size).conj().T @ (weighted / size)).real

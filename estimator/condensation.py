@@ -1,35 +1,43 @@
 """Exact dynamic condensation of a train to the degrees of freedom that carry unknowns or probes.
 
-At each speed everything else is eliminated by the complex Schur complement, once per data set, so that the unknowns sit in
-a small system Z(ω, p) q = F(ω, U) without any approximation. (The thesis's Eq. 4.8-4.20 condense the same way; its
-high-frequency form of §4.4 drops the stiffness and is not used here.)
+At each speed everything else is eliminated by the dynamic Schur complement, so that the unknowns sit in a small system
+Z(ω, p) q = F(ω, U) without any approximation. (The thesis's Eq. 4.8-4.20 condense the same way; its high-frequency form of
+§4.4 drops the stiffness and is not used here.) The eliminated parts, shafts and discs, are the same in every direction
+across the axis: in forward and backward whirl they separate into two systems of half the size, real without damping.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
-from estimator.rotor import Rotor, assemble_rotor
+from estimator.rotor import Rotor, assemble_rotor, plane_columns
 from estimator.shaft import NODE_DOFS
+from estimator.whirl import WhirlElimination
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
+BLOCK = 256
+"""Speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""
+
 
 @dataclass(frozen=True)
 class CondensedTrain:
-    """A train at S speeds, with n retained degrees of freedom, K coefficients, P unbalance planes and m channels.
+    """A train at S speeds, with n retained degrees of freedom, K coefficients, E excitations and m channels.
 
     speed: (S,) spin speed [rad/s], positive. direction: (S,) +1 or -1.
     known: (S, n, n) dynamic stiffness of shafts and discs [N/m, N, N m/rad].
-    force: (S, n, 2P) force per real and imaginary part of each unbalance [N/(kg m)].
-    left, right: (n, K) vectors a, b of each coefficient; damping: (K,) True where it acts on the velocity.
+    force: (S, n, 2E) force per real and imaginary part of each excitation.
+    left, right: (n, T) vectors a, b of each term; owner: (T,) the coefficient that a term belongs to, ascending.
     output: (m, n) displacement at each probe, along its angle.
-    unknowns: names and expectations of the coefficients and unbalances, in the columns' order.
-    channels: the m channel ids.
+    unknowns: names and expectations of coefficients and excitations. channels: the m channel ids.
+    gain_spread, run_out_spread: (m,) how far a channel's gain [-] and run-out [m] may be off; empty: not at all.
+    elimination: how to condense anew for other scale factors of E and ρ; None where these are known.
+    scale_names, scale_spread: of the F scale factors that are not known exactly.
     """
 
     speed: Floats
@@ -38,20 +46,64 @@ class CondensedTrain:
     force: Complexes
     left: Floats
     right: Floats
-    damping: NDArray[np.bool_]
     output: Floats
     unknowns: Unknowns
     channels: tuple[str, ...]
+    gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    elimination: WhirlElimination | None = None
+    scale_names: tuple[str, ...] = ()
+    scale_spread: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def owner(self) -> NDArray[np.intp]:
+        """(T,) the coefficient that each term belongs to."""
+        return np.repeat(np.arange(len(self.unknowns.coefficients)), [len(c.pairs) for c in self.unknowns.coefficients])
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """(K,) power of jω with which each coefficient acts."""
+        return np.array([c.order for c in self.unknowns.coefficients], dtype=np.intp)
 
     def dynamic_stiffness(self, coefficients: Floats) -> Complexes:
-        """Z = known + Σ p a bᵀ (1 or jω), shape (S, n, n), for coefficients (K,)."""
-        elastic = (self.left[:, ~self.damping] * coefficients[~self.damping]) @ self.right[:, ~self.damping].T
-        viscous = (self.left[:, self.damping] * coefficients[self.damping]) @ self.right[:, self.damping].T
-        return np.asarray(self.known + elastic + 1j * self.speed[:, None, None] * viscous)
+        """Z = known + Σ (jω)ⁿ p a bᵀ, shape (S, n, n), for coefficients (K,) or, where they follow the speed, (S, K)."""
+        whole = self.known.copy()
+        order = self.order[self.owner]
+        value = coefficients[..., self.owner]
+        for power in np.unique(order):
+            which = order == power
+            part = (self.left[:, which] * value[..., None, which]) @ self.right[:, which].T
+            whole += ((1j * self.speed) ** power)[:, None, None] * part
+        return whole
 
+    def force_of(self, excitations: Complexes) -> Complexes:
+        """F (S, n) for excitations (E,) or, where they differ from sample to sample, (S, E)."""
+        parts = np.stack([excitations.real, excitations.imag], axis=-1)
+        parts = parts.reshape(*excitations.shape[:-1], -1)
+        return np.asarray((self.force @ parts[..., None])[..., 0])
 
-class SingularCondensation(ValueError):
-    """A speed falls on a natural frequency of the part that is eliminated."""
+    def pick(self, which: slice) -> "CondensedTrain":
+        """The same train at some of its speeds."""
+        return replace(
+            self,
+            speed=self.speed[which],
+            direction=self.direction[which],
+            known=self.known[which],
+            force=self.force[which],
+            elimination=None if self.elimination is None else self.elimination.pick(which),
+        )
+
+    def blocks(self) -> Iterator[slice]:
+        """Pieces of the speeds that together are all of them."""
+        for begin in range(0, self.speed.size, BLOCK):
+            yield slice(begin, min(begin + BLOCK, self.speed.size))
+
+    def scaled(self, factors: Floats) -> "CondensedTrain":
+        """The train with E and ρ of its materials multiplied by the factors (F,) of `scale_names`."""
+        if self.elimination is None or factors.size == 0:
+            return self
+        elimination = self.elimination.scaled(dict(zip(self.scale_names, factors, strict=True)))
+        return replace(self, known=elimination.known(), force=elimination.force(), elimination=elimination)
 
 
 def condense(machine: Machine, *, speed: Floats, direction: Floats) -> CondensedTrain:
@@ -68,23 +120,60 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats) -> Condensed
         raise ValueError("direction must hold +1 or -1 for each speed")
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    output = _probe_rows(machine, rotor)
-    left = dense([c.left for c in unknown.coefficients], rotor.size)
-    right = dense([c.right for c in unknown.coefficients], rotor.size)
-    retained = np.flatnonzero(np.any(left, axis=1) | np.any(right, axis=1) | np.any(output, axis=0))
-    known, force = _schur(rotor, unknown, retained, speed, direction)
+    pairs = [pair for coefficient in unknown.coefficients for pair in coefficient.pairs]
+    vectors = {
+        "left": _in_planes(rotor, dense([left for left, _ in pairs], rotor.size)),
+        "right": _in_planes(rotor, dense([right for _, right in pairs], rotor.size)),
+        "output": _in_planes(rotor, _probe_rows(machine, rotor).T),
+        "acting": _in_planes(rotor, dense([item.acting or {} for item in unknown.excitations], rotor.size)),
+    }
+    touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
+    retained = np.flatnonzero(touched[: rotor.plane_size] | touched[rotor.plane_size :])
+    kept = np.concatenate([retained, rotor.plane_size + retained])
+    spreads = _scale_spreads(machine, rotor)
+    elimination = WhirlElimination.of(
+        rotor,
+        retained=retained,
+        acting=vectors["acting"][kept],
+        excitations=unknown.excitations,
+        speed=speed,
+        direction=direction,
+        reusable=bool(spreads),
+    )
     return CondensedTrain(
         speed=speed,
         direction=direction,
-        known=known,
-        force=force,
-        left=left[retained],
-        right=right[retained],
-        damping=np.array([c.quantity == "damping" for c in unknown.coefficients]),
-        output=output[:, retained],
+        known=elimination.known(),
+        force=elimination.force(),
+        left=vectors["left"][kept],
+        right=vectors["right"][kept],
+        output=vectors["output"][kept].T,
         unknowns=unknown,
         channels=machine.channels,
+        gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
+        run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
+        elimination=elimination if spreads else None,
+        scale_names=tuple(spreads),
+        scale_spread=np.array(list(spreads.values())),
     )
+
+
+def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
+    """Vectors (N, count) over (x, y, θx, θy) per node as such over the x-z plane, then the y-z plane."""
+    x_plane, y_plane = plane_columns(rotor.size)
+    return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
+
+
+def _scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
+    """Name and relative spread of every scale factor that is not known exactly."""
+    found: dict[str, float] = {}
+    for name in rotor.materials:
+        material = machine.materials[name]
+        if material.young_modulus_spread > 0.0:
+            found[f"material.{name}.young_modulus"] = material.young_modulus_spread
+        if material.density_spread > 0.0:
+            found[f"material.{name}.density"] = material.density_spread
+    return found
 
 
 def _probe_rows(machine: Machine, rotor: Rotor) -> Floats:
@@ -95,37 +184,3 @@ def _probe_rows(machine: Machine, rotor: Rotor) -> Floats:
         row[x], row[x + 1] = np.cos(angle), np.sin(angle)
         row[np.abs(row) < 1e-15] = 0.0  # a probe along an axis sees that axis only
     return rows
-
-
-def _schur(
-    rotor: Rotor, unknown: Unknowns, retained: NDArray[np.intp], speed: Floats, direction: Floats
-) -> tuple[Complexes, Complexes]:
-    eliminated = np.setdiff1d(np.arange(rotor.size), retained)
-    known = np.empty((speed.size, retained.size, retained.size), dtype=complex)
-    force = np.empty((speed.size, retained.size, 2 * len(unknown.unbalances)), dtype=complex)
-    for i, (omega, sense) in enumerate(zip(speed, direction, strict=True)):
-        stiffness = rotor.stiffness - omega**2 * rotor.mass + 1j * omega * (sense * omega) * rotor.gyroscopic
-        full_force = _unbalance_force(rotor, unknown, omega, sense)
-        inner = stiffness[np.ix_(eliminated, eliminated)]
-        across = np.hstack([stiffness[np.ix_(eliminated, retained)], full_force[eliminated]])
-        try:
-            solved = np.linalg.solve(inner, across)
-        except np.linalg.LinAlgError:
-            raise SingularCondensation(
-                f"speed {omega:.6g} rad/s falls on a natural frequency of the shafts clamped at bearings and couplings: "
-                "leave that speed out"
-            ) from None
-        outer = stiffness[np.ix_(retained, eliminated)]
-        known[i] = stiffness[np.ix_(retained, retained)] - outer @ solved[:, : retained.size]
-        force[i] = full_force[retained] - outer @ solved[:, retained.size :]
-    return known, force
-
-
-def _unbalance_force(rotor: Rotor, unknown: Unknowns, omega: float, sense: float) -> Complexes:
-    """Force columns (N, 2P): ω² U (1, -j) for rotation from +x to +y; its mirror image, with U conjugate, against it."""
-    force = np.zeros((rotor.size, 2 * len(unknown.unbalances)), dtype=complex)
-    for plane, item in enumerate(unknown.unbalances):
-        x = NODE_DOFS * item.node
-        force[x, 2 * plane], force[x + 1, 2 * plane] = omega**2, -1j * sense * omega**2
-        force[x, 2 * plane + 1], force[x + 1, 2 * plane + 1] = 1j * sense * omega**2, omega**2
-    return force

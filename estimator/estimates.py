@@ -1,13 +1,15 @@
 """From fit coordinates to estimates that a person can use: SI values with intervals, or the reason why there is none."""
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.condensation import CondensedTrain, Floats
 from estimator.coordinates import Coordinates
-from estimator.parameters import Coefficient, Quantity, UnbalancePlane, Unknowns
+from estimator.parameters import UNITS, Coefficient, Excitation, Quantity
 
 CONFIDENCE_95 = 1.959964
 """Half width of a 95 % interval in standard errors."""
@@ -16,13 +18,16 @@ LARGEST_RELATIVE_ERROR = 1.0
 LARGEST_DIRECT_ERROR = 0.4
 """The same for a direct term and its own value: beyond it the term may be zero, and its logarithm has no sound interval."""
 
+Reason = Callable[[str], str] | None
+"""Says why the data leave the coordinate of that name open, where something can say it."""
+
 
 @dataclass(frozen=True)
 class Estimate:
     """One estimated parameter, in SI units.
 
-    value, standard_error, lower, upper (95 %): None where the data do not determine it; `reason` then says why. An
-    unbalance has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
+    value, standard_error, lower, upper (95 %): None where the data do not determine it; `reason` then says why. A complex
+    one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
     """
 
     name: str
@@ -43,51 +48,126 @@ class Estimate:
         return self.value is not None
 
 
-def estimates(unknown: Unknowns, coordinates: Coordinates, theta: Floats, error: Floats) -> tuple[Estimate, ...]:
-    """Estimates of all parameters, from fit coordinates (K + 2P,) and their standard errors."""
+def estimates(
+    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+) -> tuple[Estimate, ...]:
+    """Estimates of all parameters, from fit coordinates (n,) and their standard errors (n,)."""
+    return (
+        *_coefficients(train, coordinates, theta, error, reason),
+        *_excitations(train, coordinates, theta, error, reason),
+        *_scale_factors(train, coordinates, theta, error),
+        *_channels(train, coordinates, theta, error),
+    )
+
+
+def _coefficients(
+    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+) -> Iterator[Estimate]:
     values = coordinates.coefficients(theta)
-    # A cross-coupled term is judged by the direct terms beside it; its own value may well be zero.
-    size = {c.name: value for c, value in zip(unknown.coefficients, values, strict=True)}
-    result = []
-    for coefficient, value, spread, scale in zip(unknown.coefficients, values, error, coordinates.scale, strict=False):
-        if coefficient.direct:
-            result.append(_direct(coefficient, float(value), float(spread)))
+    typical = values if values.ndim == 1 else np.exp(np.mean(np.log(np.abs(values) + 1e-300), axis=0))
+    size = dict(zip((c.name for c in train.unknowns.coefficients), typical, strict=True))
+    for k, coefficient in enumerate(train.unknowns.coefficients):
+        if coefficient.fixed:
+            yield _without(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
+        elif coefficient.tied_to is not None:
+            yield _without(coefficient, f"tied to {coefficient.tied_to}")
         else:
-            stem = coefficient.name[:-2]
-            beside = math.sqrt(size[f"{stem}xx"] * size[f"{stem}yy"])
-            result.append(_cross(coefficient, float(value), float(scale * spread), beside))
-    unbalances = coordinates.unbalances(theta)
-    spreads = coordinates.unbalance_scale * error[values.size :].reshape(-1, 2)
-    largest = float(np.max(np.abs(unbalances)))
-    for plane, unbalance, spread in zip(unknown.unbalances, unbalances, spreads, strict=True):
-        result.append(_unbalance(plane, complex(unbalance), spread, largest))
-    return tuple(result)
+            for place in coordinates.places(k):
+                yield _coefficient(coefficient, coordinates, place, theta, error, beside(coefficient, size), reason)
 
 
-def _direct(coefficient: Coefficient, value: float, error: float) -> Estimate:
+def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
+    """What a cross-coupled term is judged by: the direct terms beside it; its own value may well be zero.
+
+    size: magnitudes of all coefficients by name.
+    """
+    if coefficient.direct:
+        return size[coefficient.name]
+    stem, name = coefficient.name.rsplit(".", 1)
+    if name.startswith("k_phi"):
+        pair = ("k_phix", "k_phiy")
+    elif "_phi" in name:
+        pair = (f"k{name[1]}{name[1]}", f"k_phi{name[-1]}")
+    else:
+        pair = (f"{name[0]}xx", f"{name[0]}yy")
+    return math.sqrt(size[f"{stem}.{pair[0]}"] * size[f"{stem}.{pair[1]}"])
+
+
+def _coefficient(
+    coefficient: Coefficient,
+    coordinates: Coordinates,
+    place: int,
+    theta: Floats,
+    error: Floats,
+    judged_by: float,
+    reason: Reason,
+) -> Estimate:
+    name = coordinates.names[place]
+    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
+    spread = float(coordinates.unit[place] * error[place])
+    if coefficient.direct:
+        if spread > LARGEST_DIRECT_ERROR:
+            return _open(common, f"the data leave it uncertain by {100 * spread:.0f} % of its value{_because(reason, name)}")
+        return _positive(common, coefficient.expected * math.exp(float(theta[place])), spread)
+    if spread > LARGEST_RELATIVE_ERROR * judged_by:
+        part, why = 100 * spread / judged_by, _because(reason, name)
+        return _open(common, f"the data leave it uncertain by {part:.0f} % of the direct terms of its element{why}")
+    value, half = float(coordinates.unit[place] * theta[place]), CONFIDENCE_95 * spread
+    return Estimate(*common, value, spread, value - half, value + half)
+
+
+def _excitations(
+    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+) -> Iterator[Estimate]:
+    values = coordinates.excitations(theta)
+    unbalances = np.abs(values[: len(train.unknowns.unbalances)])
+    largest = float(np.max(unbalances, initial=0.0))
+    for item, value, place in zip(train.unknowns.excitations, values, coordinates.excitation_place, strict=True):
+        common = (item.name, item.element, item.quantity, item.unit)
+        if place < 0:
+            yield _without(item, f"kept at its nominal value {abs(value):g} {item.unit}")
+            continue
+        spread = coordinates.unit[place] * error[place : place + 2]
+        if item.quantity == "unbalance" and float(np.max(spread)) > LARGEST_RELATIVE_ERROR * largest:
+            yield _open(
+                common,
+                f"the data leave it uncertain by {float(np.max(spread)):.2g} kg m, more than the largest unbalance found"
+                f"{_because(reason, coordinates.names[place])}",
+            )
+        else:
+            yield _complex(common, complex(value), spread)
+
+
+def _scale_factors(train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats) -> Iterator[Estimate]:
+    for name, place in zip(train.scale_names, coordinates.scale_place, strict=True):
+        common: tuple[str, str, Quantity, str] = (name, name.rsplit(".", 1)[0], "scale factor", UNITS["scale factor"])
+        yield _positive(common, math.exp(float(theta[place])), float(error[place]))
+
+
+def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats) -> Iterator[Estimate]:
+    quantities: tuple[tuple[str, Quantity, NDArray[np.intp]], ...] = (
+        ("gain", "gain", coordinates.gain_place),
+        ("run_out", "run-out", coordinates.run_out_place),
+    )
+    for what, quantity, places in quantities:
+        values = coordinates.gains(theta) if quantity == "gain" else coordinates.run_outs(theta)
+        for channel, value, place in zip(train.channels, values, places, strict=True):
+            if place >= 0:
+                element = f"probe.{channel}"
+                common = (f"{element}.{what}", element, quantity, UNITS[quantity])
+                yield _complex(common, complex(value), coordinates.unit[place] * error[place : place + 2])
+
+
+def _positive(common: tuple[str, str, Quantity, str], value: float, error: float) -> Estimate:
     """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
-    if error > LARGEST_DIRECT_ERROR:
-        return _not_estimable(coefficient, f"the data leave it uncertain by {100 * error:.0f} % of its value")
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
-    return Estimate(*_common(coefficient), value, value * error, lower, upper)
+    return Estimate(*common, value, value * error, lower, upper)
 
 
-def _cross(coefficient: Coefficient, value: float, error: float, beside: float) -> Estimate:
-    if error > LARGEST_RELATIVE_ERROR * beside:
-        reason = f"the data leave it uncertain by {100 * error / beside:.0f} % of the direct terms of its element"
-        return _not_estimable(coefficient, reason)
-    half = CONFIDENCE_95 * error
-    return Estimate(*_common(coefficient), value, error, value - half, value + half)
-
-
-def _unbalance(plane: UnbalancePlane, value: complex, error: Floats, largest: float) -> Estimate:
-    worst = float(np.max(error))
-    if worst > LARGEST_RELATIVE_ERROR * largest:
-        reason = f"the data leave it uncertain by {worst:.2g} kg m, more than the largest unbalance found"
-        return _not_estimable(plane, reason)
-    half = CONFIDENCE_95 * worst
+def _complex(common: tuple[str, str, Quantity, str], value: complex, error: Floats) -> Estimate:
+    half = CONFIDENCE_95 * float(np.max(error))
     return Estimate(
-        *_common(plane),
+        *common,
         value=value.real,
         standard_error=float(error[0]),
         lower=max(0.0, abs(value) - half),
@@ -97,10 +177,13 @@ def _unbalance(plane: UnbalancePlane, value: complex, error: Floats, largest: fl
     )
 
 
-def _not_estimable(item: Coefficient | UnbalancePlane, reason: str) -> Estimate:
-    return Estimate(*_common(item), None, None, None, None, reason=reason)
+def _because(reason: Reason, name: str) -> str:
+    return "" if reason is None else f": {reason(name)}"
 
 
-def _common(item: Coefficient | UnbalancePlane) -> tuple[str, str, Quantity, str]:
-    quantity: Quantity = item.quantity if isinstance(item, Coefficient) else "unbalance"
-    return item.name, item.element, quantity, item.unit
+def _without(item: Coefficient | Excitation, reason: str) -> Estimate:
+    return _open((item.name, item.element, item.quantity, item.unit), reason)
+
+
+def _open(common: tuple[str, str, Quantity, str], reason: str) -> Estimate:
+    return Estimate(*common, None, None, None, None, reason=reason)

@@ -1,40 +1,48 @@
-"""Maximum-likelihood fit of a train's response, from one start.
+"""Fit of a train's response from one start: maximum likelihood with a weak prior.
 
 Output error: the residual is measured minus modelled response, weighted by its measurement error, so that noise does not
 bias the estimate (an equation-error regression, thesis Eq. 4.71, puts noise into the regressors). Levenberg-Marquardt with
 exact sensitivities (Marquardt, J. SIAM 11 (1963) 431, doi:10.1137/0111030), in the coordinates of `coordinates`. Weights
 sharpen in stages: the first stages allow a relative misfit beside the noise, which flattens the valleys that a shifted
-resonance leaves, the last has the noise alone.
+resonance leaves, the last has the noise alone. Then weights are taken from the fitted response, phasors that cannot be noise
+are left out and the noise is estimated where it is not known, again and again until nothing changes: iteratively
+reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors with weights taken as known.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, CondensedTrain, Floats
 from estimator.coordinates import Coordinates
 from estimator.machine import Noise
-from estimator.measurement import Measurement, error_size
+from estimator.measurement import Measurement
+from estimator.noise import error_size, estimated_noise, outlier_limit, outliers
 from estimator.response import response
 from estimator.sensitivity import sensitivity
 
 STAGE_MISFITS = (0.5, 0.05, 0.0)
 """Relative misfit allowed beside the noise in each stage."""
 STAGE_ITERATIONS = (40, 40, 80)
-FINAL_PASSES = 3
-"""Times the last stage is repeated with weights from the response just fitted."""
+FINAL_PASSES = 8
+"""Most times the last stage is repeated with weights, outliers and noise from the response just fitted."""
+SAME_NOISE = 0.01
+"""A relative change of the estimated noise below this is none."""
 STEP_LIMIT = 1.0
 """Largest change of a coordinate in one step: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
-"""A stage ends when a step promises to lower χ² by less than this; a change of 1 is one standard error."""
+"""A stage ends when a full Newton step promises to lower χ² by less than this; a change of 1 is one standard error."""
 
 
 @dataclass(frozen=True)
 class Fit:
     """Where one start led.
 
-    theta: fit coordinates (K + 2P,). chi_square: of the data at the final weights. information: Fisher information of the
-    data in the coordinates, (K + 2P, K + 2P). converged: whether the last stage met its tolerance. iterations: steps tried.
+    theta: fit coordinates (n,). chi_square: of the data at the final weights. information: Fisher information of the data in
+    the coordinates, (n, n). converged: whether the last stage met its tolerance. iterations: steps tried. noise: as used at
+    the end. outlier: (S, m) True for phasors left out. misfit: what tells a better start from a worse one, χ² with what
+    the outliers cost; where the noise is estimated, times the mean size of its variance.
     """
 
     theta: Floats
@@ -42,42 +50,87 @@ class Fit:
     information: Floats
     converged: bool
     iterations: int
+    noise: Noise
+    outlier: NDArray[np.bool_]
+    misfit: float
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One data set, one train, one set of coordinates."""
+    """One data set, one train, one set of coordinates; outlier: (S, m) phasors left out."""
 
     train: CondensedTrain
     measurement: Measurement
     coordinates: Coordinates
     noise: Noise
+    outlier: NDArray[np.bool_]
+    robust: bool = True
+    _scaled: dict[bytes, CondensedTrain] = field(default_factory=dict)
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """(S, m) phasors that count."""
+        return self.measurement.usable & ~self.outlier
+
+    def scaled_train(self, theta: Floats) -> CondensedTrain:
+        """The train with the scale factors of θ; the last few are remembered."""
+        if self.coordinates.scale_place.size == 0:
+            return self.train
+        factors = self.coordinates.scales(theta)
+        key = factors.tobytes()
+        if key not in self._scaled:
+            while len(self._scaled) >= 2:
+                self._scaled.pop(next(iter(self._scaled)))
+            self._scaled[key] = self.train.scaled(factors)
+        return self._scaled[key]
+
+    def excitations(self, theta: Floats) -> Complexes:
+        """(E,), or (S, E) where known unbalances were added to some samples."""
+        own = self.coordinates.excitations(theta)
+        added = self.measurement.added
+        if added is None:
+            return own
+        whole = np.tile(own, (len(added), 1))
+        whole[:, : added.shape[1]] += added
+        return whole
 
     def model(self, theta: Floats) -> Complexes:
-        """Response (S, m) [m] at θ."""
-        return response(
-            self.train,
+        """What the channels should show (S, m) [m] at θ."""
+        phasor = response(
+            self.scaled_train(theta),
             coefficients=self.coordinates.coefficients(theta),
-            unbalances=self.coordinates.unbalances(theta),
+            excitations=self.excitations(theta),
         )
+        return self._as_measured(theta, phasor, self.measurement.direction)
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """χ² of the data, -½ of its gradient and its Gauss-Newton curvature at θ, for weights (S, m) [1/m]."""
-        modelled, by_parameter = sensitivity(
-            self.train,
-            coefficients=self.coordinates.coefficients(theta),
-            unbalances=self.coordinates.unbalances(theta),
-        )
-        used = self.measurement.usable
-        residual = ((self.measurement.phasor - modelled) * weight)[used]
-        slope = by_parameter[used] * weight[used][:, None]
-        slope *= self.coordinates.slope(theta)
-        adjoint = slope.conj().T
-        return float(np.vdot(residual, residual).real), (adjoint @ residual).real, (adjoint @ slope).real
+        train = self.scaled_train(theta)
+        coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
+        weight = np.where(self.used, weight, 0.0)
+        chi_square, gradient = 0.0, np.zeros(theta.size)
+        curvature = np.zeros((theta.size, theta.size))
+        for block in train.blocks():
+            found = sensitivity(
+                train.pick(block),
+                coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
+                excitations=excitations if excitations.ndim == 1 else excitations[block],
+            )
+            direction = self.measurement.direction[block]
+            modelled = self._as_measured(theta, found.phasor, direction)
+            residual = (self.measurement.phasor[block] - modelled) * weight[block]
+            slope = self.coordinates.jacobian(theta, found, coefficients, direction, block) * weight[block]
+            # Real and imaginary parts side by side: the same sums at a quarter of the work.
+            rows = slope.reshape(theta.size, -1).view(float)
+            parts = residual.reshape(-1).view(float)
+            chi_square += float(parts @ parts)
+            gradient += rows @ parts
+            curvature += rows @ rows.T
+        return chi_square, gradient, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Sum of squared weighted residuals, real and imaginary parts counted apart."""
-        residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.measurement.usable]
+        residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
         return float(np.vdot(residual, residual).real)
 
     def weight(self, amplitude: Floats, misfit: float) -> Floats:
@@ -87,35 +140,91 @@ class Problem:
         # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
-    def best_unbalances(self, theta: Floats, weight: Floats) -> Floats:
-        """θ with the unbalances that fit best while the coefficients stay: a linear problem."""
-        count = self.coordinates.coefficient_count
+    def best_excitations(self, theta: Floats, weight: Floats) -> Floats:
+        """θ with the unbalances, bows and loads that fit best while everything else stays: a linear problem."""
+        first = self.coordinates.excitation_place
+        free = np.concatenate([first[first >= 0], first[first >= 0] + 1])
+        if free.size == 0:
+            return theta
         _, gradient, curvature = self.linearised(theta, weight)
-        block = curvature[count:, count:] + np.diag(self.coordinates.spread[count:] ** -2)
-        # At the given unbalances the model is linear in them: one Newton step is the answer.
-        step = np.linalg.solve(block, gradient[count:] - (theta[count:] / self.coordinates.spread[count:] ** 2))
+        block = curvature[np.ix_(free, free)] + np.diag(self.coordinates.spread[free] ** -2)
+        # At the given excitations the model is linear in them: one Newton step is the answer.
+        offset = (theta[free] - self.coordinates.centre[free]) / self.coordinates.spread[free] ** 2
         result = theta.copy()
-        result[count:] += step
+        result[free] += np.linalg.solve(block, gradient[free] - offset)
         return result
+
+    def without_outliers(self, theta: Floats, misfit: float) -> "Problem":
+        """The problem without the phasors that cannot be noise at θ, where a relative misfit is allowed beside it."""
+        if not self.robust:
+            return self
+        model = self.model(theta)
+        size = np.abs(self.measurement.phasor - model) * self.weight(np.abs(model), misfit) / np.sqrt(2.0)
+        return replace(self, outlier=outliers(size, self.measurement.usable))
+
+    def with_estimated_noise(self, theta: Floats) -> "Problem":
+        """The problem with the noise that the residuals at θ show, where the document asks for that."""
+        modelled = self.used & ~(self.measurement.scatter > 0.0)
+        if not self.noise.estimated or not np.any(modelled):
+            return self
+        model = self.model(theta)
+        spent = min(0.9, theta.size / (2 * np.count_nonzero(self.used)))
+        misfit = np.abs(self.measurement.phasor - model)
+        noise = estimated_noise(self.noise, amplitude=np.abs(model)[modelled], misfit=misfit[modelled], spent=spent)
+        return replace(self, noise=noise)
+
+    def _as_measured(self, theta: Floats, phasor: Complexes, direction: Floats) -> Complexes:
+        """Phasors through the channels' gains, with their run-out: a pattern on the shaft, so mirrored with the rotation."""
+        run_out = self.coordinates.run_outs(theta)
+        turned = np.where(direction[:, None] > 0, run_out, np.conj(run_out))
+        return np.asarray(phasor * self.coordinates.gains(theta) + turned)
 
 
 def fit(problem: Problem, start: Floats) -> Fit:
-    """Fit from one start θ (K + 2P,)."""
+    """Fit from one start θ (n,)."""
     measured = np.abs(problem.measurement.phasor)
     theta = start
     iterations = 0
+    converged = False
     for misfit, limit in zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True):
-        weight = problem.weight(measured, misfit)
-        theta, converged, steps = _descend(problem, theta, weight, limit)
+        theta, converged, steps = _descend(problem, theta, problem.weight(measured, misfit), limit)
+        problem = problem.without_outliers(theta, misfit)
         iterations += steps
-    for _ in range(FINAL_PASSES - 1):
-        if not converged:
-            break
+    for _ in range(FINAL_PASSES):
+        before = problem
+        problem = problem.with_estimated_noise(theta).without_outliers(theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
         theta, converged, steps = _descend(problem, theta, weight, STAGE_ITERATIONS[-1])
         iterations += steps
+        if not converged or (steps == 0 and _settled(before, problem)):
+            break
     chi_square, _, information = problem.linearised(theta, weight)
-    return Fit(theta, chi_square, information, converged, iterations)
+    return Fit(
+        theta=theta,
+        chi_square=chi_square,
+        information=information,
+        converged=converged,
+        iterations=iterations,
+        noise=problem.noise,
+        outlier=problem.outlier,
+        misfit=_misfit(problem, chi_square, weight),
+    )
+
+
+def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
+    whole = chi_square + 2.0 * outlier_limit(problem.measurement.usable) * np.count_nonzero(problem.outlier)
+    if not problem.noise.estimated:
+        return float(whole)
+    return float(whole * np.exp(-2.0 * np.mean(np.log(weight[problem.used & (weight > 0.0)]))))
+
+
+def _settled(before: Problem, after: Problem) -> bool:
+    """Whether a pass has changed neither outliers nor noise."""
+    return (
+        np.array_equal(before.outlier, after.outlier)
+        and abs(after.noise.relative - before.noise.relative) <= SAME_NOISE * before.noise.relative
+        and abs(after.noise.floor - before.noise.floor) <= SAME_NOISE * before.noise.floor
+    )
 
 
 def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
@@ -135,11 +244,12 @@ def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tup
     for step_number in range(limit):
         slope = gradient - precision * (theta - centre)
         hessian = curvature + np.diag(precision)
+        newton = np.linalg.solve(hessian, slope)
+        if float(slope @ newton) < CONVERGED_DECREASE:
+            return theta, True, step_number
         step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
-        if promised < CONVERGED_DECREASE:
-            return theta, True, step_number
         trial = theta + step
         trial_cost = penalised(problem.chi_square(trial, weight), trial)
         gain = (cost - trial_cost) / promised

@@ -6,6 +6,7 @@ doi:10.1016/0197-2456(86)90046-2, with equal weights).
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -49,6 +50,7 @@ def combined(results: Sequence[Identification]) -> Identification:
         samples=sum(result.samples for result in results),
         speed_minimum=min(result.speed_minimum for result in results),
         speed_maximum=max(result.speed_maximum for result in results),
+        outliers=dict(sum((Counter(result.outliers) for result in results), Counter())),
     )
 
 

@@ -8,12 +8,12 @@ from the driver-side end of its own shaft [m].
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from estimator.references import reference_problems
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
 # Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
@@ -23,11 +23,7 @@ NotNegative = Annotated[float, Field(ge=0, lt=1e15, allow_inf_nan=False)]
 Real = Annotated[float, Field(gt=-1e15, lt=1e15, allow_inf_nan=False)]
 Length = Annotated[float, Field(gt=1e-6, lt=100, allow_inf_nan=False)]
 Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
-LARGEST_ELEMENT_COUNT = 500
-"""Shaft elements of one train; more would take hours and gain nothing."""
-
-STATION_TOLERANCE = 1e-9
-"""Two stations closer than this [m] are the same place."""
+Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
 
 
 class _Part(BaseModel):
@@ -40,6 +36,11 @@ class Material(_Part):
     young_modulus: Positive = Field(description="E [N/m²]")
     density: Positive = Field(description="ρ [kg/m³]")
     poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] = Field(default=0.3, description="ν [-]")
+    young_modulus_spread: Spread = Field(default=0.0, description="how far E may be off, relative rms [-]; 0: known exactly")
+    density_spread: Spread = Field(default=0.0, description="how far ρ may be off, relative rms [-]; 0: known exactly")
+    internal_damping: Annotated[float, Field(ge=0, lt=1)] = Field(
+        default=0.0, description="viscous internal damping over stiffness, β of C = βK in the rotating shaft [s]"
+    )
 
 
 class Section(_Part):
@@ -62,6 +63,9 @@ class Shaft(_Part):
 
     id: Identifier
     sections: Annotated[tuple[Section, ...], Field(min_length=1, max_length=200)]
+    bow_spread: NotNegative = Field(
+        default=0.0, description="how large a residual bow may be at mid-length, rms [m]; 0: straight, no bow is identified"
+    )
 
     @property
     def length(self) -> float:
@@ -88,6 +92,24 @@ class Disc(_Part):
     unbalance: Unbalance | None = Field(default=None, description="nominal residual unbalance, where known")
 
 
+class SpeedDependence(_Part):
+    """How an element's coefficients follow the speed: through values at some speeds, which are identified.
+
+    Two or more knots: `piecewise` runs straight from knot to knot and stays level outside them, `polynomial` is the one
+    polynomial through all of them. Direct terms follow in their logarithm, so that they stay positive.
+    """
+
+    form: Literal["polynomial", "piecewise"]
+    knots_rpm: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=12)] = Field(description="ascending [r/min]")
+    coefficients: tuple[str, ...] | None = Field(default=None, description="which of them, by default all, such as [kxx, kyy]")
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if any(high <= low for low, high in zip(self.knots_rpm, self.knots_rpm[1:], strict=False)):
+            raise ValueError(f"knots_rpm must ascend, not {list(self.knots_rpm)}")
+        return self
+
+
 class LateralCoefficients(_Part):
     """Nominal stiffness and damping over (x, y); leave out what is not known."""
 
@@ -99,6 +121,14 @@ class LateralCoefficients(_Part):
     cxy: Real | None = Field(default=None, description="[N s/m]")
     cyx: Real | None = Field(default=None, description="[N s/m]")
     cyy: Direct | None = Field(default=None, description="[N s/m]")
+    speed_dependence: SpeedDependence | None = Field(default=None, description="by default the coefficients are constant")
+
+    @model_validator(mode="after")
+    def _dependent_names(self) -> Self:
+        wrong = set((self.speed_dependence and self.speed_dependence.coefficients) or ()) - set(type(self).model_fields)
+        if wrong:
+            raise ValueError(f"speed_dependence.coefficients names no coefficient of this element: {', '.join(sorted(wrong))}")
+        return self
 
 
 class Bearing(LateralCoefficients):
@@ -109,14 +139,54 @@ class Bearing(LateralCoefficients):
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
 
 
+class Seal(LateralCoefficients):
+    """An annular seal to ground: eight coefficients as a bearing's, and fluid inertia where it is given."""
+
+    id: Identifier
+    shaft: Identifier
+    station: NotNegative = Field(description="[m] from the shaft's driver-side end")
+    mxx: Direct | None = Field(default=None, description="fluid inertia [kg]; identified only where given")
+    myy: Direct | None = Field(default=None, description="fluid inertia [kg]; identified only where given")
+
+
+class Half(_Part):
+    """The half of a coupling that sits on one shaft's end: a rigid body."""
+
+    mass: NotNegative = Field(description="[kg]")
+    diametral_inertia: NotNegative = Field(default=0.0, description="I_d [kg m²]")
+    polar_inertia: NotNegative = Field(default=0.0, description="I_p [kg m²]")
+
+
+class EquivalentLoad(_Part):
+    """Misalignment seen as synchronous forces and moments in a coupling that do not depend on speed.
+
+    Sinha, Lees and Friswell, J. Sound Vib. 272 (2004) 967.
+    """
+
+    force_spread: Positive = Field(description="how large a force may be, rms [N]")
+    moment_spread: Positive = Field(description="how large a moment may be, rms [N m]")
+
+
 class Coupling(LateralCoefficients):
-    """A flexible coupling with ten linear coefficients (thesis Eq. 3.9) from the end of one shaft to the start of the next."""
+    """A flexible coupling with ten linear coefficients (thesis Eq. 3.9) from the end of one shaft to the start of the next.
+
+    The terms after `k_phiy` are identified only where the document gives them.
+    """
 
     id: Identifier
     driver: Identifier = Field(description="shaft whose driven-side end carries one half")
     driven: Identifier = Field(description="shaft whose driver-side end carries the other half")
     k_phix: Direct | None = Field(default=None, description="moment about x per relative slope about x [N m/rad]")
     k_phiy: Direct | None = Field(default=None, description="moment about y per relative slope about y [N m/rad]")
+    k_phixy: Real | None = Field(default=None, description="moment about x per relative slope about y [N m/rad]")
+    k_phiyx: Real | None = Field(default=None, description="moment about y per relative slope about x [N m/rad]")
+    c_phix: Direct | None = Field(default=None, description="moment about x per relative slope rate about x [N m s/rad]")
+    c_phiy: Direct | None = Field(default=None, description="moment about y per relative slope rate about y [N m s/rad]")
+    kx_phiy: Real | None = Field(default=None, description="force along x per slope about y, and the moment back [N/rad]")
+    ky_phix: Real | None = Field(default=None, description="force along y per slope about x, and the moment back [N/rad]")
+    driver_half: Half | None = Field(default=None, description="what sits on the driver's end")
+    driven_half: Half | None = Field(default=None, description="what sits on the driven shaft's end")
+    load: EquivalentLoad | None = Field(default=None, description="where given, equivalent loads are identified")
 
 
 class Probe(_Part):
@@ -127,6 +197,10 @@ class Probe(_Part):
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
     angle_deg: Angle = Field(description="[°] from +x towards +y: 0 measures x, 90 measures y")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
+    gain_spread: Spread = Field(default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact")
+    run_out_spread: NotNegative = Field(
+        default=0.0, description="how large a run-out that was not subtracted may be, rms [m]; 0: none is identified"
+    )
 
 
 class SpeedRange(_Part):
@@ -147,6 +221,43 @@ class Noise(_Part):
 
     relative: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
     floor: NotNegative = Field(default=1e-7, description="0-to-peak [m]")
+    estimated: bool = Field(
+        default=False, description="find both parts from the fit's own residuals; the values above are where that starts"
+    )
+
+
+class RayleighDamping(_Part):
+    """External damping of the shafts, C = αM + βK (thesis Appendix B)."""
+
+    alpha: NotNegative = Field(default=0.0, description="[1/s]")
+    beta: NotNegative = Field(default=0.0, description="[s]")
+
+
+class ParameterRule(_Part):
+    """What an identification may do with some parameters. Later rules win over earlier ones."""
+
+    names: Annotated[str, Field(min_length=1, max_length=200)] = Field(
+        description="a parameter's name or a pattern, such as coupling.C1.k_phi*"
+    )
+    fixed: bool = Field(default=False, description="keep the nominal value")
+    spread: Positive | None = Field(
+        default=None,
+        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value",
+    )
+    tied_to: str | None = Field(default=None, description="element whose coefficients of the same names it takes: bearing.B1")
+
+    @model_validator(mode="after")
+    def _one_meaning(self) -> Self:
+        if self.fixed + (self.spread is not None) + (self.tied_to is not None) != 1:
+            raise ValueError("give exactly one of fixed, spread, tied_to")
+        return self
+
+
+class ImpactTest(_Part):
+    """Natural frequencies of the train at standstill, measured with a hammer."""
+
+    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)]
+    relative_error: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")
 
 
 class Machine(_Part):
@@ -163,15 +274,19 @@ class Machine(_Part):
     discs: Annotated[tuple[Disc, ...], Field(min_length=1, max_length=100)]
     bearings: Annotated[tuple[Bearing, ...], Field(min_length=1, max_length=60)]
     couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
+    seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     noise: Noise = Noise()
+    damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
+    parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
+    impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
     element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
     )
 
     @model_validator(mode="after")
     def _references(self) -> Self:
-        problems = list(_reference_problems(self))
+        problems = list(reference_problems(self))
         if problems:
             raise ValidationError.from_exception_data("Machine", problems)
         return self
@@ -228,81 +343,3 @@ def field_path(location: tuple[int | str, ...]) -> str:
     """`bearings[1].shaft` from ("bearings", 1, "shaft"); the document itself is called `document`."""
     path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return path.removeprefix(".") or "document"
-
-
-def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitErrorDetails:
-    # The message goes in as context: it may hold braces of its own.
-    error = PydanticCustomError("machine_document", "{message}", {"message": message})
-    return InitErrorDetails(type=error, loc=location, input=value)
-
-
-def _reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    yield from _material_problems(machine)
-    yield from _duplicate_problems(machine)
-    yield from _station_problems(machine)
-    if machine.element_length is not None:
-        count = sum(shaft.length for shaft in machine.shafts) / machine.element_length
-        if count > LARGEST_ELEMENT_COUNT:
-            message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
-            yield _problem(("element_length",), machine.element_length, message)
-    yield from _coupling_problems(machine)
-
-
-def _material_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    known = ", ".join(machine.materials)
-    for i, shaft in enumerate(machine.shafts):
-        for j, section in enumerate(shaft.sections):
-            if section.material not in machine.materials:
-                message = f"'{section.material}' is not one of the materials: {known}"
-                yield _problem(("shafts", i, "sections", j, "material"), section.material, message)
-
-
-def _duplicate_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    for name in ("shafts", "discs", "bearings", "couplings", "probes"):
-        parts = getattr(machine, name)
-        counts = Counter(part.id for part in parts)
-        for i, part in enumerate(parts):
-            if counts[part.id] > 1:
-                yield _problem((name, i, "id"), part.id, f"'{part.id}' stands more than once among the {name}")
-
-
-def _station_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    lengths = {shaft.id: shaft.length for shaft in machine.shafts}
-    for name in ("discs", "bearings", "probes"):
-        for i, part in enumerate(getattr(machine, name)):
-            if part.shaft not in lengths:
-                message = f"'{part.shaft}' is not one of the shafts: {', '.join(lengths)}"
-                yield _problem((name, i, "shaft"), part.shaft, message)
-            elif part.station > lengths[part.shaft] + STATION_TOLERANCE:
-                message = f"{part.station} lies beyond shaft '{part.shaft}', which is {lengths[part.shaft]:.6g} m long"
-                yield _problem((name, i, "station"), part.station, message)
-
-
-def _coupling_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    known = [shaft.id for shaft in machine.shafts]
-    for i, coupling in enumerate(machine.couplings):
-        for end in ("driver", "driven"):
-            if getattr(coupling, end) not in known:
-                message = f"'{getattr(coupling, end)}' is not one of the shafts: {', '.join(known)}"
-                yield _problem(("couplings", i, end), getattr(coupling, end), message)
-        if coupling.driver == coupling.driven:
-            yield _problem(("couplings", i, "driven"), coupling.driven, "a coupling joins two different shafts")
-    yield from _ring_problems(machine)
-    for end in ("driver", "driven"):
-        counts = Counter(getattr(coupling, end) for coupling in machine.couplings)
-        for i, coupling in enumerate(machine.couplings):
-            if counts[getattr(coupling, end)] > 1:
-                message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
-                yield _problem(("couplings", i, end), getattr(coupling, end), message)
-
-
-def _ring_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    """A train has two ends: following its couplings from driver to driven must not come back."""
-    behind = {coupling.driver: coupling.driven for coupling in machine.couplings}
-    for i, coupling in enumerate(machine.couplings):
-        shaft: str | None = coupling.driven
-        for _ in machine.couplings:
-            if shaft == coupling.driver != coupling.driven:
-                yield _problem(("couplings", i, "driven"), coupling.driven, "the couplings join the shafts to a ring")
-                break
-            shaft = behind.get(shaft) if shaft is not None else None

@@ -1,13 +1,12 @@
 """What an identification is fed with: 1× phasors over speed, which of them count, and how well each is known."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
-from estimator.machine import Noise
 
 
 @dataclass(frozen=True)
@@ -16,7 +15,8 @@ class Measurement:
 
     speed: (S,) spin speed [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 0-to-peak displacement [m], phase
     lead. usable: (S, m) False where a value must not be used. scatter: (S, m) rms of the complex error [m] as the source
-    measured it, NaN where it did not.
+    measured it, NaN where it did not. added: (S, P) known unbalance beside the residual one [kg m], such as a trial weight
+    that was on during some of the samples; None for none.
     """
 
     speed: Floats
@@ -24,6 +24,7 @@ class Measurement:
     phasor: Complexes
     usable: NDArray[np.bool_]
     scatter: Floats
+    added: Complexes | None = None
 
     @classmethod
     def of(cls, *, speed: Floats, phasor: Complexes, direction: float = 1.0) -> Self:
@@ -43,32 +44,38 @@ class Measurement:
         for name, shape in shapes.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"{name} has shape {getattr(self, name).shape}, should have {shape}")
+        if self.added is not None and (self.added.ndim != 2 or len(self.added) != samples):
+            raise ValueError(f"added has shape {self.added.shape}, should have a row for each of {samples} samples")
         if np.any(self.usable & ~np.isfinite(self.phasor)):
             raise ValueError("a phasor marked usable is not finite")
 
     def pick(self, which: NDArray[np.bool_]) -> "Measurement":
         """Some of the samples, (S,) True for those wanted."""
         return Measurement(
-            self.speed[which], self.direction[which], self.phasor[which], self.usable[which], self.scatter[which]
+            self.speed[which],
+            self.direction[which],
+            self.phasor[which],
+            self.usable[which],
+            self.scatter[which],
+            None if self.added is None else self.added[which],
         )
+
+    def with_trial_weight(self, unbalances: Complexes) -> "Measurement":
+        """The same samples, taken while known unbalances (P,) [kg m] were added at the discs."""
+        return replace(self, added=np.tile(unbalances, (self.speed.size, 1)))
 
 
 def joined(measurements: list[Measurement]) -> Measurement:
     """Several measurements of the same machine and channels as one. Raises ValueError when there is none."""
     if not measurements:
         raise ValueError("no measurement to join")
+    planes = max(0 if one.added is None else one.added.shape[1] for one in measurements)
+    added = [np.zeros((one.speed.size, planes), dtype=complex) if one.added is None else one.added for one in measurements]
     return Measurement(
-        *(
-            np.concatenate([getattr(one, name) for one in measurements])
-            for name in ("speed", "direction", "phasor", "usable", "scatter")
-        )
+        speed=np.concatenate([one.speed for one in measurements]),
+        direction=np.concatenate([one.direction for one in measurements]),
+        phasor=np.concatenate([one.phasor for one in measurements]),
+        usable=np.concatenate([one.usable for one in measurements]),
+        scatter=np.concatenate([one.scatter for one in measurements]),
+        added=np.concatenate(added) if planes else None,
     )
-
-
-def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
-    """Rms of the complex error of each phasor [m]: the source's own scatter where it gave one, else the noise model.
-
-    amplitude: |X| 0-to-peak [m], best taken from the fitted response: weights from noisy amplitudes bias the fit.
-    """
-    modelled = np.sqrt((noise.relative * amplitude) ** 2 + noise.floor**2)
-    return np.where(scatter > 0.0, np.maximum(scatter, noise.floor), modelled)

@@ -1,34 +1,91 @@
-"""Assembly of a train's shafts and discs: what is known of a machine before anything is identified."""
+"""Assembly of a train's shafts and discs: what is known of a machine before anything is identified.
+
+Shafts and discs are the same in every direction across the axis, so one bending plane says all: the full matrices over
+(x, y, θx, θy) per node are built from plane matrices over (displacement, slope) per node.
+"""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.machine import STATION_TOLERANCE, Bearing, Disc, Machine, Probe, Section, Shaft
-from estimator.shaft import NODE_DOFS, shaft_element
+from estimator.machine import Bearing, Disc, Half, Machine, Probe, Seal, Section, Shaft
+from estimator.references import STATION_TOLERANCE
+from estimator.shaft import NODE_DOFS, PLANE_DOFS, plane_element
+
+Floats = NDArray[np.float64]
 
 DEFAULT_ELEMENTS_PER_SHAFT = 12
 
 
 @dataclass(frozen=True)
+class PlaneMatrices:
+    """Mass, gyroscopic (per unit spin speed) and stiffness matrix of one bending plane, each (N/2, N/2)."""
+
+    mass: Floats
+    gyroscopic: Floats
+    stiffness: Floats
+
+    @classmethod
+    def zero(cls, size: int) -> "PlaneMatrices":
+        """Nothing assembled yet."""
+        return cls(np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)))
+
+
+@dataclass(frozen=True)
 class Rotor:
-    """Free-free shafts with their discs, M q̈ + Ω G q̇ + K q = f.
+    """Free-free shafts with their discs, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
 
     stations: per shaft id the node stations [m]; first_node: per shaft id the number of its first node.
-    mass, gyroscopic, stiffness: (N, N) with N = 4 × nodes, order (x, y, θx, θy) per node.
+    discs: what discs and coupling halves add in a plane. materials: what the shafts of each material add; its stiffness goes
+    with E and its mass with ρ. internal: per material β of its internal damping [s].
     """
 
-    stations: dict[str, NDArray[np.float64]]
+    stations: dict[str, Floats]
     first_node: dict[str, int]
-    mass: NDArray[np.float64]
-    gyroscopic: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
+    discs: PlaneMatrices
+    materials: dict[str, PlaneMatrices]
+    internal: dict[str, float]
+    rayleigh: tuple[float, float] = (0.0, 0.0)
 
     @property
     def size(self) -> int:
-        """Number of degrees of freedom."""
-        return int(self.mass.shape[0])
+        """Number of degrees of freedom N."""
+        return 2 * self.plane_size
+
+    @property
+    def plane_size(self) -> int:
+        """Number of degrees of freedom in one bending plane, N/2."""
+        return int(self.discs.mass.shape[0])
+
+    @cached_property
+    def mass(self) -> Floats:
+        """M (N, N)."""
+        return both_planes(self.discs.mass + sum(part.mass for part in self.materials.values()))
+
+    @cached_property
+    def gyroscopic(self) -> Floats:
+        """G (N, N), skew-symmetric."""
+        return across_planes(self.discs.gyroscopic + sum(part.gyroscopic for part in self.materials.values()))
+
+    @cached_property
+    def stiffness(self) -> Floats:
+        """K (N, N)."""
+        return both_planes(self.discs.stiffness + sum(part.stiffness for part in self.materials.values()))
+
+    @cached_property
+    def damping(self) -> Floats:
+        """C (N, N): external damping αM + βK of the shafts, and their internal damping."""
+        alpha, beta = self.rayleigh
+        parts = (alpha * m.mass + (beta + self.internal[name]) * m.stiffness for name, m in self.materials.items())
+        return both_planes(sum(parts, np.zeros_like(self.discs.mass)))
+
+    @cached_property
+    def circulatory(self) -> Floats:
+        """H (N, N): internal damping acts on the velocity in the rotating shaft, which at rest in space leaves C (-Ω × q)."""
+        parts = (self.internal[name] * m.stiffness for name, m in self.materials.items())
+        return across_planes(sum(parts, np.zeros_like(self.discs.mass)))
 
     def node(self, shaft: str, station: float) -> int:
         """Number of the node at a station [m] of a shaft. Raises ValueError when no node is there."""
@@ -43,6 +100,31 @@ class Rotor:
         return self.first_node[shaft] + len(self.stations[shaft]) - 1
 
 
+def plane_columns(size: int) -> tuple[Floats, Floats]:
+    """Maps (size, size/2) from (displacement, slope) per node in the x-z and in the y-z plane to (x, y, θx, θy) per node.
+
+    The slope of the y-z plane is -θx.
+    """
+    nodes = size // NODE_DOFS
+    x_plane, y_plane = np.zeros((size, size // 2)), np.zeros((size, size // 2))
+    first, plane = NODE_DOFS * np.arange(nodes), PLANE_DOFS * np.arange(nodes)
+    x_plane[first, plane] = x_plane[first + 3, plane + 1] = 1.0
+    y_plane[first + 1, plane], y_plane[first + 2, plane + 1] = 1.0, -1.0
+    return x_plane, y_plane
+
+
+def both_planes(matrix: Floats) -> Floats:
+    """The (N, N) matrix that acts in each bending plane as the (N/2, N/2) one given."""
+    x_plane, y_plane = plane_columns(2 * len(matrix))
+    return np.asarray(x_plane @ matrix @ x_plane.T + y_plane @ matrix @ y_plane.T)
+
+
+def across_planes(matrix: Floats) -> Floats:
+    """The (N, N) skew-symmetric matrix that a motion in the y-z plane enters the x-z plane with, and back with a minus."""
+    x_plane, y_plane = plane_columns(2 * len(matrix))
+    return np.asarray(x_plane @ matrix @ y_plane.T - y_plane @ matrix @ x_plane.T)
+
+
 def assemble_rotor(machine: Machine) -> Rotor:
     """Mass, gyroscopic and stiffness matrices of all shafts and discs (thesis Eq. 3.1-3.6, 3.10-3.11)."""
     stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
@@ -51,18 +133,32 @@ def assemble_rotor(machine: Machine) -> Rotor:
     for shaft in machine.shafts:
         first_node[shaft.id] = nodes
         nodes += len(stations[shaft.id])
-    size = NODE_DOFS * nodes
-    rotor = Rotor(stations, first_node, np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)))
+    used = {section.material for shaft in machine.shafts for section in shaft.sections}
+    names = [name for name in machine.materials if name in used]
+    rotor = Rotor(
+        stations=stations,
+        first_node=first_node,
+        discs=PlaneMatrices.zero(PLANE_DOFS * nodes),
+        materials={name: PlaneMatrices.zero(PLANE_DOFS * nodes) for name in names},
+        internal={name: machine.materials[name].internal_damping for name in names},
+        rayleigh=(machine.damping.alpha, machine.damping.beta),
+    )
     for shaft in machine.shafts:
         _add_shaft(rotor, machine, shaft)
-    _add_discs(rotor, machine)
+    for disc in machine.discs:
+        _add_body(rotor, rotor.node(disc.shaft, disc.station), disc)
+    for coupling in machine.couplings:
+        if coupling.driver_half is not None:
+            _add_body(rotor, rotor.end_node(coupling.driver), coupling.driver_half)
+        if coupling.driven_half is not None:
+            _add_body(rotor, rotor.first_node[coupling.driven], coupling.driven_half)
     return rotor
 
 
-def node_stations(machine: Machine, shaft: Shaft) -> NDArray[np.float64]:
+def node_stations(machine: Machine, shaft: Shaft) -> Floats:
     """Stations [m] of a shaft's nodes: section ends, every part's place, and enough between for the element length."""
     ends = np.concatenate([[0.0], np.cumsum([section.length for section in shaft.sections])])
-    parts: list[Disc | Bearing | Probe] = [*machine.discs, *machine.bearings, *machine.probes]
+    parts: list[Disc | Bearing | Seal | Probe] = [*machine.discs, *machine.bearings, *machine.seals, *machine.probes]
     places = [part.station for part in parts if part.shaft == shaft.id]
     wanted = np.unique(np.concatenate([ends, np.minimum(places, ends[-1])]))
     fixed = [0.0]
@@ -92,7 +188,7 @@ def _add_shaft(rotor: Rotor, machine: Machine, shaft: Shaft) -> None:
     for i, (start, stop) in enumerate(zip(stations[:-1], stations[1:], strict=True)):
         section = _section_at(shaft, (start + stop) / 2)
         material = machine.materials[section.material]
-        element = shaft_element(
+        element = plane_element(
             length=stop - start,
             outer_diameter=section.outer_diameter,
             inner_diameter=section.inner_diameter,
@@ -100,18 +196,17 @@ def _add_shaft(rotor: Rotor, machine: Machine, shaft: Shaft) -> None:
             density=material.density,
             poisson_ratio=material.poisson_ratio,
         )
-        first = NODE_DOFS * (rotor.first_node[shaft.id] + i)
-        block = slice(first, first + 2 * NODE_DOFS)
-        rotor.mass[block, block] += element.mass
-        rotor.gyroscopic[block, block] += element.gyroscopic
-        rotor.stiffness[block, block] += element.stiffness
+        first = PLANE_DOFS * (rotor.first_node[shaft.id] + i)
+        block = slice(first, first + 2 * PLANE_DOFS)
+        part = rotor.materials[section.material]
+        part.mass[block, block] += element.translation + element.rotation
+        # A thin slice's polar inertia is twice its diametral one.
+        part.gyroscopic[block, block] += 2 * element.rotation
+        part.stiffness[block, block] += element.stiffness
 
 
-def _add_discs(rotor: Rotor, machine: Machine) -> None:
-    for disc in machine.discs:
-        x = NODE_DOFS * rotor.node(disc.shaft, disc.station)
-        theta_x, theta_y = x + 2, x + 3
-        rotor.mass[[x, x + 1], [x, x + 1]] += disc.mass
-        rotor.mass[[theta_x, theta_y], [theta_x, theta_y]] += disc.diametral_inertia
-        rotor.gyroscopic[theta_x, theta_y] += disc.polar_inertia
-        rotor.gyroscopic[theta_y, theta_x] -= disc.polar_inertia
+def _add_body(rotor: Rotor, node: int, body: Disc | Half) -> None:
+    displacement, slope = PLANE_DOFS * node, PLANE_DOFS * node + 1
+    rotor.discs.mass[displacement, displacement] += body.mass
+    rotor.discs.mass[slope, slope] += body.diametral_inertia
+    rotor.discs.gyroscopic[slope, slope] += body.polar_inertia

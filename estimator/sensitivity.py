@@ -1,22 +1,59 @@
-"""Response of a train together with its exact derivatives by every unknown."""
+"""Response of a train together with its exact derivatives by every unknown of the model."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.condensation import Complexes, CondensedTrain, Floats
 
 
-def sensitivity(train: CondensedTrain, *, coefficients: Floats, unbalances: Complexes) -> tuple[Complexes, Complexes]:
-    """Phasors (S, m) [m] and their derivatives (S, m, K + 2P) by the coefficients and by the parts of the unbalances.
+@dataclass(frozen=True)
+class Sensitivity:
+    """Phasors (S, m) [m] and their derivatives.
 
-    From Z q = F: ∂q/∂p = -Z⁻¹ (∂Z/∂p) q with ∂Z/∂p = a bᵀ (or jω a bᵀ), and q is linear in the unbalances. A response to
-    U = 0 has no derivative by the coefficients.
+    by_coefficient: (K, S, m), each by the coefficient's value at that very speed. by_excitation: (2E, S, m), by real and
+    imaginary part. by_scale: (F, S, m), by the logarithm of each scale factor.
     """
-    inverse = np.linalg.inv(train.dynamic_stiffness(coefficients))
-    receptance = train.output @ inverse  # (S, m, n)
-    by_unbalance = receptance @ train.force  # (S, m, 2P)
-    parts = np.stack([unbalances.real, unbalances.imag], axis=-1).reshape(-1)
-    displacement = (inverse @ (train.force @ parts)[..., None])[..., 0]  # (S, n)
-    rate = np.where(train.damping, 1j * train.speed[:, None], 1.0)  # (S, K)
-    strain = -(displacement @ train.right) * rate  # (S, K)
-    by_coefficient = (receptance @ train.left) * strain[:, None, :]
-    return by_unbalance @ parts, np.concatenate([by_coefficient, by_unbalance], axis=-1)
+
+    phasor: Complexes
+    by_coefficient: Complexes
+    by_excitation: Complexes
+    by_scale: Complexes
+
+    @property
+    def by_parameter(self) -> Complexes:
+        """Derivatives by coefficients, then by the parts of the excitations, (S, m, K + 2E)."""
+        return np.moveaxis(np.concatenate([self.by_coefficient, self.by_excitation]), 0, -1)
+
+
+def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Complexes) -> Sensitivity:
+    """Response and derivatives at coefficients (K,) or (S, K) and excitations (E,) or (S, E).
+
+    From Z q = F: ∂q/∂p = -Z⁻¹ (∂Z/∂p) q with ∂Z/∂p = (jω)ⁿ Σ a bᵀ, and q is linear in the excitations. A response to no
+    excitation has no derivative by the coefficients.
+    """
+    stiffness = train.dynamic_stiffness(coefficients)
+    receptance = np.linalg.solve(stiffness.swapaxes(1, 2), train.output.T).swapaxes(1, 2)  # (S, m, n)
+    displacement: Complexes = np.asarray(
+        np.linalg.solve(stiffness, train.force_of(excitations)[..., None])[..., 0], dtype=complex
+    )
+    rate = (1j * train.speed[:, None]) ** train.order[train.owner]  # (S, T)
+    strain = -(displacement @ train.right) * rate  # (S, T)
+    by_term = np.moveaxis(receptance @ train.left, 2, 0) * strain.T[:, :, None]  # (T, S, m)
+    scales = [train.elimination.scale_force(n, displacement, excitations) for n in train.scale_names if train.elimination]
+    return Sensitivity(
+        phasor=displacement @ train.output.T,
+        by_coefficient=_summed(by_term, train),
+        by_excitation=np.moveaxis(receptance @ train.force, 2, 0),
+        by_scale=np.array([(receptance @ force[..., None])[..., 0] for force in scales]).reshape(
+            len(scales), *receptance.shape[:2]
+        ),
+    )
+
+
+def _summed(by_term: Complexes, train: CondensedTrain) -> Complexes:
+    """Terms of one coefficient added up."""
+    if len(by_term) == len(train.unknowns.coefficients):
+        return by_term
+    first = np.searchsorted(train.owner, np.arange(len(train.unknowns.coefficients)))
+    return np.asarray(np.add.reduceat(by_term, first, axis=0))

@@ -1,8 +1,8 @@
 """Timoshenko shaft element with rotary inertia and gyroscopic effect.
 
-Degrees of freedom of a node: (x, y, θx, θy), right-handed rotations about the axes, so that without shear
-θy = dx/dz and θx = -dy/dz. Source: Nelson, J. Mech. Design 102 (1980) 793, doi:10.1115/1.3254824 (thesis Appendix A);
-shear coefficient: Cowper, J. Appl. Mech. 33 (1966) 335, doi:10.1115/1.3625046.
+Right-handed rotations about the axes: without shear θy = dx/dz and θx = -dy/dz. Source: Nelson, J. Mech. Design 102 (1980)
+793, doi:10.1115/1.3254824 (thesis Appendix A); shear coefficient: Cowper, J. Appl. Mech. 33 (1966) 335,
+doi:10.1115/1.3625046.
 """
 
 import math
@@ -12,20 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 NODE_DOFS = 4
-
-# Columns of an element's 8 degrees of freedom that bend in the x-z and in the y-z plane; the y-z slope is -θx.
-_X_PLANE = np.zeros((4, 8))
-_X_PLANE[[0, 1, 2, 3], [0, 3, 4, 7]] = 1.0
-_Y_PLANE = np.zeros((4, 8))
-_Y_PLANE[[0, 1, 2, 3], [1, 2, 5, 6]] = (1.0, -1.0, 1.0, -1.0)
+"""Degrees of freedom of a node: (x, y, θx, θy)."""
+PLANE_DOFS = 2
+"""Degrees of freedom of a node in one bending plane: (displacement, slope)."""
 
 
 @dataclass(frozen=True)
-class ElementMatrices:
-    """Mass, gyroscopic (per unit spin speed) and stiffness matrix of one element, each (8, 8)."""
+class PlaneElement:
+    """Inertia of translation and of rotation, and stiffness, of one element in one bending plane, each (4, 4).
 
-    mass: NDArray[np.float64]
-    gyroscopic: NDArray[np.float64]
+    Order: (displacement, slope) at either end. The gyroscopic matrix per unit spin speed between the planes is twice
+    `rotation`: a thin slice's polar inertia is twice its diametral one.
+    """
+
+    translation: NDArray[np.float64]
+    rotation: NDArray[np.float64]
     stiffness: NDArray[np.float64]
 
 
@@ -38,7 +39,7 @@ def shear_coefficient(*, poisson_ratio: float, diameter_ratio: float) -> float:
     return 6 * (1 + nu) * (1 + m2) ** 2 / ((7 + 6 * nu) * (1 + m2) ** 2 + (20 + 12 * nu) * m2)
 
 
-def shaft_element(
+def plane_element(
     *,
     length: float,
     outer_diameter: float,
@@ -46,27 +47,20 @@ def shaft_element(
     young_modulus: float,
     density: float,
     poisson_ratio: float,
-) -> ElementMatrices:
-    """Matrices of a uniform shaft element (thesis Eq. A.1-A.15, with the gyroscopic sign of rotation from +x to +y).
+) -> PlaneElement:
+    """Matrices of a uniform shaft element (thesis Eq. A.1-A.15).
 
-    Lengths and diameters [m], young_modulus [N/m²], density [kg/m³]. The equation of motion is
-    M q̈ + Ω G q̇ + K q = f with Ω positive from +x to +y.
+    Lengths and diameters [m], young_modulus [N/m²], density [kg/m³].
     """
     area = math.pi / 4 * (outer_diameter**2 - inner_diameter**2)
     second_moment = math.pi / 64 * (outer_diameter**4 - inner_diameter**4)
     shear_modulus = young_modulus / (2 * (1 + poisson_ratio))
     kappa = shear_coefficient(poisson_ratio=poisson_ratio, diameter_ratio=inner_diameter / outer_diameter)
     phi = 12 * young_modulus * second_moment / (kappa * shear_modulus * area * length**2)
-
-    stiffness = young_modulus * second_moment * _plane_stiffness(length, phi)
-    translation = density * area * _plane_translation(length, phi)
-    rotation = density * second_moment * _plane_rotation(length, phi)
-    mass = translation + rotation
-    return ElementMatrices(
-        mass=_X_PLANE.T @ mass @ _X_PLANE + _Y_PLANE.T @ mass @ _Y_PLANE,
-        # A thin slice's polar inertia is twice its diametral one.
-        gyroscopic=2 * (_X_PLANE.T @ rotation @ _Y_PLANE - _Y_PLANE.T @ rotation @ _X_PLANE),
-        stiffness=_X_PLANE.T @ stiffness @ _X_PLANE + _Y_PLANE.T @ stiffness @ _Y_PLANE,
+    return PlaneElement(
+        translation=density * area * _plane_translation(length, phi),
+        rotation=density * second_moment * _plane_rotation(length, phi),
+        stiffness=young_modulus * second_moment * _plane_stiffness(length, phi),
     )
 
 

@@ -105,7 +105,7 @@ def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int)
 def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
     """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
-    clean = response(train, coefficients=truth.coefficients, unbalances=truth.unbalances)
+    clean = response(train, coefficients=truth.coefficients, excitations=truth.unbalances)
     return clean + noise(machine.noise, clean, rng)
 
 

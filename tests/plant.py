@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from estimator.condensation import condense
 from estimator.identification import Estimate, Identification
-from estimator.machine import Machine, parse_machine
+from estimator.machine import Machine, Noise, parse_machine
 from estimator.units import rpm_to_rad_per_s
 from service.journal import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
@@ -184,6 +184,8 @@ def identification(
         "samples": 40,
         "speed_minimum": 31.0,
         "speed_maximum": 314.0,
+        "noise": Noise(),
+        "outliers": {},
     }
     return Identification(**(values | changes))
 

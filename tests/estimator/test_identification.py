@@ -26,9 +26,10 @@ from trains import (
     without,
 )
 
-from estimator.identification import Estimate, Identification, NotEnoughData, Options, accepted, identify
+from estimator.identification import Estimate, Identification, NotEnoughData, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement, joined
+from estimator.verdict import accepted
 
 SPEED: Floats = ross()[0][1::2]
 CLEAN: Complexes = ross()[1][1::2]
@@ -370,15 +371,15 @@ def test_input_is_left_alone() -> None:
 
 
 def test_long_runs_are_thinned(reference: Identification) -> None:
-    found = identify(chapter_3(), joined([measured(seed) for seed in range(20, 30)]))
-    assert 900 <= found.samples <= 1000  # of 1500
+    found = identify(chapter_3(), joined([measured(seed) for seed in range(20, 56)]))
+    assert 4900 <= found.samples <= 5000  # of 5400
     assert found.accepted
     assert np.abs(standardised(found)).max() < 4.0
     for one, other in zip(found.estimates, reference.estimates, strict=True):
         assert one.standard_error is not None
         assert other.standard_error is not None
-        # The same speeds six times over.
-        assert one.standard_error == pytest.approx(other.standard_error / math.sqrt(6), rel=0.25)
+        # The same speeds 33 times over.
+        assert one.standard_error == pytest.approx(other.standard_error / math.sqrt(33), rel=0.25)
 
 
 def test_report_is_complete(reference: Identification) -> None:

@@ -27,7 +27,7 @@ SPEED = np.array([5.0, 60.0, 122.0, 150.0, 176.0, 283.0, 400.0])
 def nominal(machine: Machine, speed: NDArray[np.float64] = SPEED, direction: int = 1) -> Complexes:
     coefficients, unbalances = truth(machine)
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(direction)))
-    return response(train, coefficients=coefficients, unbalances=unbalances)
+    return response(train, coefficients=coefficients, excitations=unbalances)
 
 
 def of(document: Document) -> Complexes:
@@ -109,7 +109,7 @@ def test_response_is_linear_in_real_multiples_and_sums_of_unbalances(
     coefficients = truth(chapter_3())[0]
 
     def at(unbalances: Complexes) -> Complexes:
-        return response(train, coefficients=coefficients, unbalances=unbalances)
+        return response(train, coefficients=coefficients, excitations=unbalances)
 
     first, second = np.array(one), np.array(other)
     scale = np.abs(at(np.full(4, 1e-2 + 0j))).max()
@@ -123,9 +123,9 @@ def test_turning_every_unbalance_turns_the_phase_of_every_probe(angle: float, di
     coefficients, unbalances = truth(chapter_3())
     train = condense(chapter_3(), speed=SPEED, direction=np.full(SPEED.size, float(direction)))
     turn = np.exp(1j * math.radians(angle))
-    found = response(train, coefficients=coefficients, unbalances=unbalances * turn)
+    found = response(train, coefficients=coefficients, excitations=unbalances * turn)
     # The mark passes the probes later or earlier: against the axes the angle counts the other way.
-    expected = response(train, coefficients=coefficients, unbalances=unbalances) * (
+    expected = response(train, coefficients=coefficients, excitations=unbalances) * (
         turn if direction > 0 else turn.conjugate()
     )
     assert np.all(np.abs(found - expected) < 1e-9 * np.abs(expected).max(axis=0))
@@ -150,7 +150,7 @@ def single_unbalance(document: Document, plane: int) -> Complexes:
     unbalances = np.zeros(2, dtype=complex)
     unbalances[plane] = 1e-3
     train = condense(machine, speed=SPEED, direction=np.ones_like(SPEED))
-    return response(train, coefficients=truth(machine)[0], unbalances=unbalances)
+    return response(train, coefficients=truth(machine)[0], excitations=unbalances)
 
 
 @few_examples

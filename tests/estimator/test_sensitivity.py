@@ -23,18 +23,18 @@ COEFFICIENTS, UNBALANCES = truth(chapter_3())
 
 
 def test_modelled_response_is_the_response() -> None:
-    found, _ = sensitivity(TRAIN, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
-    expected = response(TRAIN, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
+    found = sensitivity(TRAIN, coefficients=COEFFICIENTS, excitations=UNBALANCES).phasor
+    expected = response(TRAIN, coefficients=COEFFICIENTS, excitations=UNBALANCES)
     assert np.all(np.abs(found - expected) < 1e-10 * np.abs(expected).max(axis=0))
 
 
 @pytest.mark.parametrize("column", range(42))
 def test_derivative_by_a_coefficient(column: int) -> None:
-    _, slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
+    slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, excitations=UNBALANCES).by_parameter
     assert slope.shape == (SPEED.size, 8, 50)
     step = np.zeros(42)
     step[column] = 1e-5 * abs(COEFFICIENTS[column])
-    ends = [response(TRAIN, coefficients=COEFFICIENTS + sign * step, unbalances=UNBALANCES) for sign in (1, -1)]
+    ends = [response(TRAIN, coefficients=COEFFICIENTS + sign * step, excitations=UNBALANCES) for sign in (1, -1)]
     expected = (ends[0] - ends[1]) / (2 * step[column])
     rounding = 1e-11 * np.abs(ends[0]).max(axis=0) / step[column]
     assert np.all(np.abs(slope[:, :, column] - expected) < 1e-6 * np.abs(expected).max(axis=0) + rounding)
@@ -44,10 +44,10 @@ def test_derivative_by_a_coefficient(column: int) -> None:
 @pytest.mark.parametrize("plane", range(4))
 @pytest.mark.parametrize("part", [1.0, 1j], ids=["real", "imaginary"])
 def test_derivative_by_an_unbalance(plane: int, part: complex) -> None:
-    _, slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
+    slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, excitations=UNBALANCES).by_parameter
     unit = np.zeros(4, dtype=complex)
     unit[plane] = part
-    expected = response(TRAIN, coefficients=COEFFICIENTS, unbalances=unit)  # linear: the derivative is the response to 1
+    expected = response(TRAIN, coefficients=COEFFICIENTS, excitations=unit)  # linear: the derivative is the response to 1
     column = 42 + 2 * plane + (0 if part == 1.0 else 1)
     assert np.all(np.abs(slope[:, :, column] - expected) < 1e-10 * np.abs(expected).max(axis=0))
 
@@ -59,10 +59,10 @@ def test_derivative_along_any_direction(values: list[float]) -> None:
     along = np.array(values) * size
     parts = along[42:].reshape(-1, 2)
     turn = parts[:, 0] + 1j * parts[:, 1]
-    _, slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
+    slope = sensitivity(TRAIN, coefficients=COEFFICIENTS, excitations=UNBALANCES).by_parameter
     h = 1e-5
     ends = [
-        response(TRAIN, coefficients=COEFFICIENTS + sign * h * along[:42], unbalances=UNBALANCES + sign * h * turn)
+        response(TRAIN, coefficients=COEFFICIENTS + sign * h * along[:42], excitations=UNBALANCES + sign * h * turn)
         for sign in (1, -1)
     ]
     expected = (ends[0] - ends[1]) / (2 * h)
@@ -72,6 +72,6 @@ def test_derivative_along_any_direction(values: list[float]) -> None:
 def test_no_unbalance_no_derivative_by_coefficients() -> None:
     machine = parse_machine(one_disc_document())
     train = condense(machine, speed=SPEED, direction=DIRECTION)
-    _, slope = sensitivity(train, coefficients=truth(machine)[0], unbalances=np.zeros(1, dtype=complex))
+    slope = sensitivity(train, coefficients=truth(machine)[0], excitations=np.zeros(1, dtype=complex)).by_parameter
     assert not np.any(slope[:, :, :16])
     assert np.all(np.abs(slope[:, :, 16:]) > 0)

@@ -20,7 +20,8 @@ from trains import few_examples, one_disc_document
 
 from estimator.machine import parse_machine
 from estimator.modes import natural_frequencies
-from estimator.shaft import ElementMatrices, shaft_element, shear_coefficient
+from estimator.rotor import PlaneMatrices, across_planes, both_planes
+from estimator.shaft import plane_element, shear_coefficient
 
 Floats = NDArray[np.float64]
 
@@ -53,14 +54,19 @@ class Tube:
         kappa = shear_coefficient(poisson_ratio=self.poisson, diameter_ratio=self.inner / self.outer)
         return kappa * self.area * self.young / (2 * (1 + self.poisson))
 
-    def matrices(self, elements: int = 1) -> ElementMatrices:
-        return shaft_element(
+    def matrices(self, elements: int = 1) -> PlaneMatrices:
+        element = plane_element(
             length=self.length / elements,
             outer_diameter=self.outer,
             inner_diameter=self.inner,
             young_modulus=self.young,
             density=self.density,
             poisson_ratio=self.poisson,
+        )
+        return PlaneMatrices(
+            mass=both_planes(element.translation + element.rotation),
+            gyroscopic=across_planes(2 * element.rotation),
+            stiffness=both_planes(element.stiffness),
         )
 
 
@@ -77,7 +83,7 @@ tubes = st.builds(
 )
 
 
-def by_quadrature(tube: Tube) -> ElementMatrices:
+def by_quadrature(tube: Tube) -> PlaneMatrices:
     """The same matrices as energies of the deflection shapes v = cubic, slope = v' + (EI/κGA) v''' of an unloaded beam."""
     ratio, length = tube.bending / tube.shear, tube.length
 
@@ -108,7 +114,7 @@ def by_quadrature(tube: Tube) -> ElementMatrices:
         theta_x, theta_y = -slope @ y_plane, slope @ x_plane
         polar = part * tube.density * 2 * tube.second_moment
         gyroscopic += polar * (np.outer(theta_x, theta_y) - np.outer(theta_y, theta_x))
-    return ElementMatrices(mass, gyroscopic, stiffness)
+    return PlaneMatrices(mass, gyroscopic, stiffness)
 
 
 @few_examples

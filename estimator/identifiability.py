@@ -1,0 +1,129 @@
+"""Why the data leave a parameter open, in words an analyst can act on."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats
+from estimator.coordinates import Coordinates
+from estimator.fit import Fit, Problem
+from estimator.machine import Machine
+from estimator.parameters import Coefficient, dense
+from estimator.rotor import assemble_rotor
+
+SMALLEST_SHARE = 0.01
+"""A mode moves an element when the element holds this part of the mode's energy, or takes as much out of it in a radian."""
+
+Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]
+"""For a fit and the covariance of its coordinates: what says why it leaves the coordinate of some name open."""
+
+
+@dataclass(frozen=True)
+class _Modes:
+    """Damped natural frequencies (M,) [rad/s] and, per coefficient, the share it has in each mode's energy (M, K)."""
+
+    frequency: Floats
+    share: Floats
+
+
+class OpenParameters:
+    """Says of a fit of a machine why a coordinate is not determined."""
+
+    def __init__(self, machine: Machine, problem: Problem, found: Fit, covariance: Floats) -> None:
+        self.machine = machine
+        self.problem = problem
+        self.found = found
+        self.covariance = covariance
+
+    def reason(self, name: str) -> str:
+        """For the coordinate of that name."""
+        place = self.problem.coordinates.names.index(name)
+        coefficient = self._coefficient(place)
+        if coefficient is not None:
+            missing = self._no_mode(*coefficient)
+            if missing:
+                return missing
+        return self._mistaken_for(place) or "the noise hides it: more samples near the resonances, or less noise, are needed"
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        speed = self.problem.measurement.speed
+        return float(speed.min()), float(speed.max())
+
+    def _coefficient(self, place: int) -> tuple[int, Coefficient] | None:
+        for k, one in enumerate(self.problem.train.unknowns.coefficients):
+            if place in self.problem.coordinates.places(k):
+                return k, one
+        return None
+
+    def _no_mode(self, k: int, coefficient: Coefficient) -> str | None:
+        low, high = self._range
+        moved = self._modes.share[:, k] >= SMALLEST_SHARE
+        frequency = self._modes.frequency
+        if np.any(moved & (frequency >= low) & (frequency <= high)):
+            return None
+        words = (
+            f"the speed range {low:.3g}-{high:.3g} rad/s crosses no mode that moves {coefficient.element.replace('.', ' ')}"
+        )
+        beyond = frequency[moved & ((frequency < low) | (frequency > high))]
+        if beyond.size == 0:
+            return words
+        nearest = beyond[np.argmin(np.minimum(np.abs(beyond - low), np.abs(beyond - high)))]
+        return f"{words} this way; the nearest that does lies at {nearest:.3g} rad/s"
+
+    def _mistaken_for(self, place: int) -> str | None:
+        """The parameter that a change of this one looks most like, if alone it would be determined much better."""
+        size = np.sqrt(np.diag(self.covariance))
+        alone = self.found.information[place, place] ** -0.5 if self.found.information[place, place] > 0.0 else np.inf
+        if alone > 0.5 * size[place]:
+            return None
+        correlation = np.abs(self.covariance[place] / (size * size[place]))
+        correlation[place] = 0.0
+        other = int(np.argmax(correlation))
+        return (
+            f"what it does cannot be told from what others do, most of all {self.problem.coordinates.names[other]} "
+            f"(correlation {correlation[other]:.2f}): a wider speed range, more probes or a fixed value there would help"
+        )
+
+    @cached_property
+    def _modes(self) -> _Modes:
+        """At the middle of the speed range, with the fitted coefficients."""
+        coordinates: Coordinates = self.problem.coordinates
+        values = coordinates.coefficients(self.found.theta)
+        if values.ndim > 1:
+            values = values[values.shape[0] // 2]
+        spin = self.machine.direction * float(np.mean(self._range))
+        rotor = assemble_rotor(self.machine)
+        coefficients = self.problem.train.unknowns.coefficients
+        vectors = [
+            (dense([pair[0] for pair in c.pairs], rotor.size), dense([pair[1] for pair in c.pairs], rotor.size))
+            for c in coefficients
+        ]
+        matrices = [np.zeros((rotor.size, rotor.size)) for _ in range(3)]
+        for c, value, (left, right) in zip(coefficients, values, vectors, strict=True):
+            matrices[c.order] += value * left @ right.T
+        stiffness = rotor.stiffness + spin * rotor.circulatory + matrices[0]
+        damping = rotor.damping + spin * rotor.gyroscopic + matrices[1]
+        inverse = np.linalg.inv(rotor.mass + matrices[2])
+        empty, unit = np.zeros_like(stiffness), np.eye(rotor.size)
+        roots, modes = np.linalg.eig(np.block([[empty, unit], [-inverse @ stiffness, -inverse @ damping]]))
+        oscillating = roots.imag > 1e-6 * np.abs(roots)
+        shape, frequency = modes[: rotor.size, oscillating], roots.imag[oscillating]
+        whole = np.einsum("im,ij,jm->m", shape.conj(), rotor.mass, shape).real * frequency**2
+        share = [
+            np.abs(value) * frequency**c.order * np.abs(_work(left, right, shape)) / whole
+            for c, value, (left, right) in zip(coefficients, values, vectors, strict=True)
+        ]
+        return _Modes(frequency, np.stack(share, axis=1))
+
+
+def _work(left: Floats, right: Floats, shape: Complexes) -> Complexes:
+    """ψᴴ a bᵀ ψ summed over the pairs, (M,)."""
+    return np.asarray(np.sum((left.T @ shape).conj() * (right.T @ shape), axis=0))
+
+
+def reasons_for(machine: Machine) -> Reasons:
+    """What says why a fit of a machine leaves a parameter open."""
+    return lambda problem, found, covariance: OpenParameters(machine, problem, found, covariance).reason

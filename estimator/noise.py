@@ -1,0 +1,73 @@
+"""How large the errors of measured phasors are: as stated, or as the residuals of a fit show."""
+
+from math import log
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
+
+from estimator.condensation import Floats
+from estimator.machine import Noise
+
+SMALLEST_RELATIVE, LARGEST_RELATIVE = 1e-6, 1.0
+"""Bounds of an estimated relative error [-]."""
+OUTLIER_CHANCE = 0.01
+"""Chance that among all phasors of a run one is called an outlier that is none."""
+
+
+def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
+    """Rms of the complex error of each phasor [m]: the source's own scatter where it gave one, else the noise model.
+
+    amplitude: |X| 0-to-peak [m], best taken from the fitted response: weights from noisy amplitudes bias the fit.
+    """
+    modelled = np.sqrt((noise.relative * amplitude) ** 2 + noise.floor**2)
+    return np.where(scatter > 0.0, np.maximum(scatter, noise.floor), modelled)
+
+
+def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: float) -> Noise:
+    """The noise model under which residuals are most likely: circular Gaussian with variance (relative·|X|)² + floor².
+
+    amplitude, misfit: (N,) modelled |X| and absolute residual [m]. spent: the part of the data's freedom that the fit has
+    used up, between 0 and 1; residuals are that much smaller than errors. Restricted maximum likelihood in its simplest form.
+    """
+    square = misfit**2 / max(1.0 - spent, 1e-3)
+    typical = float(np.sqrt(np.mean(amplitude**2)))
+
+    def deviance(theta: Floats) -> tuple[float, Floats]:
+        relative, floor = np.exp(2 * theta) * np.array([1.0, typical**2])
+        variance = relative * amplitude**2 + floor
+        # d/dθ of ln v + e/v.
+        slope = (1 - square / variance) / variance
+        gradient = np.array([np.mean(slope * 2 * relative * amplitude**2), np.mean(slope * 2 * floor)])
+        return float(np.mean(np.log(variance / typical**2) + square / variance)), gradient
+
+    bounds = [(log(SMALLEST_RELATIVE), log(LARGEST_RELATIVE))] * 2
+    rms = float(np.sqrt(np.mean(square))) / typical
+    overall = log(min(max(rms, 2 * SMALLEST_RELATIVE), LARGEST_RELATIVE / 2))
+    begin = [
+        np.array([log(start.relative), log(min(max(start.floor / typical, SMALLEST_RELATIVE), 1.0))]),
+        np.array([overall, overall]),
+        np.array([overall, log(SMALLEST_RELATIVE)]),
+    ]
+    found = [scipy.optimize.minimize(deviance, x, jac=True, method="L-BFGS-B", bounds=bounds).x for x in begin]
+    ends = np.array([deviance(theta)[0] for theta in found])
+    relative, part = np.exp(np.asarray(found[int(np.argmin(ends))], dtype=float)).tolist()
+    floor = 0.0 if part <= 1.01 * SMALLEST_RELATIVE else part * typical
+    return start.model_copy(update={"relative": relative, "floor": floor})
+
+
+def outlier_limit(used: NDArray[np.bool_]) -> float:
+    """Largest squared size that so many circular Gaussian errors, (S, m) True for those that count, would show."""
+    return log(max(1, int(np.count_nonzero(used))) / OUTLIER_CHANCE)
+
+
+def outliers(size: Floats, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which phasors (S, m) lie too far from the model to be noise.
+
+    size: residual over the rms of its error. Sizes are scaled by their median first, so that a model that does not fit yet
+    calls nothing an outlier.
+    """
+    if not np.any(used):
+        return np.zeros_like(used)
+    scale = max(1.0, float(np.median(size[used] ** 2)) / log(2.0))
+    return used & (size**2 > scale * outlier_limit(used))

@@ -1,0 +1,88 @@
+"""Where fits start: at the nominal values, then at the best of random candidates around them, until starts agree."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Floats
+from estimator.coordinates import Coordinates
+from estimator.fit import STAGE_MISFITS, Fit, Problem, fit
+
+START_SPREAD_LOG = 0.35
+"""Standard deviation of the logarithm of a direct term in a random start."""
+START_SPREAD_CROSS = 0.35
+"""The same for a cross-coupled term, in units of its element's direct terms."""
+AGREEING_STARTS = 3
+"""So many starts that end in the same misfit are believed, …"""
+SAME_MISFIT = 1.01
+"""… the same up to this factor."""
+CANDIDATES = 12
+"""Random candidates from which each start after the first is the best."""
+GUESSED_CANDIDATES = 60
+"""The same where the document leaves nominal values out."""
+GUESSED_SPREAD = 1.5
+"""Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate."""
+
+
+class FitFailed(ValueError):
+    """The fit ran into numbers that are none."""
+
+
+@dataclass(frozen=True)
+class BestFit:
+    """The best of several starts, the number of starts tried and the iterations spent in all of them."""
+
+    fit: Fit
+    starts: int
+    iterations: int
+
+
+def best_fit(problem: Problem, *, starts: int, seed: int, good: Callable[[Fit], bool]) -> BestFit:
+    """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
+
+    Raises FitFailed when no start leads to a finite misfit.
+    """
+    rng = np.random.default_rng(seed)
+    best: Fit | None = None
+    reached: list[float] = []
+    iterations = 0
+    for start_number in range(1, max(1, starts) + 1):
+        found = fit(problem, _start(problem, rng, first=start_number == 1))
+        iterations += found.iterations
+        if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
+            best = found
+        if best is not None and good(best):
+            break
+        reached.append(found.misfit)
+        if best is not None and sum(value < SAME_MISFIT * best.misfit for value in reached) >= AGREEING_STARTS:
+            break  # the same misfit from everywhere is the data's or the model's, not the start's
+    if best is None:
+        raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
+    return BestFit(best, start_number, iterations)
+
+
+def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
+    """At the nominal values, else at the best of some random candidates, by their first-stage misfit."""
+    coordinates = problem.coordinates
+    weight = problem.weight(np.abs(problem.measurement.phasor), STAGE_MISFITS[0])
+    if first and not coordinates.guessed.any():
+        return problem.best_excitations(coordinates.centre, weight)
+    candidates = [
+        problem.best_excitations(_candidate(coordinates, rng), weight)
+        for _ in range(GUESSED_CANDIDATES if coordinates.guessed.any() else CANDIDATES)
+    ]
+    return min(candidates, key=lambda theta: problem.chi_square(theta, weight))
+
+
+def _candidate(coordinates: Coordinates, rng: np.random.Generator) -> Floats:
+    """Random coefficients around the expected ones; those that nobody knows share a common factor besides."""
+    common = {quantity: GUESSED_SPREAD * rng.standard_normal() for quantity in sorted(set(coordinates.quantities))}
+    theta = coordinates.centre.copy()
+    for k, (quantity, direct) in enumerate(zip(coordinates.quantities, coordinates.logarithmic, strict=True)):
+        own = (START_SPREAD_LOG if direct else START_SPREAD_CROSS) * rng.standard_normal()
+        for place in coordinates.places(k):
+            # Nowhere farther from the centre than the prior believes.
+            step = min(1.0, coordinates.spread[place]) * own
+            theta[place] = coordinates.centre[place] + step + (common[quantity] if coordinates.guessed[k] else 0.0)
+    return theta

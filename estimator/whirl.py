@@ -1,0 +1,284 @@
+"""Elimination of shaft degrees of freedom in forward and backward whirl.
+
+With P = X + jY and Q = X - jY of the plane coordinates, a rotor that is the same in every direction across its axis obeys
+two separate systems of half the size: one whirls with the rotation (forward), one against it (backward). At the spin speed ω
+
+    A_f = K - ω² (M - G) + jω C,      A_b = K - ω² (M + G) + jω (C + 2 C_internal)
+
+with M, G, K of one bending plane, C the external damping; internal damping does not act in forward synchronous whirl.
+What turns with the shaft excites forward whirl only.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.parameters import Excitation
+from estimator.rotor import PlaneMatrices, Rotor
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+Numbers = NDArray[np.float64] | NDArray[np.complex128]
+
+BLOCK = 256
+"""Speeds eliminated at a time."""
+LARGEST_TRANSFER = 1e8
+"""Largest motion of an eliminated degree of freedom per motion of a retained one: beyond it eight digits are lost."""
+
+
+class SingularCondensation(ValueError):
+    """A speed falls on a natural frequency of the part that is eliminated."""
+
+
+@dataclass(frozen=True)
+class _Side:
+    """One sense of whirl after elimination: transfer (S, e, r), own forces' response (S, e, E), stiffness (S, r, r)."""
+
+    transfer: Numbers
+    response: Numbers
+    stiffness: Numbers
+    force: Numbers
+
+    def pick(self, which: slice) -> "_Side":
+        """The same at some of the speeds."""
+        return _Side(self.transfer[which], self.response[which], self.stiffness[which], self.force[which])
+
+
+@dataclass(frozen=True)
+class WhirlElimination:
+    """The eliminated part of a train at S speeds, for given scale factors of E and ρ.
+
+    retained: (r,) plane degrees of freedom that stay. acting: (2r, E) forces that act on retained degrees of freedom.
+    factors: scale factor by name, 1 where none is given. reusable: keeps what derivatives by scale factors need.
+    """
+
+    rotor: Rotor
+    retained: NDArray[np.intp]
+    acting: Floats
+    excitations: tuple[Excitation, ...]
+    speed: Floats
+    direction: Floats
+    reusable: bool
+    factors: dict[str, float]
+    forward: _Side
+    backward: _Side
+
+    @classmethod
+    def of(
+        cls,
+        rotor: Rotor,
+        *,
+        retained: NDArray[np.intp],
+        acting: Floats,
+        excitations: tuple[Excitation, ...],
+        speed: Floats,
+        direction: Floats,
+        reusable: bool,
+        factors: dict[str, float] | None = None,
+    ) -> "WhirlElimination":
+        """Eliminate. Raises SingularCondensation where a speed makes that impossible."""
+        scales = factors or {}
+        plan = _Plan(rotor, retained, excitations, scales)
+        return cls(
+            rotor=rotor,
+            retained=retained,
+            acting=acting,
+            excitations=excitations,
+            speed=speed,
+            direction=direction,
+            reusable=reusable,
+            factors=scales,
+            forward=plan.side(speed, whirl=1, keep=reusable),
+            backward=plan.side(speed, whirl=-1, keep=reusable),
+        )
+
+    def scaled(self, factors: dict[str, float]) -> "WhirlElimination":
+        """The same elimination for other scale factors."""
+        return WhirlElimination.of(
+            self.rotor,
+            retained=self.retained,
+            acting=self.acting,
+            excitations=self.excitations,
+            speed=self.speed,
+            direction=self.direction,
+            reusable=True,
+            factors=factors,
+        )
+
+    def pick(self, which: slice) -> "WhirlElimination":
+        """The same at some of the speeds."""
+        return replace(
+            self,
+            speed=self.speed[which],
+            direction=self.direction[which],
+            forward=self.forward.pick(which),
+            backward=self.backward.pick(which),
+        )
+
+    def known(self) -> Complexes:
+        """Dynamic stiffness (S, 2r, 2r) over the retained degrees of freedom: x-z plane, then y-z plane."""
+        mean = (self.forward.stiffness + self.backward.stiffness) / 2
+        across = 0.5j * self.direction[:, None, None] * (self.forward.stiffness - self.backward.stiffness)
+        return np.block([[mean, across], [-across, mean]]).astype(complex)
+
+    def force(self) -> Complexes:
+        """Force (S, 2r, 2E) per real and imaginary part of each excitation: its mirror image against +x to +y."""
+        size = self.retained.size
+        along = np.concatenate([self.forward.force, -1j * self.direction[:, None, None] * self.forward.force], axis=1)
+        along = along + self.acting
+        whole = np.empty((self.speed.size, 2 * size, 2 * len(self.excitations)), dtype=complex)
+        whole[:, :, 0::2] = along
+        whole[:, :, 1::2] = 1j * self.direction[:, None, None] * along
+        return whole
+
+    def scale_force(self, name: str, displacement: Complexes, excitations: Complexes) -> Complexes:
+        """-(∂Z/∂ ln s) q + (∂F/∂ ln s) u, shape (S, 2r), for the scale factor s of that name.
+
+        displacement: (S, 2r) of the retained degrees of freedom. excitations: (E,) or (S, E).
+        """
+        size = self.retained.size
+        turned = np.where(self.direction[:, None] > 0, excitations, np.conj(excitations))
+        x_plane, y_plane = displacement[:, :size], displacement[:, size:]
+        sense = 1j * self.direction[:, None]
+        plan = _Plan(self.rotor, self.retained, self.excitations, self.factors)
+        forward = plan.scale_force(name, self.forward, self.speed, x_plane + sense * y_plane, 2 * turned, whirl=1)
+        backward = plan.scale_force(name, self.backward, self.speed, x_plane - sense * y_plane, 0 * turned, whirl=-1)
+        return np.concatenate([(forward + backward) / 2, (forward - backward) / (2 * sense)], axis=1)
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """The plane matrices of a scaled rotor, split into retained and eliminated degrees of freedom."""
+
+    rotor: Rotor
+    retained: NDArray[np.intp]
+    excitations: tuple[Excitation, ...]
+    factors: dict[str, float]
+
+    @cached_property
+    def eliminated(self) -> NDArray[np.intp]:
+        """(e,) plane degrees of freedom that go."""
+        return np.setdiff1d(np.arange(self.rotor.plane_size), self.retained)
+
+    def factor(self, material: str, what: str) -> float:
+        """Scale factor of a material's `young_modulus` or `density`."""
+        return self.factors.get(f"material.{material}.{what}", 1.0)
+
+    @cached_property
+    def length(self) -> float:
+        """A length [m] that makes slopes comparable with displacements."""
+        return max(float(stations[-1]) for stations in self.rotor.stations.values())
+
+    def matrices(self, whirl: int) -> tuple[Floats, Floats, Floats]:
+        """Plane stiffness, inertia and damping (N/2, N/2) so that A = stiffness - ω² inertia + jω damping."""
+        alpha, beta = self.rotor.rayleigh
+        stiffness = self.rotor.discs.stiffness.copy()
+        inertia = self.rotor.discs.mass - whirl * self.rotor.discs.gyroscopic
+        damping = np.zeros_like(stiffness)
+        for name, part in self.rotor.materials.items():
+            elastic = self.factor(name, "young_modulus") * part.stiffness
+            heavy = self.factor(name, "density")
+            stiffness += elastic
+            inertia = inertia + heavy * (part.mass - whirl * part.gyroscopic)
+            damping += (beta + (1 - whirl) * self.rotor.internal[name]) * elastic + alpha * heavy * part.mass
+        return stiffness, inertia, damping
+
+    def shapes(self, speed: Floats) -> Floats:
+        """Force shapes (S, N/2, E) of what turns with the shaft."""
+        whole = np.zeros((speed.size, self.rotor.plane_size, len(self.excitations)))
+        for column, item in enumerate(self.excitations):
+            if item.shape is None:
+                continue
+            shape = item.shape
+            if item.stiffened:
+                parts = (self.factor(n, "young_modulus") * (m.stiffness @ shape) for n, m in self.rotor.materials.items())
+                shape = sum(parts, np.zeros_like(shape))
+            whole[:, :, column] = speed[:, None] ** item.speed_power * shape
+        return whole
+
+    def side(self, speed: Floats, *, whirl: int, keep: bool) -> _Side:
+        """Eliminate in one sense of whirl, in blocks of speeds."""
+        matrices = self.matrices(whirl)
+        blocks = [self._block(matrices, speed[i : i + BLOCK], whirl, keep) for i in range(0, speed.size, BLOCK)]
+        return _Side(*(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
+
+    def _block(
+        self, matrices: tuple[Floats, Floats, Floats], speed: Floats, whirl: int, keep: bool
+    ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+        inner, outer = self.eliminated, self.retained
+
+        def part(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Numbers:
+            stiffness, inertia, damping = (matrix[np.ix_(rows, columns)] for matrix in matrices)
+            real = stiffness - (speed**2)[:, None, None] * inertia
+            return real + 1j * speed[:, None, None] * damping if np.any(damping) else real
+
+        own, across, kept = part(inner, inner), part(inner, outer), part(outer, outer)
+        shapes = self.shapes(speed)
+        if whirl < 0:
+            shapes = shapes[:, :, :0]
+        inside = np.concatenate([across, shapes[:, inner]], axis=2)
+        solved = _solve(own, inside, speed, self._motion_scale(inner, outer))
+        transfer, response = solved[:, :, : outer.size], solved[:, :, outer.size :]
+        stiffness = kept - across.swapaxes(1, 2) @ transfer
+        force = shapes[:, outer] - across.swapaxes(1, 2) @ response
+        if not keep:
+            transfer, response = transfer[:, :0], response[:, :0]
+        return transfer, response, stiffness, force
+
+    def _motion_scale(self, inner: NDArray[np.intp], outer: NDArray[np.intp]) -> Floats:
+        """Factors (e, r) that turn transfers between displacements and slopes into numbers without dimension."""
+        unit = np.where(np.arange(self.rotor.plane_size) % 2 == 0, 1.0, self.length)
+        return np.asarray(unit[inner][:, None] / unit[outer])
+
+    def scale_force(
+        self, name: str, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int
+    ) -> Complexes:
+        """-(∂A/∂ ln s) q + (∂F/∂ ln s) u condensed to the retained degrees of freedom of one sense of whirl, (S, r)."""
+        _, material, what = name.rsplit(".", 2)
+        part = self.rotor.materials[material]
+        whole = np.zeros((speed.size, self.rotor.plane_size), dtype=complex)
+        whole[:, self.retained] = retained
+        whole[:, self.eliminated] = -(side.transfer @ retained[:, :, None])[:, :, 0]
+        if whirl > 0:
+            excitations = np.broadcast_to(excitations, (speed.size, len(self.excitations)))
+            whole[:, self.eliminated] += (side.response @ excitations[:, :, None])[:, :, 0]
+        change = self.factor(material, what) * self._rate(part, what, material, speed, whole, whirl)
+        if whirl > 0 and what == "young_modulus":
+            for column, item in enumerate(self.excitations):
+                if item.stiffened and item.shape is not None:
+                    lifted = self.factor(material, what) * (part.stiffness @ item.shape)
+                    change = change - lifted * excitations[:, column, None]
+        outer = -change[:, self.retained]
+        return np.asarray(outer + (side.transfer.swapaxes(1, 2) @ change[:, self.eliminated, None])[:, :, 0])
+
+    def _rate(self, part: PlaneMatrices, what: str, material: str, speed: Floats, whole: Complexes, whirl: int) -> Complexes:
+        """(∂A/∂s) q, (S, N/2)."""
+        alpha, beta = self.rotor.rayleigh
+        omega = speed[:, None]
+        if what == "young_modulus":
+            loss = beta + (1 - whirl) * self.rotor.internal[material]
+            return np.asarray((1 + 1j * omega * loss) * (whole @ part.stiffness))
+        inertia = -(omega**2) * (whole @ (part.mass - whirl * part.gyroscopic))
+        return np.asarray(inertia + 1j * omega * alpha * (whole @ part.mass))
+
+
+def _solve(own: Numbers, inside: Numbers, speed: Floats, scale: Floats) -> Numbers:
+    """A⁻¹ times the columns of `inside`, of which the first belong to retained degrees of freedom; scale: (e, r)."""
+    try:
+        solved = np.asarray(np.linalg.solve(own, inside))
+    except np.linalg.LinAlgError:
+        smallest = [np.linalg.svd(one, compute_uv=False)[-1] for one in own]
+        raise _singular(speed[int(np.argmin(smallest))]) from None
+    transfer = np.abs(solved[:, :, : scale.shape[1]]) / scale
+    if transfer.size and not transfer.max() < LARGEST_TRANSFER:
+        raise _singular(speed[int(np.argmax(transfer.max(axis=(1, 2))))])
+    return solved
+
+
+def _singular(speed: float) -> SingularCondensation:
+    return SingularCondensation(
+        f"speed {speed:.6g} rad/s falls on a natural frequency of the shafts clamped at bearings and couplings: "
+        "leave that speed out"
+    )
