@@ -57,7 +57,7 @@ def test_a_jeffcott_rotor_shows_the_damping_at_its_disc() -> None:
     speed = np.linspace(0.5, 2.0, 120) * natural
     train = condense(machine, speed=speed, direction=np.ones(120))
     coefficients, unbalances = truth(machine)
-    curve = np.abs(response(train, coefficients=coefficients, unbalances=unbalances)[:, 0])
+    curve = np.abs(response(train, coefficients=coefficients, excitations=unbalances)[:, 0])
     found = half_power_points(speed, curve, excitation="unbalance")
     # Shear makes the shaft of the model a little softer than 48EI/L³.
     assert found.peak * math.sqrt(1 - 2 * 0.03**2) == pytest.approx(natural, rel=3e-3)

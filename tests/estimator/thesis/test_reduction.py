@@ -46,7 +46,7 @@ def test_elimination_is_exact(rayleigh: RayleighDamping | None) -> None:
 
 def test_elimination_agrees_with_the_condensation_of_the_estimator() -> None:
     core = condense(MACHINE, speed=SPEED, direction=DIRECTION)
-    expected = response(core, coefficients=COEFFICIENTS, unbalances=UNBALANCES)
+    expected = response(core, coefficients=COEFFICIENTS, excitations=UNBALANCES)
     model = eliminated(TRAIN, speed=SPEED, direction=DIRECTION)
     found = reduced_response(model, coefficients=COEFFICIENTS, unbalances=UNBALANCES)[:, : TRAIN.bearing.size]
     assert np.abs(found - expected).max() < 1e-11 * np.abs(expected).max()

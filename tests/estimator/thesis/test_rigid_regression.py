@@ -30,7 +30,7 @@ def train_of(case: str) -> CondensedTrain:
 
 
 def response_of(train: CondensedTrain) -> np.ndarray:
-    return response(train, coefficients=TRAIN.coefficients, unbalances=TRAIN.unbalances)
+    return response(train, coefficients=TRAIN.coefficients, excitations=TRAIN.unbalances)
 
 
 def noisy_error(case: str, percent: float, seed: int, **sharing: str) -> np.ndarray:

@@ -27,7 +27,7 @@ def at(speed: list[float], direction: float = 1.0):  # type: ignore[no-untyped-d
 
 
 def response_of(train):  # type: ignore[no-untyped-def]
-    return response(train, coefficients=TRAIN.coefficients, unbalances=TRAIN.unbalances)
+    return response(train, coefficients=TRAIN.coefficients, excitations=TRAIN.unbalances)
 
 
 def value(name: str) -> float:
@@ -188,13 +188,13 @@ def test_energy_that_damping_takes_is_what_the_unbalance_feeds() -> None:
 
 def test_sensitivity_against_central_differences() -> None:
     train = at([150.0, 480.0])
-    _, slope = sensitivity(train, coefficients=TRAIN.coefficients, unbalances=TRAIN.unbalances)
+    _, slope = sensitivity(train, coefficients=TRAIN.coefficients, excitations=TRAIN.unbalances)
     for k in (0, 17, 20, 25, 40):
         shifted = []
         for sign in (1, -1):
             coefficients = TRAIN.coefficients.copy()
             coefficients[k] *= 1 + sign * 1e-5
-            shifted.append(response(train, coefficients=coefficients, unbalances=TRAIN.unbalances))
+            shifted.append(response(train, coefficients=coefficients, excitations=TRAIN.unbalances))
         expected = (shifted[0] - shifted[1]) / (2e-5 * TRAIN.coefficients[k])
         assert np.abs(slope[..., k] - expected).max() < 1e-6 * np.abs(expected).max()
 
