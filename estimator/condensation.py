@@ -12,11 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.elimination import WhirlElimination
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
 from estimator.rotor import Rotor, assemble_rotor, plane_columns
 from estimator.shaft import NODE_DOFS
-from estimator.whirl import WhirlElimination
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

@@ -23,10 +23,10 @@ from trains import (
 )
 
 from estimator.condensation import CondensedTrain, condense
+from estimator.elimination import SingularCondensation
 from estimator.machine import Machine, parse_machine
 from estimator.response import response
 from estimator.rotor import assemble_rotor
-from estimator.whirl import SingularCondensation
 
 SPEED = np.array([3.0, 40.0, 121.8, 143.0, 175.5, 250.0, 402.0, 900.0])
 
