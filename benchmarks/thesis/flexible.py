@@ -174,7 +174,8 @@ def regression_errors(
 
 def bound(train: CondensedTrain, subject: Subject, *, rms: float) -> Floats | None:
     """Cramér-Rao bound (K + 2P,), relative to the truth, for circular complex noise; None where it is infinite."""
-    phasor, slope = sensitivity(train, coefficients=subject.coefficients, excitations=subject.unbalances)
+    found = sensitivity(train, coefficients=subject.coefficients, excitations=subject.unbalances)
+    phasor, slope = found.phasor, found.by_parameter
     weighted = (slope / (rms / math.sqrt(2) * np.abs(phasor))[..., None]).reshape(-1, slope.shape[-1])
     rows = np.concatenate([weighted.real, weighted.imag])
     size = np.linalg.norm(rows, axis=0)

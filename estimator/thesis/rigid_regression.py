@@ -22,12 +22,12 @@ def rigid_regression(train: CondensedTrain, displacement: Complexes) -> Regressi
     wanted = train.known.shape[:2]
     if displacement.shape != wanted:
         raise ValueError(f"displacement has shape {displacement.shape}, should have {wanted}: speeds by degrees of freedom")
-    rate = np.where(train.damping, 1j * train.speed[:, None], 1.0)
+    rate = (1j * train.speed[:, None]) ** train.order
     by_coefficient = train.left * ((displacement @ train.right) * rate)[:, None, :]
     matrix = np.concatenate([by_coefficient, -train.force], axis=-1)
     target = -(train.known @ displacement[..., None])[..., 0]
     planes = [f"{plane.name}.{part}" for plane in train.unknowns.unbalances for part in ("real", "imaginary")]
-    of_unbalance = np.arange(matrix.shape[-1]) >= train.damping.size
+    of_unbalance = np.arange(matrix.shape[-1]) >= train.order.size
     return Regression(
         matrix=real_rows(matrix.reshape(-1, matrix.shape[-1])),
         target=real_rows(target.reshape(-1)),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigvals
 
 from estimator.condensation import CondensedTrain
-from estimator.parameters import DIRECT, Coefficient, Quantity, UnbalancePlane, Unknowns, dense
+from estimator.parameters import DIRECT, Coefficient, Excitation, Quantity, Unknowns, dense
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
@@ -116,7 +116,7 @@ def condensed(train: RigidTrain, *, speed: Floats, direction: Floats) -> Condens
     """
     coefficients = _coefficients(train)
     planes = tuple(
-        UnbalancePlane(f"disc.D{disc + 1}.unbalance", f"disc.D{disc + 1}", disc, complex(unbalance))
+        Excitation(f"disc.D{disc + 1}.unbalance", f"disc.D{disc + 1}", "unbalance", complex(unbalance), node=disc)
         for disc, unbalance in enumerate(train.unbalances)
     )
     return CondensedTrain(
@@ -126,7 +126,6 @@ def condensed(train: RigidTrain, *, speed: Floats, direction: Floats) -> Condens
         force=_force(np.asarray(speed, dtype=float), np.asarray(direction, dtype=float)),
         left=dense([coefficient.left for coefficient in coefficients], SIZE),
         right=dense([coefficient.right for coefficient in coefficients], SIZE),
-        damping=np.array([coefficient.quantity == "damping" for coefficient in coefficients]),
         output=np.eye(SIZE),
         unknowns=Unknowns(coefficients, planes),
         channels=tuple(f"{axis}_b{bearing}" for axis in "xy" for bearing in range(1, BEARINGS + 1)),
@@ -187,8 +186,7 @@ def _coefficients(train: RigidTrain) -> tuple[Coefficient, ...]:
             name=f"{element}.{name}",
             element=element,
             quantity=quantity,
-            left=left,
-            right=right,
+            pairs=((left, right),),
             direct=name in DIRECT,
             nominal=float(value),
             scale=abs(float(value)),
