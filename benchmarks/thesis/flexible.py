@@ -11,10 +11,11 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from benchmarks.thesis.tables import percent, short_name, worst_of_seeds
 from estimator.condensation import CondensedTrain, condense
-from estimator.identification import Identification, Options, identify
+from estimator.identification import Identification, identify, identify_train
 from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement, joined
+from estimator.measurement import Measurement
 from estimator.sensitivity import sensitivity
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise
@@ -73,7 +74,7 @@ class Subject:
     @property
     def names(self) -> tuple[str, ...]:
         """Short names of the real unknowns: `B1 cxy`, `D2 U real`."""
-        return tuple(_short(name) for name in real_names(self.train.unknowns))
+        return tuple(short_name(name) for name in real_names(self.train.unknowns))
 
     def response(self, case: Case) -> Complexes:
         """Phasors (S, N) of the full model without noise."""
@@ -193,21 +194,37 @@ def bearings_only(subject: Subject, case: Case) -> CondensedTrain:
 
 def all_interfaces(subject: Subject, case: Case) -> CondensedTrain:
     """The same measured at every degree of freedom of bearings and couplings, rotations included."""
-    train = bearings_only(subject, case)
+    return _measured_everywhere(bearings_only(subject, case))
+
+
+def _measured_everywhere(train: CondensedTrain) -> CondensedTrain:
     count = train.known.shape[1]
-    return replace(train, output=np.eye(count), channels=tuple(f"interface {k}" for k in range(count)))
+    channels = tuple(f"interface-{k}" for k in range(count))
+    exact = np.zeros(count)
+    return replace(train, output=np.eye(count), channels=channels, gain_spread=exact, run_out_spread=exact)
 
 
-def likelihood(subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int) -> Identification:
-    """Maximum-likelihood fit of phasors (S, 8) at the bearings, from a document whose coefficients are off by ± 50 %."""
-    measurement = joined(
-        [
-            Measurement.of(speed=case.speed[way], phasor=phasor[way], direction=sense)
-            for sense in (1.0, -1.0)
-            if (way := case.direction == sense).any()
-        ]
-    )
-    return identify(parse_machine(wrong_document(subject.document, rms=rms, seed=seed)), measurement, Options())
+def likelihood(
+    subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int, model_spread: float = 0.0
+) -> Identification:
+    """Maximum-likelihood fit of phasors (S, 8) at the bearings, from a document whose coefficients are off by ± 50 %.
+
+    model_spread: how far E and density may be off, relative rms; they are then estimated too.
+    """
+    document = wrong_document(subject.document, rms=rms, seed=seed)
+    document["materials"]["steel"] |= {"young_modulus_spread": model_spread, "density_spread": model_spread}
+    return identify(parse_machine(document), _measurement(case, phasor))
+
+
+def likelihood_of_all(subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int) -> Identification:
+    """The same from phasors (S, 16) of everything that `all_interfaces` measures."""
+    machine = parse_machine(wrong_document(subject.document, rms=rms, seed=seed))
+    train = _measured_everywhere(condense(machine, speed=case.speed, direction=case.direction))
+    return identify_train(train, _measurement(case, phasor), noise=machine.noise)
+
+
+def _measurement(case: Case, phasor: Complexes) -> Measurement:
+    return replace(Measurement.of(speed=case.speed, phasor=phasor), direction=case.direction)
 
 
 def wrong_document(document: Document, *, rms: float, seed: int) -> Document:
@@ -238,49 +255,11 @@ def likelihood_errors(subject: Subject, outcome: Identification) -> Floats:
     return np.abs(np.array(values) / subject.truth - 1.0)
 
 
-def percent(value: float) -> str:
-    """A relative error for a table: two digits, in per cent."""
-    shown = 100.0 * value
-    if not math.isfinite(shown):
-        return "-"
-    if shown == 0.0:
-        return "0 %"
-    if shown >= 9.95e3:
-        return f"{shown:.1e} %"
-    if shown >= 99.5:
-        return f"{float(f'{shown:.2g}'):.0f} %"
-    return f"{shown:.2g} %" if shown >= 1e-3 else f"{shown:.0e} %"
-
-
-def median_and_worst(errors: Floats) -> str:
-    """Median over parameters, and largest error with its scatter over seeds: `median / worst (smallest to largest)`."""
-    worst = np.nanmax(errors, axis=1)
-    text = f"{percent(float(np.nanmedian(errors)))} / {percent(float(np.median(worst)))}"
-    return text if len(worst) == 1 else f"{text} ({percent(float(worst.min()))} to {percent(float(worst.max()))})"
-
-
-def worst_of_seeds(errors: Floats) -> str:
-    """Median over seeds of the largest error, with the smallest and the largest over seeds."""
-    worst = np.nanmax(errors, axis=1)
-    return f"{percent(float(np.median(worst)))} ({percent(float(worst.min()))} to {percent(float(worst.max()))})"
+def median_and_range(errors: Floats) -> str:
+    """Of errors (seeds, parameters): median over all, then each seed's largest error as `worst_of_seeds` shows it."""
+    return f"{percent(float(np.nanmedian(errors)))} / {worst_of_seeds(errors)}"
 
 
 def bound_text(found: Floats | None) -> str:
     """Median and largest bound over parameters."""
     return "infinite" if found is None else f"{percent(float(np.median(found)))} / {percent(float(found.max()))}"
-
-
-def _short(name: str) -> str:
-    kind, element, rest = name.split(".", 2)
-    return f"{element} {rest.replace('unbalance.', 'U ')}" if kind == "disc" else f"{element} {rest}"
-
-
-def power(value: float) -> str:
-    """A condition number: one digit and the power of ten."""
-    return f"{value:.0e}" if math.isfinite(value) else "infinite"
-
-
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A markdown table."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)

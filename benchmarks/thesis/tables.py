@@ -1,6 +1,7 @@
 """Markdown tables and the numbers in them."""
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,11 +16,18 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
+def prose(text: str) -> str:
+    """Paragraphs for the page from an indented text, each followed by an empty line."""
+    return textwrap.dedent(text).strip() + "\n\n"
+
+
 def percent(value: float) -> str:
     """A relative error for a table: two digits, in per cent."""
     shown = 100.0 * value
     if not math.isfinite(shown):
         return "-"
+    if shown == 0.0:
+        return "0 %"
     if shown >= 9.95e3:
         return f"{shown:.1e} %"
     if shown >= 99.5:
