@@ -48,7 +48,7 @@ from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.tables import percent, power, table, worst_of_seeds
 from estimator.condensation import CondensedTrain
 from estimator.identification import Identification
-from estimator.modes import critical_speeds
+from estimator.modes import critical_speeds, eigenvalues
 from estimator.rayleigh import rayleigh_damping
 from estimator.response import response
 from estimator.thesis.coupling_force import coupling_force
@@ -136,7 +136,7 @@ def _measured(subject: Subject, case: Case) -> tuple[ReducedModel, Complexes]:
 
 def _critical_speeds(subject: Subject) -> str:
     variants = {
-        "as printed": subject,
+        "critical speeds, data as printed": subject,
         "elements of 0.05 m": load(_finer),
         "no cross-coupled coefficients": load(_without_cross),
         "E halved": load(_halved),
@@ -144,15 +144,19 @@ def _critical_speeds(subject: Subject) -> str:
         "discs twice as heavy": load(_heavier),
     }
     rows = [["thesis §3.4", *[f"{one:.1f}" for one in CRITICAL_SPEEDS]]]
+    at_rest = np.abs(eigenvalues(subject.machine)[:8])
+    rows.append(["natural frequencies at rest, undamped", *[f"{one:.1f}" for one in at_rest]])
     for name, one in variants.items():
         found = critical_speeds(one.machine, highest=700.0)[:8]
         rows.append([name, *[f"{value:.1f}" for value in found], *["-"] * (8 - len(found))])
     return (
         "### Critical speeds\n\n"
         + table(["[rad/s]", *[str(k) for k in range(1, 9)]], rows)
-        + "\n\nThe printed speeds do not follow from the printed data, and none of the slips tried gives them. ROSS "
-        "agrees with "
-        "the first computed row (see the identification benchmark)."
+        + "\n\nThe printed speeds do not follow from the printed data, and none of the slips tried gives them. The "
+        "model's response "
+        "agrees with that of ROSS (`python -m benchmarks.identification`). The thesis counts eight forward critical "
+        "speeds; these "
+        "are the first eight crossings, whatever the sense of the whirl."
     )
 
 
@@ -224,13 +228,15 @@ def _worst(subject: Subject) -> str:
         "### Largest error after column scaling (Table 3.8)\n\n"
         f"Noise of Eq. 2.19-2.20 at 1 % and 5 %; median over {len(SEEDS)} seeds (smallest to largest).\n\n"
         + table(header, rows)
-        + "\n\nNoise that is drawn for each phasor, as a probe's is, makes the regression several times worse than "
+        + "\n\nNoise that is drawn for each phasor, as a probe's is, makes the regression up to thirty times worse than "
         "printed. Two "
-        "readings come near the printed size in Cases B and C of Method I and Case C of Method II: one random number "
-        "common to "
-        "all channels of a speed, and noise that enters the regression matrix but not the right-hand side. With one "
-        "number for "
-        "the whole data set nothing but the unbalances would be off, by 2.5 % at most."
+        "readings of the procedure come nearer: one random number common to all channels of a speed (within a factor of 2 "
+        "but for "
+        "Case A), and noise that enters the regression matrix but not the right-hand side (within a factor of 2.6 in all "
+        "four "
+        "cases that can be determined). With one number for the whole data set nothing but the unbalances would be off, "
+        "by 2.5 % "
+        "at most."
     )
 
 

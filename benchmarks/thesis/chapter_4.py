@@ -252,13 +252,13 @@ def _needed_noise(subject: Subject) -> str:
         "Even data of the reduced model itself do not give the printed errors: to leave the printed one at 1 %, the noise "
         "would "
         f"have to be {' and '.join(found)}. Noise shared between phasors does not help either (C_fb3 of Method II at 1 %: "
-        f"{', '.join(shared)}); only one number for the whole data set would. What does meet the print at 1 %, within a "
-        f"third in "
-        "four cases of six, is the regression without its high-frequency step, with coupling and discs measured too and "
-        "noise "
-        "entering the matrix but not the right-hand side: not what the chapter promises, and at 5 % it is two to four "
-        "times the "
-        "print."
+        f"{', '.join(shared)}); one number for the whole data set would leave nothing but the unbalances off, by half the "
+        f"noise. Of "
+        "the readings tried, one meets the print at 1 % within a third in four cases of six: the regression without its "
+        "high-frequency step, with coupling and discs measured too, noise entering the matrix but not the right-hand "
+        "side. That "
+        "is not what the chapter promises, and at 5 % it lies between half and four times the print; it may be a "
+        "coincidence."
     )
 
 
@@ -416,9 +416,13 @@ def _speed_dependent(subject: Subject) -> str:
         + table(
             ["runs", "interface measured (16 channels), exact elimination", "bearings only, high-frequency, own data"], rows
         )
-        + "\n\nThe form works where runs enough are at hand: one way, it needs a trial mass with the interface measured "
-        "and two with "
-        "the bearings alone; both ways, none and one. The thesis gives no numbers for it."
+        + "\n\nWithout noise the form works where runs enough are at hand: one way, it needs a trial mass with the "
+        "interface "
+        "measured and two with the bearings alone; both ways, none and one. With noise it has too few equations for each "
+        "value: a "
+        "tenth of a per cent leaves the median error near one per cent at best, and the high-frequency form useless even "
+        "on its own "
+        "data. The thesis gives no numbers for it."
     )
 
 
