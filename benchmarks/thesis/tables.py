@@ -17,8 +17,13 @@ def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def prose(text: str) -> str:
-    """Paragraphs for the page from an indented text, each followed by an empty line."""
-    return textwrap.dedent(text).strip() + "\n\n"
+    """Paragraphs for the page from an indented text."""
+    return textwrap.dedent(text).strip()
+
+
+def paragraphs(*parts: str) -> str:
+    """Parts of the page with an empty line between them."""
+    return "\n\n".join(parts)
 
 
 def percent(value: float) -> str:
