@@ -137,7 +137,7 @@ def _frequencies() -> str:
         [what, *(f"{value:.1f}" for value in found), percent(float(np.max(np.abs(found / NATURAL_FREQUENCIES - 1))))]
         for what, found in variants
     ]
-    omega = np.arange(5.0, 2001.0, 5.0)
+    omega = np.arange(20.0, 2001.0, 5.0)
     train = condensed(rigid, speed=omega, direction=np.ones(omega.size))
     amplitude = np.abs(response(train, coefficients=rigid.coefficients, excitations=rigid.unbalances))
     figure = save(

@@ -7,8 +7,9 @@ from html import escape
 from pathlib import Path
 
 FOLDER = Path(__file__).parents[2] / "docs" / "evidence"
-WIDTH, HEIGHT = 760, 420
-LEFT, RIGHT, TOP, BOTTOM = 80, 20, 40, 55
+WIDTH, HEIGHT = 980, 420
+LEFT, RIGHT, TOP, BOTTOM = 80, 260, 40, 55
+"""The names of the curves stand in the right margin."""
 COLOURS = ("#1f5fa8", "#c1440e", "#2e7d32", "#6a3d9a", "#8a6d00", "#444444")
 
 
@@ -53,8 +54,8 @@ def chart(*, title: str, x_label: str, y_label: str, series: Sequence[Series], l
         colour = COLOURS[number % len(COLOURS)]
         parts += _drawn(one, horizontal, vertical, colour)
         y = TOP + 16 + 17 * number
-        parts.append(f'<circle cx="{WIDTH - RIGHT - 225}" cy="{y - 4}" r="4" fill="{colour}"/>')
-        parts.append(f'<text x="{WIDTH - RIGHT - 215}" y="{y}">{escape(one.name)}</text>')
+        parts.append(f'<circle cx="{WIDTH - RIGHT + 20}" cy="{y - 4}" r="4" fill="{colour}"/>')
+        parts.append(f'<text x="{WIDTH - RIGHT + 30}" y="{y}">{escape(one.name)}</text>')
     return "\n".join([*parts, "</svg>\n"])
 
 
