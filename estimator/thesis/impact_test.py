@@ -34,16 +34,17 @@ def impact_spectrum(
     """
     rotor = assemble_rotor(machine)
     elements = unknowns(machine, rotor).coefficients
-    viscous = np.array([one.quantity == "damping" for one in elements])
-    left = dense([one.left for one in elements], rotor.size)
-    right = dense([one.right for one in elements], rotor.size)
-    stiffness = rotor.stiffness + (left * np.where(viscous, 0.0, coefficients)) @ right.T
-    damping = (left * np.where(viscous, coefficients, 0.0)) @ right.T
+    # Stiffness, damping and mass, by the power of jω that a coefficient goes with.
+    matrices = [rotor.stiffness.copy(), rotor.damping.copy(), rotor.mass.copy()]
+    for one, value in zip(elements, coefficients, strict=True):
+        for left, right in one.pairs:
+            matrices[one.order] += value * np.outer(*dense([left, right], rotor.size).T)
+    stiffness, damping, mass = matrices
     force = np.sum([_direction(rotor, blow) for blow in blows], axis=0)
     reading = _direction(rotor, sensor)
     spectrum = np.empty(frequency.size, dtype=complex)
     for i, omega in enumerate(2.0 * math.pi * frequency):
-        dynamic = stiffness - omega**2 * rotor.mass + 1j * omega * damping
+        dynamic = stiffness - omega**2 * mass + 1j * omega * damping
         spectrum[i] = -(omega**2) * (reading @ np.linalg.solve(dynamic, force))
     return spectrum
 

@@ -62,9 +62,9 @@ CASES = (
 
 @dataclass(frozen=True)
 class BearingGrowth:
-    """Relative growth of all coefficients of the bearings of each shaft [-], and how well it explains the frequencies.
+    """Relative growth of the coefficients of each shaft's bearings [-], and how well it explains the frequencies.
 
-    misfit: (3,) relative frequency error that is left.
+    The coupling grows with the driven shaft's bearings. misfit: (3,) relative frequency error that is left.
     """
 
     driver: float
@@ -75,14 +75,14 @@ class BearingGrowth:
     def to_reach(cls, machine: Machine, change: Floats) -> Self:
         """The growths that change the first three frequencies by these factors (3,), in the least-squares sense.
 
-        The bearings of a shaft grow alike, the coupling stays: three frequencies cannot tell more apart. Growth between -90 %
-        and +900 %.
+        Three frequencies cannot tell more apart. Growth between -90 % and +900 %.
         """
         nominal, _ = nominal_values(machine)
         aligned = plane_frequencies(machine, coefficients=nominal)
 
         def misfit(logarithms: Floats) -> Floats:
-            factors = shaft_factors(machine, driver=float(np.exp(logarithms[0])), driven=float(np.exp(logarithms[1])))
+            driver, driven = np.exp(logarithms)
+            factors = shaft_factors(machine, driver=float(driver), driven=float(driven))
             return np.asarray(plane_frequencies(machine, coefficients=nominal * factors) / aligned / change - 1.0)
 
         found = scipy.optimize.least_squares(misfit, np.zeros(2), bounds=(-np.log(10.0), np.log(10.0)))
@@ -96,12 +96,15 @@ def printed_growth(case: MisalignmentCase, unknowns: Unknowns) -> Floats:
     return np.array([1.0 + case.growth * (1.0 if one.name == largest else 0.5) for one in unknowns.coefficients])
 
 
-def shaft_factors(machine: Machine, *, driver: float, driven: float, coupling: float = 1.0) -> Floats:
-    """Factor on each coefficient (K,): one for all bearings of the first shaft, of the second, and one for the coupling."""
+def shaft_factors(machine: Machine, *, driver: float, driven: float) -> Floats:
+    """Factor on each coefficient (K,): one for the bearings of the first shaft, one for those of the second and the coupling.
+
+    The rig was misaligned by lifting the second shaft's bearings, so the coupling is taken to follow them.
+    """
     shaft = {f"bearing.{bearing.id}": bearing.shaft for bearing in machine.bearings}
     by_shaft = {machine.shafts[0].id: driver, machine.shafts[1].id: driven}
     elements = [one.element for one in _unknowns(machine).coefficients]
-    return np.array([by_shaft[shaft[element]] if element in shaft else coupling for element in elements])
+    return np.array([by_shaft[shaft[element]] if element in shaft else driven for element in elements])
 
 
 def nominal_values(machine: Machine) -> tuple[Floats, Complexes]:

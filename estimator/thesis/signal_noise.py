@@ -14,7 +14,7 @@ def decibels(percent: float) -> float:
     """
     if not percent > 0.0:
         raise ValueError(f"noise of {percent} %: only positive noise has a signal-to-noise ratio")
-    return -20.0 * math.log10(percent / 100.0)
+    return 20.0 * math.log10(100.0 / percent)
 
 
 def percent(decibels: float) -> float:
