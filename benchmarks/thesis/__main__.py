@@ -11,7 +11,7 @@ from types import ModuleType
 
 from threadpoolctl import threadpool_limits
 
-from benchmarks.thesis import chapter_2, chapter_3, chapter_4
+from benchmarks.thesis import chapter_2, chapter_3, chapter_4, chapter_5
 
 CHAPTERS: dict[str, ModuleType] = {
     "chapter-2": chapter_2,
