@@ -40,7 +40,18 @@ from benchmarks.thesis.rigid_printed import (
     TABLES_2_4_TO_2_7,
     Plane,
 )
-from benchmarks.thesis.tables import median_and_worst, paragraphs, percent, power, prose, short_name, table, worst_of_seeds
+from benchmarks.thesis.tables import (
+    decade,
+    median_and_worst,
+    paragraphs,
+    percent,
+    power,
+    prose,
+    shift,
+    short_name,
+    table,
+    worst_of_seeds,
+)
 from estimator.response import response
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.noise import Sharing, complex_noise, multiplicative_noise, multiplicative_rms
@@ -63,6 +74,8 @@ EXPECTED_SPAN = 0.2
 """Values that a regularisation draws towards are off by a factor uniform between 1 - and 1 + this."""
 TIKHONOV_SEEDS = 10
 UNBALANCE = slice(42, 50)
+ROUNDING = 1e-4
+"""Without noise, errors below this are rounding and differ from one machine to the next."""
 
 
 def section() -> str:
@@ -110,15 +123,20 @@ def run(arguments: argparse.Namespace) -> str:
     subject = experiment(case(arguments.method, arguments.case))
     phasor = subject.noisy(arguments.noise, arguments.seed, arguments.sharing)
     found = regression(subject, phasor, scaling=arguments.scaling, method=arguments.solver, tikhonov=arguments.tikhonov)
+    columns = {"regression": found.values}
     rms = multiplicative_rms(arguments.noise)
-    smallest = bound(subject, rms=rms) if rms > 0.0 else np.zeros(found.values.size)
-    rows = [
-        [name, f"{true:.5g}", f"{value:.5g}", percent(abs(value / true - 1)), percent(least)]
-        for name, true, value, least in zip(names(), subject.rigid.values, found.values, smallest, strict=True)
-    ]
+    smallest = np.full(found.values.size, np.nan)
+    if rms > 0.0:
+        columns["maximum likelihood"] = likelihood_values(likelihood(subject, phasor, rms=rms, seed=arguments.seed))
+        smallest = bound(subject, rms=rms)
+    rows = []
+    for k, (name, true) in enumerate(zip(names(), subject.rigid.values, strict=True)):
+        cells = [(f"{values[k]:.5g}", percent(abs(values[k] / true - 1))) for values in columns.values()]
+        rows.append([name, f"{true:.5g}", *(cell for pair in cells for cell in pair), percent(float(smallest[k]))])
+    header = ["parameter [SI]", "assumed", *(title for name in columns for title in (name, "error"))]
     conditions = f"{found.condition_number_before:.2e} before, {found.condition_number_after:.2e} after column scaling"
     return (
-        table(["parameter [SI]", "assumed", "estimated", "error", "Cramér-Rao bound, circular noise"], rows)
+        table([*header, "Cramér-Rao bound, circular noise"], rows)
         + f"\n\ncondition number: {conditions}; λ = {found.parameter:.3g}"
     )
 
@@ -182,7 +200,7 @@ def _conditioning(subjects: dict[Case, Experiment]) -> str:
     for which, subject in subjects.items():
         found = {scaling: regression(subject, subject.clean, scaling=scaling) for scaling in SCALINGS}
         matrix = rigid_regression(subject.train, subject.clean).matrix
-        errors = [percent(float(subject.error(found[scaling].values).max())) for scaling in SCALINGS]
+        errors = [decade(float(subject.error(found[scaling].values).max())) for scaling in SCALINGS]
         printed = TABLE_2_8[which.method, which.name]
         rows.append(
             [
@@ -227,13 +245,15 @@ def _conditioning(subjects: dict[Case, Experiment]) -> str:
 def _misprints(best: Experiment) -> str:
     rows = []
     for item in MISPRINTS:
-        shift = shifts(best, item)
-        largest = int(np.argmax(np.abs(shift)))
-        medians = [f"{100 * float(np.median(shift[group])):+.2f} %" for group in GROUPS]
-        rows.append([item.name, *medians, f"{100 * shift[largest]:+.2f} % ({short_name(names()[largest])})"])
+        moved = shifts(best, item)
+        largest = int(np.argmax(np.abs(moved)))
+        medians = [shift(float(np.median(moved[group]))) for group in GROUPS]
+        # Where all of a group move alike, rounding decides which one moves most.
+        where = f" ({short_name(names()[largest])})" if np.ptp(np.sort(np.abs(moved))[-2:]) > 1e-6 else ""
+        rows.append([item.name, *medians, shift(float(moved[largest])) + where])
     printed = np.array(list(TABLES_2_4_TO_2_7.values()))
     relative = printed[:, 1] / printed[:, 0] - 1
-    medians = [f"{100 * float(np.median(relative[group])):+.2f} %" for group in GROUPS]
+    medians = [shift(float(np.median(relative[group]))) for group in GROUPS]
     rows.append(["**printed, 'without noise'**", *medians, ""])
     return paragraphs(
         "### What the misprints do to a noise-free estimate",
@@ -378,7 +398,7 @@ def _noise_hypotheses(subjects: dict[Case, Experiment]) -> str:
         rows.append([what, *(_median_worst(one) for one in errors)])
         if sharing == "all":
             coefficients = [one[:, : UNBALANCE.start] for one in errors]
-            rows.append(["the same, coefficients alone", *(_median_worst(one) for one in coefficients)])
+            rows.append(["the same, coefficients alone", *(decade(float(one.max())) for one in coefficients)])
     other = [experiment(which, in_phase(subject.rigid)) for which, subject in subjects.items()]
     rows.append(["5 %, unbalances all at 36° as in Table 2.7", *(_median_worst(regression_errors(one, 5.0)) for one in other)])
     rows.append(["5 %, real and imaginary part apart", *(_median_worst(_apart_errors(one)) for one in subjects.values())])
@@ -576,7 +596,9 @@ def _scaling(near: Experiment, best: Experiment) -> str:
                 errors = [
                     subject.error(regression(subject, phasor, scaling=scaling, method=method).values) for scaling in SCALINGS
                 ]
-                rows.append([title, f"{percentage:g} %", method, *(percent(float(one.max())) for one in errors)])
+                shown = [float(one.max()) for one in errors]
+                cells = [percent(one) if one > ROUNDING else decade(one) for one in shown]
+                rows.append([title, f"{percentage:g} %", method, *cells])
     return paragraphs(
         "### What column scaling does (Figure 2.5)",
         prose("""

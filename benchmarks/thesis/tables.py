@@ -40,6 +40,17 @@ def percent(value: float) -> str:
     return f"{shown:.2g} %" if shown >= 1e-3 else f"{shown:.0e} %"
 
 
+def shift(value: float) -> str:
+    """A relative shift with its sign, in per cent to two decimals."""
+    shown = round(100.0 * value, 2)
+    return f"{shown:+.2f} %" if shown else "0 %"
+
+
+def decade(value: float) -> str:
+    """A relative error that is rounding only: the power of ten that it stays below, in per cent."""
+    return f"< 1e{math.ceil(math.log10(100.0 * value)):+03d} %"
+
+
 def power(value: float) -> str:
     """A condition number: two digits and the power of ten."""
     return f"{value:.1e}" if math.isfinite(value) else "infinite"

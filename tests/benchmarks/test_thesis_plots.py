@@ -8,7 +8,18 @@ import pytest
 
 from benchmarks.thesis import plots
 from benchmarks.thesis.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, Series, chart
-from benchmarks.thesis.tables import median_and_worst, paragraphs, percent, power, prose, short_name, table, worst_of_seeds
+from benchmarks.thesis.tables import (
+    decade,
+    median_and_worst,
+    paragraphs,
+    percent,
+    power,
+    prose,
+    shift,
+    short_name,
+    table,
+    worst_of_seeds,
+)
 
 SPACE = "{http://www.w3.org/2000/svg}"
 
@@ -65,6 +76,8 @@ def test_tables_and_numbers() -> None:
         "1e-04 %",
         "-",
     ]
+    assert [shift(value) for value in (0.00806, -2.0, -1e-9)] == ["+0.81 %", "-200.00 %", "0 %"]
+    assert [decade(value) for value in (3e-8, 2e-13)] == ["< 1e-05 %", "< 1e-10 %"]
     assert (power(1.234e18), power(math.inf)) == ("1.2e+18", "infinite")
     assert short_name("bearing.B1.kxx") == "B1 kxx"
     assert short_name("disc.D2.unbalance.real") == "D2 U real"
