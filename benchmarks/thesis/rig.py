@@ -190,6 +190,20 @@ def information_root(rig: Rig, campaign: Campaign) -> Floats:
     return np.concatenate([rows.real, rows.imag])
 
 
+@dataclass(frozen=True)
+class Bounds:
+    """Cramér-Rao bounds: standard errors of the parameters (K + 2P,) and of the independent directions, ascending."""
+
+    parameters: Floats
+    directions: Floats
+
+
+def bounds(rig: Rig, campaign: Campaign) -> Bounds:
+    """What a campaign determines at best, without any prior; in the units of `information_root`."""
+    _, values, right = np.linalg.svd(information_root(rig, campaign), full_matrices=False)
+    return Bounds(np.sqrt(np.sum((right / values[:, None]) ** 2, axis=0)), 1.0 / values)
+
+
 def logarithmic_point(outcome: Identification) -> Point:
     """The direct terms that a fit determined, as logarithms, with their covariance."""
     values = {one.name: one.value for one in outcome.estimates if one.value is not None and is_direct(one.name)}
