@@ -43,8 +43,8 @@ class SpectralProblem:
 
     def residual_square(self, parameter: float) -> float:
         """‖A x - b‖² of the solution for λ."""
-        left_over = (1.0 - filter_factors(self.singular_values, parameter)) * self.components
-        return float(left_over @ left_over) + self.remainder
+        damped = damped_parts(self.singular_values, parameter) * self.components
+        return float(damped @ damped) + self.remainder
 
     def solution_square(self, parameter: float) -> float:
         """‖x‖² of the solution for λ."""
@@ -57,9 +57,19 @@ def filter_factors(singular_values: Floats, parameter: float) -> Floats:
     return np.asarray(1.0 / (1.0 + (parameter / singular_values) ** 2))
 
 
+def damped_parts(singular_values: Floats, parameter: float) -> Floats:
+    """1 - s²/(s² + λ²) = λ²/(s² + λ²), (C,), without the cancellation for small λ."""
+    square = parameter**2
+    return np.asarray(square / (singular_values**2 + square))
+
+
 def generalised_cross_validation(problem: SpectralProblem, parameter: float) -> float:
-    """‖A x - b‖² / (R - Σ f)², an estimate of the error with which left-out equations are predicted, up to a constant."""
-    freedom = problem.rows - float(filter_factors(problem.singular_values, parameter).sum())
+    """‖A x - b‖² / (R - Σ f)² with f = s²/(s² + λ²).
+
+    An estimate of the mean square error with which left-out equations are predicted, over their number R.
+    """
+    damped = damped_parts(problem.singular_values, parameter)
+    freedom = problem.rows - damped.size + float(damped.sum())
     return problem.residual_square(parameter) / freedom**2
 
 
@@ -70,10 +80,11 @@ def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
     2 ηρ/|η'| (λ²η'ρ + 2ληρ + λ⁴ηη') / (λ⁴η² + ρ²)^(3/2).
     """
     factors = filter_factors(problem.singular_values, parameter)
+    damped = damped_parts(problem.singular_values, parameter)
     along = problem.components / problem.singular_values
     solution = problem.solution_square(parameter)
     residual = problem.residual_square(parameter)
-    slope = -4.0 / parameter * float(np.sum((1.0 - factors) * (factors * along) ** 2))
+    slope = -4.0 / parameter * float(np.sum(damped * (factors * along) ** 2))
     if slope == 0.0 or residual == 0.0:
         return 0.0  # λ is far below every singular value: the curve has not begun to bend
     bend = parameter**2 * slope * residual + 2.0 * parameter * solution * residual + parameter**4 * solution * slope

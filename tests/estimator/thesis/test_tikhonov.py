@@ -9,6 +9,7 @@ from estimator.thesis.regression import Regression, solve
 from estimator.thesis.tikhonov import (
     SpectralProblem,
     choose_parameter,
+    damped_parts,
     filter_factors,
     generalised_cross_validation,
     l_curve_curvature,
@@ -105,6 +106,20 @@ def test_solve_gives_the_stacked_solution_on_the_scaled_columns(rule: str) -> No
     found = solve(Regression(matrix * size, target, names, np.ones(32)), scaling="norm", tikhonov=rule)  # type: ignore[arg-type]
     expected = found.scale * solution(matrix * size * found.scale, target, found.parameter)
     assert found.values == pytest.approx(expected, rel=1e-6)
+
+
+def test_damped_parts_of_a_tiny_parameter_do_not_cancel() -> None:
+    assert damped_parts(np.array([1.0, 1e-3]), 1e-12) == pytest.approx([1e-24, 1e-18], rel=1e-9)
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_as_many_equations_as_unknowns(rule: str) -> None:
+    """No residual is left without regularisation; the criteria stay finite."""
+    rng = np.random.default_rng(6)
+    problem = spectral(rng.standard_normal((6, 6)), rng.standard_normal(6))
+    parameter = choose_parameter(problem, rule)  # type: ignore[arg-type]
+    assert 0.0 < parameter <= problem.singular_values[0] * 1.01
+    assert np.isfinite(generalised_cross_validation(problem, 1e-9))
 
 
 def test_noiseless_equations_are_left_alone() -> None:
