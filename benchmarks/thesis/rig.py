@@ -24,7 +24,7 @@ from estimator.simulation import noise
 from estimator.thesis.flexible_train import flexible_train, full_response
 from estimator.thesis.reduced_model import reduced_response, response_equations
 from estimator.thesis.reduction import high_frequency_condensed
-from estimator.thesis.regression import solve
+from estimator.thesis.regression import Regression, solve
 from estimator.thesis.response_regression import speed_independent_regression
 from estimator.thesis.rig import (
     SPEEDS_HZ,
@@ -145,8 +145,8 @@ def fitted(rig: Rig, campaign: Campaign, *, seed: int, factors: Floats | None = 
     return identify(machine, rig.measured(campaign, seed=seed, factors=factors), Options())
 
 
-def regressed(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool) -> Floats:
-    """Chapter 4's regression (Eq. 4.71, 5.3), values (K + 2P,) of one data set with 1 % circular noise, or with none.
+def regression(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool) -> Regression:
+    """Chapter 4's regression (Eq. 4.71, 5.3) on one data set with 1 % circular noise, or with none.
 
     own_model: the data come from the regression's own high-frequency reduction instead of the full model.
     """
@@ -165,10 +165,14 @@ def regressed(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool
     if seed is not None:
         model_noise = rig.machine.noise.model_copy(update={"relative": RELATIVE_NOISE, "floor": campaign.floor})
         clean = clean + noise(model_noise, clean, np.random.default_rng(seed))
-    problem = speed_independent_regression(
+    return speed_independent_regression(
         response_equations(model, clean), train.unknowns, mean_speed=float(campaign.speed.mean()), damping_scaled=True
     )
-    return solve(problem, scaling="norm").values
+
+
+def regressed(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool) -> Floats:
+    """Values (K + 2P,) that the regression finds, its columns scaled to equal norm."""
+    return solve(regression(rig, campaign, seed=seed, own_model=own_model), scaling="norm").values
 
 
 def information_root(rig: Rig, campaign: Campaign) -> Floats:
