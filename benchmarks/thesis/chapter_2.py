@@ -379,10 +379,10 @@ def _against_the_bound(subjects: dict[Case, Experiment]) -> str:
             rows,
         ),
         prose("""
-        With 200 speeds maximum likelihood reaches the bound; the regression's errors are nine times as large on the
-        same data. With four speeds, 64 numbers for 50 unknowns, neither is of use: the likelihood stays below a bound
-        of hundreds or thousands of per cent only by its weak prior (a factor of ten around the starting values), and
-        says which parameters it cannot determine.
+        With 200 speeds maximum likelihood reaches the bound; the regression's errors are nine to ten times as large
+        on the same data. With four speeds, 64 numbers for 50 unknowns, neither is of use: the likelihood stays below
+        a bound of hundreds or thousands of per cent only by its weak prior (a factor of ten around the starting
+        values), and says which parameters it cannot determine.
         """),
     )
 
@@ -449,7 +449,7 @@ def _noise_hypotheses(subjects: dict[Case, Experiment]) -> str:
     rows.append(["5 %, real and imaginary part apart", *(_median_worst(_apart_errors(one)) for one in subjects.values())])
     rows.append(["5 %, in the right-hand side only", *(_median_worst(_target_errors(one)) for one in subjects.values())])
     return paragraphs(
-        "### What noise the print may have had"
+        "### What noise the print may have had",
         f"Largest error at the printed 5 %, median of seeds 0 to {SEEDS - 1}, for several readings of Eq. 2.19-2.20.",
         table(["noise", *(which.title for which in subjects)], rows),
         prose("""
@@ -556,8 +556,8 @@ def _parameters(best: Experiment) -> str:
         Here those of Table 2.3 are used.
 
         The printed scatter has another shape than least squares gives. The regression leaves cxy of B1 uncertain by
-        tens of per cent while the unbalances are right to 0.2 to 0.7 %; in the print both are off by 2 to 4 %,
-        whatever their weight in the equations.
+        tens of per cent while the unbalances are right to 0.2 to 0.8 %; in the print cxy of B1 is off by 1.6 % and
+        the unbalances by 1.5 to 8.6 %.
         """),
         f"![errors]({figure})",
     )
@@ -573,7 +573,7 @@ def _unbalances() -> str:
         rigid = replace(printed_train(), unbalances=_unbalances_of(assumed), disc_mass=masses)
         rows.append([f"Table 2.10, set {line}", *_unbalance_errors(rigid, assumed, estimated)])
     return paragraphs(
-        "### Unbalances: Tables 2.9 and 2.10"
+        "### Unbalances: Tables 2.9 and 2.10",
         f"Method II, Case C, 5 % noise; largest of the four planes, here the median over seeds 0 to {SEEDS - 1}.",
         table(
             [
@@ -686,13 +686,14 @@ def _tikhonov(subjects: dict[Case, Experiment]) -> str:
             rows,
         ),
         prose("""
-        It does not rescue the ill-conditioned cases. Drawn towards zero, both rules take up to a third off the median
-        error and leave the largest at hundreds or thousands of per cent. Expected values help more, but what comes
-        out is no better than what went in: at best a median of 7 to 9 % where the expected values themselves have 7.6
-        %, with a largest error of 130 to 260 % where they have 19 %. Believing them without any measurement would
-        have served better. In the well-conditioned Case C cross-validation rightly changes nothing; the L-curve does
-        harm there where the columns are not scaled. Regularisation hides a lack of information and does not replace
-        it; this project's fit uses a weak prior and says which parameters the data leave open.
+        It does not rescue the ill-conditioned cases. Drawn towards zero, both rules take up to two fifths off the
+        median error and leave the largest at hundreds or thousands of per cent. Expected values help more, but what
+        comes out is hardly better than what went in: at best a median of 7 to 9 % where the expected values
+        themselves have 7.6 %, with a largest error of 130 to 260 % where they have 19 %. Believing them without any
+        measurement would have served better. In the well-conditioned Case C cross-validation rightly changes nothing;
+        the L-curve can do harm there, most where the columns are not scaled by their norm. Regularisation hides a
+        lack of information and does not replace it; this project's fit uses a weak prior and says which parameters
+        the data leave open.
         """),
     )
 
