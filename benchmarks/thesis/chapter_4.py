@@ -313,14 +313,20 @@ def _misprinted(subject: Subject) -> str:
         deviations.append(f"{percent(_deviation(subject, _high_frequency(subject, case), full))} at {speed:g} rad/s")
     return (
         "### With the rotary inertia of Appendix A as printed\n\n"
-        "The printed critical speeds suggest that the thesis's mass matrix has ρAl where ρI belongs (Chapter 3 above). In such a "
-        "train, in data and model, rotation is so heavy that the high-frequency condensation looks better than it is: largest "
+        "The printed critical speeds suggest that the thesis's mass matrix has ρAl where ρI belongs (Chapter 3 above). In "
+        "such a "
+        "train, in data and model, rotation is so heavy that the high-frequency condensation looks better than it is: "
+        "largest "
         "errors as above, median / largest error without noise on the full model's data.\n\n"
         + table(header, rows)
-        + "\n\nWith data of the reduced model, Case C_fb3 of Method II then comes within a factor of 4 of the printed 7 % at 1 %, with "
-        "noise common to the channels of a speed within 1.4, and its condition number within 3. The other cases stay 16 to 75 "
-        "times above the print (one number per phasor, 1 %), and the full model's data remain out of reach: the condensed response "
-        f"is off by {', '.join(deviations)}. The printed success of the best case is thus most likely that of a slip in the mass "
+        + "\n\nWith data of the reduced model, Case C_fb3 of Method II then comes within a factor of 4 of the printed 7 % "
+        "at 1 %, with "
+        "noise common to the channels of a speed within 1.4, and its condition number within 3. The other cases stay 16 "
+        "to 75 "
+        "times above the print (one number per phasor, 1 %), and the full model's data remain out of reach: the condensed "
+        "response "
+        f"is off by {', '.join(deviations)}. The printed success of the best case is thus most likely that of a slip in "
+        f"the mass "
         "matrix and of data from the method's own model; a real train offers neither."
     )
 
