@@ -1,12 +1,14 @@
 """Chapter 3 of the thesis: flexible shafts, every degree of freedom at bearings and coupling measured.
 
-python -m benchmarks.thesis chapter-3 [--method I|II] [--case A|B|C] [--noise 1] [--scaling norm] [--seed 0] [--damping 0.01]
+python -m benchmarks.thesis chapter-3 [--method I|II] [--case A|B|C] [--noise 1] [--scaling norm] [--sharing none] [--seed 0]
+                                      [--damping 0.01]
 """
 
 import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
@@ -24,6 +26,8 @@ from benchmarks.thesis.flexible import (
     both_ways,
     bound,
     bound_text,
+    estimated,
+    experiment,
     likelihood,
     likelihood_errors,
     likelihood_of_all,
@@ -48,13 +52,12 @@ from benchmarks.thesis.flexible_printed import (
 from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.tables import percent, power, table, worst_of_seeds
 from estimator.condensation import CondensedTrain
-from estimator.identification import Identification
 from estimator.modes import critical_speeds
 from estimator.rayleigh import rayleigh_damping
 from estimator.response import response
 from estimator.thesis.coupling_force import coupling_force
 from estimator.thesis.flexible_train import flexible_train, full_response
-from estimator.thesis.noise import multiplicative_noise, multiplicative_rms
+from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import ReducedModel
 from estimator.thesis.reduction import eliminated
 
@@ -102,23 +105,30 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--case", choices=("A", "B", "C"), default="C", help="speeds of the thesis, default C")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
     parser.add_argument("--scaling", choices=("none", "thesis", "norm"), default="norm", help="of columns, default norm")
+    parser.add_argument("--sharing", choices=get_args(Sharing), default="none", help="phasors that share a random number")
     parser.add_argument("--seed", type=int, default=0, help="of the noise, default 0")
     parser.add_argument("--damping", type=float, default=0.0, help="shaft damping ratio (Appendix B) [-], default 0")
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One regression, parameter by parameter."""
+    """One experiment, parameter by parameter."""
     subject = damped(load(), arguments.damping)
     case = next(c for c in CASES if (c.method, c.name) == (arguments.method, arguments.case))
     model, clean = _measured(subject, case)
-    noisy = multiplicative_noise(clean, percent=arguments.noise, rng=np.random.default_rng(arguments.seed))
+    noisy = multiplicative_noise(
+        clean, percent=arguments.noise, rng=np.random.default_rng(arguments.seed), sharing=arguments.sharing
+    )
     solution = regression(subject, model, noisy, scaling=arguments.scaling, damping_scaled=False)
-    rows = [
-        [name, f"{true:.5g}", f"{found:.5g}", percent(abs(found / true - 1))]
-        for name, true, found in zip(subject.names, subject.truth, solution.values, strict=True)
-    ]
-    conditions = f"{solution.condition_number_before:.2e} before, {solution.condition_number_after:.2e} after column scaling"
-    return table(["parameter [SI]", "true", "estimated", "error"], rows) + f"\n\ncondition number: {conditions}\n"
+    fit = None
+    # The fit knows no shaft damping, and a fit needs noise of a stated size.
+    if (
+        arguments.noise > 0.0
+        and arguments.damping == 0.0
+        and 2 * case.speed.size * subject.train.bearing.size > len(subject.names)
+    ):
+        rms = multiplicative_rms(arguments.noise)
+        fit = likelihood(subject, case, noisy[:, : subject.train.bearing.size], rms=rms, seed=arguments.seed)
+    return experiment(subject, solution, fit)
 
 
 def damped(subject: Subject, ratio: float) -> Subject:
@@ -409,11 +419,11 @@ def _parameters(subject: Subject) -> str:
 
 def _unbalances() -> str:
     rows = []
-    for number, (assumed, estimated) in enumerate(TABLE_3_9, start=1):
-        rows.append([f"3.9, {number}", _printed_planes(assumed, estimated), *_unbalance_errors(assumed, None)])
-    for number, (masses, estimated) in enumerate(TABLE_3_10, start=1):
+    for number, (assumed, printed) in enumerate(TABLE_3_9, start=1):
+        rows.append([f"3.9, {number}", _printed_planes(assumed, printed), *_unbalance_errors(assumed, None)])
+    for number, (masses, printed) in enumerate(TABLE_3_10, start=1):
         assumed = TABLE_3_9[0][0]
-        rows.append([f"3.10, set {number}", _printed_planes(assumed, estimated), *_unbalance_errors(assumed, masses)])
+        rows.append([f"3.10, set {number}", _printed_planes(assumed, printed), *_unbalance_errors(assumed, masses)])
     return (
         "### Other unbalances and other disc masses (Tables 3.9-3.10)\n\n"
         "Case C of Method II at 5 % noise, largest error of the four planes in magnitude and in angle; regression with "
@@ -496,7 +506,7 @@ def _forces(subject: Subject) -> str:
     curves = {
         "true": transmitted(subject, case, subject.truth),
         "regression": transmitted(subject, case, regressed),
-        "maximum likelihood": transmitted(subject, case, estimated(subject, outcome)),
+        "maximum likelihood": transmitted(subject, case, np.nan_to_num(estimated(subject, outcome))),
     }
     rows = []
     for k, name in enumerate(FORCES):
@@ -519,14 +529,6 @@ def _forces(subject: Subject) -> str:
         "viscous reaction to the unbalance response. They say nothing of a static misalignment, which is no unknown of this "
         "model."
     )
-
-
-def estimated(subject: Subject, outcome: Identification) -> Floats:
-    """The real unknowns (K + 2P,) of a fit, 0 where not estimable."""
-    by_name = {one.name: one for one in outcome.estimates}
-    coefficients = [by_name[item.name].value or 0.0 for item in subject.train.unknowns.coefficients]
-    planes = [by_name[plane.name] for plane in subject.train.unknowns.unbalances]
-    return np.array([*coefficients, *[part or 0.0 for one in planes for part in (one.value, one.imaginary)]])
 
 
 def curve_errors(curves: dict[str, Complexes], column: int) -> list[float]:

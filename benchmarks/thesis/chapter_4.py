@@ -1,16 +1,17 @@
 """Chapter 4 of the thesis: flexible shafts, measured at the bearings only, by dynamic and high-frequency condensation.
 
-python -m benchmarks.thesis chapter-4 [--method I|II] [--case A|B|C_fb1|C_fb2|C_fb3] [--noise 1] [--data own|full] [--seed 0]
+python -m benchmarks.thesis chapter-4 [--method I|II] [--case A|B|C_fb1|C_fb2|C_fb3] [--noise 1] [--data full|own]
+                                      [--sharing none] [--seed 0]
 """
 
 import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
-from benchmarks.thesis.chapter_3 import FORCES, curve_errors, estimated, transmitted
+from benchmarks.thesis.chapter_3 import FORCES, curve_errors, transmitted
 from benchmarks.thesis.flexible import (
     LIKELIHOOD_SEEDS,
     NOISE,
@@ -25,6 +26,8 @@ from benchmarks.thesis.flexible import (
     both_ways,
     bound,
     bound_text,
+    estimated,
+    experiment,
     likelihood,
     likelihood_errors,
     load,
@@ -101,13 +104,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=("I", "II"), default="II", help="one or both senses of rotation, default II")
     parser.add_argument("--case", choices=("A", "B", "C_fb1", "C_fb2", "C_fb3"), default="C_fb3", help="default C_fb3")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
-    parser.add_argument("--data", choices=("own", "full"), default="own", help="from which model, default own")
+    parser.add_argument("--data", choices=DATA, default="full", help="of the reduced or the full model, default full")
     parser.add_argument("--scaling", choices=("none", "thesis", "norm"), default="norm", help="of columns, default norm")
+    parser.add_argument("--sharing", choices=get_args(Sharing), default="none", help="phasors that share a random number")
     parser.add_argument("--seed", type=int, default=0, help="of the noise, default 0")
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One regression, parameter by parameter. Raises SystemExit for a case that the thesis does not have."""
+    """One experiment, parameter by parameter. Raises SystemExit for a case that the thesis does not have."""
     subject = load()
     wanted = (arguments.method, arguments.case)
     cases = [case for case in (*CASES, *BANDS) if (case.method, case.name) == wanted]
@@ -115,14 +119,14 @@ def run(arguments: argparse.Namespace) -> str:
         raise SystemExit(f"the thesis has no Case {arguments.case} under Method {arguments.method}")
     model = high_frequency_condensed(subject.train, speed=cases[0].speed, direction=cases[0].direction)
     clean = _phasors(subject, cases[0], model, arguments.data)
-    noisy = multiplicative_noise(clean, percent=arguments.noise, rng=np.random.default_rng(arguments.seed))
+    noisy = multiplicative_noise(
+        clean, percent=arguments.noise, rng=np.random.default_rng(arguments.seed), sharing=arguments.sharing
+    )
     solution = regression(subject, model, noisy, scaling=arguments.scaling)
-    rows = [
-        [name, f"{true:.5g}", f"{found:.5g}", percent(abs(found / true - 1))]
-        for name, true, found in zip(subject.names, subject.truth, solution.values, strict=True)
-    ]
-    conditions = f"{solution.condition_number_before:.2e} before, {solution.condition_number_after:.2e} after column scaling"
-    return table(["parameter [SI]", "true", "estimated", "error"], rows) + f"\n\ncondition number: {conditions}\n"
+    fit = None
+    if arguments.data == "full" and arguments.noise > 0.0:
+        fit = likelihood(subject, cases[0], noisy, rms=multiplicative_rms(arguments.noise), seed=arguments.seed)
+    return experiment(subject, solution, fit)
 
 
 def _phasors(subject: Subject, case: Case, model: ReducedModel, data: Data) -> Complexes:
@@ -528,7 +532,7 @@ def _forces(subject: Subject) -> str:
     curves = {
         "true": transmitted(subject, case, subject.truth),
         "high-frequency regression": transmitted(subject, case, regressed),
-        "maximum likelihood": transmitted(subject, case, estimated(subject, outcome)),
+        "maximum likelihood": transmitted(subject, case, np.nan_to_num(estimated(subject, outcome))),
     }
     rows = [[name, *[percent(one) for one in curve_errors(curves, k)]] for k, name in enumerate(FORCES)]
     series = [Series(name, case.speed.tolist(), np.abs(curve[:, 0]).tolist()) for name, curve in curves.items()]

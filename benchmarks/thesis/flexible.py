@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from benchmarks.thesis.tables import percent, short_name, worst_of_seeds
+from benchmarks.thesis.tables import percent, short_name, table, worst_of_seeds
 from estimator.condensation import CondensedTrain, condense
 from estimator.identification import Identification, identify, identify_train
 from estimator.machine import Machine, parse_machine
@@ -241,18 +241,36 @@ def wrong_document(document: Document, *, rms: float, seed: int) -> Document:
     return changed
 
 
-def likelihood_errors(subject: Subject, outcome: Identification) -> Floats:
-    """Relative errors (K + 2P,), NaN where the fit says that the data do not determine a parameter."""
+def estimated(subject: Subject, outcome: Identification) -> Floats:
+    """The real unknowns (K + 2P,) of a fit, NaN where it says that the data do not determine a parameter."""
     by_name = {one.name: one for one in outcome.estimates}
-    values: list[float] = []
-    for item in subject.train.unknowns.coefficients:
-        one = by_name[item.name]
-        values.append(math.nan if one.value is None else one.value)
-    for plane in subject.train.unknowns.unbalances:
-        one = by_name[plane.name]
-        values.append(math.nan if one.value is None else one.value)
-        values.append(math.nan if one.imaginary is None else one.imaginary)
-    return np.abs(np.array(values) / subject.truth - 1.0)
+    coefficients = [by_name[item.name].value for item in subject.train.unknowns.coefficients]
+    planes = [by_name[plane.name] for plane in subject.train.unknowns.unbalances]
+    parts_of_planes = [part for one in planes for part in (one.value, one.imaginary)]
+    return np.array([math.nan if value is None else value for value in (*coefficients, *parts_of_planes)])
+
+
+def likelihood_errors(subject: Subject, outcome: Identification) -> Floats:
+    """Relative errors (K + 2P,), NaN where not estimable."""
+    return np.abs(estimated(subject, outcome) / subject.truth - 1.0)
+
+
+def experiment(subject: Subject, regressed: Solution, outcome: Identification | None) -> str:
+    """One experiment parameter by parameter: the regression's estimates and, where there is a fit, the fit's."""
+    header = ["parameter [SI]", "true", "regression", "error"]
+    rows = [
+        [name, f"{true:.5g}", f"{found:.5g}", percent(abs(found / true - 1))]
+        for name, true, found in zip(subject.names, subject.truth, regressed.values, strict=True)
+    ]
+    if outcome is not None:
+        header += ["maximum likelihood, bearings only", "error"]
+        for row, value, error in zip(rows, estimated(subject, outcome), likelihood_errors(subject, outcome), strict=True):
+            row += [f"{value:.5g}" if math.isfinite(value) else "not estimable", percent(float(error))]
+    before, after = regressed.condition_number_before, regressed.condition_number_after
+    lines = [table(header, rows), f"condition number: {before:.2e} before, {after:.2e} after column scaling"]
+    if after > 1 / SINGULAR:
+        lines.append("the equations do not determine the unknowns")
+    return "\n\n".join(lines) + "\n"
 
 
 def median_and_range(errors: Floats) -> str:
