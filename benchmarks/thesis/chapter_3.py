@@ -85,7 +85,8 @@ def section() -> str:
         "Train: `examples/thesis-chapter-3.yaml`, 10 Timoshenko elements of 0.25 m, 48 degrees of freedom. Measured: both "
         "translations at the four bearings, translations and rotations of both coupling halves (16); the other 32 are "
         "eliminated exactly (Eq. 3.27). 50 real unknowns. Errors are relative to the true value of each real unknown, as in "
-        "the thesis.",
+        "the thesis. Method II assumes with the thesis that a bearing has the same coefficients in both senses of "
+        "rotation, which no fluid-film bearing has.",
         _critical_speeds(subject),
         _clean(subject),
         _worst(subject),

@@ -373,7 +373,7 @@ def _fits(subject: Subject, case: Case, clean: Complexes, n: int) -> str:
         missing += int(np.count_nonzero(np.isnan(errors)))
         found.append(errors)
     text = median_and_range(np.array(found))
-    return text if missing == 0 else f"{text}; {missing / len(found):.0f} of 50 not estimable"
+    return text if missing == 0 else f"{text}; {missing / len(found):.1f} of 50 not estimable"
 
 
 @dataclass(frozen=True)
