@@ -18,6 +18,7 @@ from benchmarks.thesis.rig import (
     logarithmic_point,
     regressed,
 )
+from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
 from estimator.misalignment import misalignment_evidence, watched
 from estimator.thesis.rig import shaft_factors
 
@@ -82,3 +83,12 @@ def test_one_experiment_prints_every_parameter(rig: Rig, capsys: pytest.CaptureF
     printed = capsys.readouterr().out
     assert all(f"| {name} |" in printed for name in (*rig.names, "disc.D1.unbalance", "disc.D2.unbalance"))
     assert "χ²/dof" in printed
+
+
+def test_simple_supports_have_the_printed_frequencies_only_with_the_misprinted_inertia(rig: Rig) -> None:
+    """155.7, 239.3 and 419.9 Hz (§5.6) within 1 %, 12 elements per shaft; without a coupling 161 and 331 Hz."""
+    right = fit_coupling(rig.document, element_length=0.0265, printed_inertia=False)
+    printed = fit_coupling(rig.document, element_length=0.0265, printed_inertia=True)
+    assert right.frequencies[1] > 325.0
+    assert printed.elements == 12
+    assert printed.frequencies == pytest.approx(PRINTED_HZ, rel=0.01)
