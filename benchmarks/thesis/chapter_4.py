@@ -356,12 +356,37 @@ def _likelihood(subject: Subject) -> str:
         f"Cramér-Rao, for "
         "circular complex noise of the same rms (the thesis's noise leaves phases exact, which the fit does not use).\n\n"
         + table(header, rows)
+        + f"\n\n![Error of every parameter]({save('chapter-4-errors', _errors_chart(subject))})"
         + "\n\nThe chapter's promise holds for this fit: with bearings alone, 100 speeds determine every parameter to a "
         "fraction of "
         "a per cent in the median, and the errors are those of the bound. The largest is that of the coupling's c_xy or "
         "k_φ. No "
         "unbiased method does better on data with such noise in amplitude and phase, so the printed 11.5 % at 5 % is out of "
         "reach. Where four speeds cannot determine a parameter (Cases A and B), the fit says so instead of giving a number."
+    )
+
+
+def _errors_chart(subject: Subject) -> str:
+    """Errors of the 50 unknowns in the best case, as the thesis's Figures 4.13-4.19 show them."""
+    best, rms = CASES[5], multiplicative_rms(1)
+    clean = subject.response(best)[:, subject.train.bearing]
+    noisy = multiplicative_noise(clean, percent=1, rng=np.random.default_rng(0))
+    regressed = np.abs(regression(subject, _high_frequency(subject, best), noisy).values / subject.truth - 1)
+    fitted = likelihood_errors(subject, likelihood(subject, best, noisy, rms=rms, seed=0))
+    smallest = bound(bearings_only(subject, best), subject, rms=rms)
+    number = np.arange(1.0, subject.truth.size + 1).tolist()
+    series = [
+        Series("high-frequency regression", number, (100 * regressed).tolist(), points=True),
+        Series("maximum likelihood", number, (100 * fitted).tolist(), points=True),
+    ]
+    if smallest is not None:
+        series.append(Series("Cramér-Rao bound", number, (100 * smallest).tolist()))
+    return chart(
+        title="Error of every parameter, bearings only, Case C_fb3 of Method II, 1 % noise",
+        x_label="number of the unknown: bearings, coupling, unbalances",
+        y_label="error [%]",
+        series=series,
+        logarithmic=True,
     )
 
 
