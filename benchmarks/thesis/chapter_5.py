@@ -43,7 +43,7 @@ from benchmarks.thesis.rig import (
     regressed,
     regression,
 )
-from benchmarks.thesis.simple_supports import LARGEST, PRINTED_HZ, fit_coupling
+from benchmarks.thesis.simple_supports import LARGEST, PRINTED_HZ, SMALLEST, fit_coupling
 from benchmarks.thesis.tables import percent, power, table
 from estimator.condensation import condense
 from estimator.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
@@ -198,8 +198,8 @@ def _simple_supports(rig: Rig) -> str:
         [
             inertia,
             str(one.elements),
-            _stiffness_text(one.lateral, LARGEST[0]),
-            _stiffness_text(one.angular, LARGEST[1]),
+            _stiffness_text(one.lateral, SMALLEST[0], LARGEST[0]),
+            _stiffness_text(one.angular, SMALLEST[1], LARGEST[1]),
             ", ".join(f"{value:.1f}" for value in one.frequencies),
             percent(one.misfit),
         ]
@@ -234,7 +234,9 @@ def _simple_supports(rig: Rig) -> str:
     )
 
 
-def _stiffness_text(value: float, largest: float) -> str:
+def _stiffness_text(value: float, smallest: float, largest: float) -> str:
+    if value < 2.0 * smallest:
+        return "none"
     return "rigid" if value > 0.5 * largest else f"{value:.2g}"
 
 
@@ -387,9 +389,9 @@ def _printed_response(rig: Rig) -> str:
         f"eccentricity of {1e3 * needed:.0f} mm.\n\n"
         f"Amplitudes alone fit a constant vector, as run-out or a bow adds, of {constant:.0f} µm and a part that grows with "
         f"ω² to {growing:.0f} µm at 41 Hz, with an rms misfit of {amplitude_misfit:.1f} µm. With their phases they do not: "
-        f"the misfit is {phasor_misfit:.0f} µm, even if pulse and record were a constant delay apart. The phase reference "
-        "changed from speed to speed, or Eq. 5.2 was read from different periods. Eq. 5.3 has no place for a constant "
-        "vector, and a regression on such phases has no meaning."
+        f"the misfit is {phasor_misfit:.0f} µm, even if pulse and record were a constant delay apart. Perhaps the phase "
+        "reference changed from speed to speed, or Eq. 5.2 was read from different periods. Eq. 5.3 has no place for a "
+        "constant vector, and it needs phases that hang together."
     )
 
 
@@ -780,9 +782,9 @@ def _natural_frequencies(rig: Rig) -> str:
         f"share that any rig needs in its first mode: {'; '.join(shares)}. This rig has a share of {100 * own:.0f} % in its "
         f"first mode. Its two growths leave misfits of up to {100 * worst:.1f} %: the second and the third frequency depend "
         "on the same bearings. For Case A₁ print and frequencies therefore fit together only for a rig whose bearings and "
-        "coupling hold a third of the first mode's energy, though the thesis's own simple supports, with infinitely stiff "
-        "bearings, raise that mode from 150 to no more than 155.7 Hz; the 156 Hz measured (157 Hz updated model) in Case C₁ "
-        "lie above this limit, unless the "
+        "coupling hold a third of the first mode's energy, though the thesis's own model on simple supports "
+        "has no more than 155.7 Hz there; the 156 Hz measured (157 Hz updated model) in Case C₁ lie above this limit, unless "
+        "the "
         "coupling stiffened as well.\n\n" + _splitting(rig)
     )
 
