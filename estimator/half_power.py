@@ -1,0 +1,135 @@
+"""Half-power points of a resonance, from an amplitude over speed or frequency.
+
+They are where the amplitude has fallen to 1/√2 of its peak. The thesis measures outside of them, where the amplitude is
+neither transient nor large enough for non-linearity (§2.3). Between samples 1/X² is taken as a parabola over ω² (constant
+force) or 1/ω² (unbalance), which is exact for a single degree of freedom with viscous damping.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Excitation = Literal["unbalance", "constant force"]
+
+
+class HalfPowerNotReached(ValueError):
+    """The curve does not fall to the half-power level on one side of the peak."""
+
+
+@dataclass(frozen=True)
+class HalfPowerPoints:
+    """A resonance between its half-power points.
+
+    peak, lower, upper: speeds or frequencies [those of the curve]. amplitude: at the peak. damping_ratio: exact for a single
+    degree of freedom; (upper - lower) / (2 peak) where damping is small [-].
+    """
+
+    peak: float
+    amplitude: float
+    lower: float
+    upper: float
+    damping_ratio: float
+
+
+def half_power_points(
+    speed: Floats, amplitude: Floats, *, excitation: Excitation, near: float | None = None
+) -> HalfPowerPoints:
+    """Half-power points of the largest peak, or of the peak nearest to the speed `near`.
+
+    speed: (S,) ascending and positive [rad/s, Hz or r/min]. amplitude: (S,) positive. Two resonances between which the curve
+    stays above the half-power level count as one.
+    Raises ValueError for a curve without a peak inside it or with other than positive, finite values; HalfPowerNotReached
+    when the curve ends, or rises above the peak, before it has fallen to the half-power level.
+    """
+    speed, amplitude = np.asarray(speed, dtype=float), np.asarray(amplitude, dtype=float)
+    _require_curve(speed, amplitude)
+    peaks = peak_samples(amplitude)
+    if peaks.size == 0:
+        raise ValueError(f"the amplitude has no peak between {speed[0]:.6g} and {speed[-1]:.6g}: widen the range")
+    index = int(peaks[np.argmax(amplitude[peaks])] if near is None else peaks[np.argmin(np.abs(speed[peaks] - near))])
+    # In this coordinate the inverse square of the amplitude of a single degree of freedom is a parabola.
+    place = speed**2 if excitation == "constant force" else speed**-2
+    inverse = amplitude**-2
+    top, smallest = _vertex(place[index - 1 : index + 2], inverse[index - 1 : index + 2])
+    level = 2.0 * smallest
+    first, last = (_crossing(speed, place, inverse, index, level, step) for step in (-1, 1))
+    power = 0.5 if excitation == "constant force" else -0.5
+    return HalfPowerPoints(
+        peak=top**power,
+        amplitude=smallest**-0.5,
+        lower=first**power,
+        upper=last**power,
+        # Half-power points lie at place = top (1 ± tan 2α) with ζ = sin α, whatever ζ below 1/√2 is.
+        damping_ratio=math.sin(0.5 * math.atan(abs(last - first) / (2.0 * top))),
+    )
+
+
+def peak_samples(amplitude: Floats) -> NDArray[np.intp]:
+    """Indices of the samples inside a curve (S,) that are larger than the one before and not smaller than the one behind."""
+    inner = amplitude[1:-1]
+    return np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:])) + 1
+
+
+def outside(speed: Floats, resonances: Sequence[HalfPowerPoints]) -> NDArray[np.bool_]:
+    """Which speeds (S,) lie outside the half-power points of all resonances."""
+    inside = np.zeros(np.shape(speed), dtype=bool)
+    for one in resonances:
+        inside |= (one.lower <= speed) & (speed <= one.upper)
+    return ~inside
+
+
+def _require_curve(speed: Floats, amplitude: Floats) -> None:
+    if speed.ndim != 1 or speed.shape != amplitude.shape or speed.size < 3:
+        raise ValueError(f"speed {speed.shape} and amplitude {amplitude.shape} must be equally long, three samples at least")
+    if not np.all(np.isfinite(speed) & (speed > 0.0)) or np.any(np.diff(speed) <= 0.0):
+        raise ValueError("speed must be positive, finite and ascending")
+    if not np.all(np.isfinite(amplitude) & (amplitude > 0.0)):
+        raise ValueError("amplitude must be positive and finite")
+
+
+def _vertex(place: Floats, inverse: Floats) -> tuple[float, float]:
+    """Where the parabola through three samples is smallest, and how small it is there."""
+    centre = place[1]
+    a, b, c = np.polyfit((place - centre) / centre, inverse / inverse[1], 2)
+    at = -b / (2.0 * a)
+    value = c + b * at / 2.0
+    if value <= 0.0:
+        raise HalfPowerNotReached("the peak is narrower than three samples: sample more densely")
+    return float(centre * (1.0 + at)), float(inverse[1] * value)
+
+
+def _crossing(speed: Floats, place: Floats, inverse: Floats, peak: int, level: float, step: int) -> float:
+    """Place, going from the peak in one direction, where 1/X² first reaches the level."""
+    side = "below" if step < 0 else "above"
+    if inverse[peak] >= level:
+        raise HalfPowerNotReached(f"the peak near {speed[peak]:.6g} is narrower than three samples: sample more densely")
+    index = peak
+    while inverse[index] < level:
+        index += step
+        if not 0 <= index < speed.size:
+            raise HalfPowerNotReached(
+                f"{side} the peak at {speed[peak]:.6g} the curve ends at {speed[index - step]:.6g} "
+                "before it has fallen to 1/√2 of the peak: widen the range"
+            )
+        if inverse[index] < inverse[peak]:
+            raise HalfPowerNotReached(
+                f"{side} the peak at {speed[peak]:.6g} the curve rises to a larger one before it has fallen to 1/√2 of it"
+            )
+    near, far = index - step, index
+    three = [near - step, near, far]
+    return _root(place[three], inverse[three] / level - 1.0)
+
+
+def _root(place: Floats, height: Floats) -> float:
+    """Zero of the parabola through three samples between the last two, whose heights have opposite signs."""
+    width = place[2] - place[1]
+    a, b, c = np.polyfit((place - place[1]) / width, height, 2)
+    slope = math.sqrt(b * b - 4.0 * a * c)
+    # c < 0 <= a + b + c: the root on the rising branch is the only one between 0 and 1.
+    at = 2.0 * -c / (b + slope) if b + slope > 0.0 else -c / height[2]
+    return float(place[1] + min(max(at, 0.0), 1.0) * width)

@@ -1,0 +1,57 @@
+"""Proportional (Rayleigh) damping C = αM + βK of a structure, fixed by the damping ratios at two natural frequencies.
+
+Source: Clough and Penzien, Dynamics of Structures, 2nd ed. 1993, §12-5 (thesis Eq. 3.5 and Appendix B, whose a₀ is α and
+a₁ is β).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class RayleighDamping:
+    """Coefficients of C = αM + βK. mass_coefficient: α [1/s]. stiffness_coefficient: β [s]."""
+
+    mass_coefficient: float
+    stiffness_coefficient: float
+
+    def ratio(self, angular_frequency: float) -> float:
+        """Damping ratio [-] of a mode with that natural frequency [rad/s]: ζ = (α/ω + βω)/2 (Eq. B.1)."""
+        return (self.mass_coefficient / angular_frequency + self.stiffness_coefficient * angular_frequency) / 2
+
+    def matrix(self, *, mass: NDArray[np.float64], stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """C = αM + βK (N, N) from mass and stiffness matrices (N, N) (Eq. 3.5)."""
+        return self.mass_coefficient * mass + self.stiffness_coefficient * stiffness
+
+
+def rayleigh_damping(
+    *, lower_frequency: float, lower_ratio: float, upper_frequency: float, upper_ratio: float
+) -> RayleighDamping:
+    """The damping that gives two modes the stated ratios (Eq. B.2-B.3).
+
+    Frequencies: natural frequencies [rad/s], lower below upper. Ratios: of critical damping [-], not negative.
+    Raises ValueError when the frequencies are not positive, finite and ascending, when a ratio is negative or not finite,
+    and when the two ratios lie so far apart that α or β would be negative, which feeds energy into some modes.
+    """
+    if not (0 < lower_frequency < upper_frequency and math.isfinite(upper_frequency)):
+        raise ValueError(
+            f"lower_frequency {lower_frequency} and upper_frequency {upper_frequency} must be positive, finite and ascending"
+        )
+    for name, ratio in (("lower_ratio", lower_ratio), ("upper_ratio", upper_ratio)):
+        if not (math.isfinite(ratio) and ratio >= 0):
+            raise ValueError(f"{name} {ratio} must be finite and not negative")
+    span = upper_frequency**2 - lower_frequency**2
+    alpha = 2 * lower_frequency * upper_frequency * (upper_frequency * lower_ratio - lower_frequency * upper_ratio) / span
+    beta = 2 * (upper_frequency * upper_ratio - lower_frequency * lower_ratio) / span
+    # Rounding may leave a hair below zero where the exact coefficient is zero.
+    slack = 1e-12 * max(lower_ratio, upper_ratio)
+    if alpha < -slack * upper_frequency or beta < -slack / upper_frequency:
+        smallest, largest = lower_frequency / upper_frequency, upper_frequency / lower_frequency
+        raise ValueError(
+            f"ratios {lower_ratio} and {upper_ratio} give a negative coefficient: upper_ratio must lie between "
+            f"{smallest:.4g} and {largest:.4g} times lower_ratio"
+        )
+    return RayleighDamping(mass_coefficient=max(alpha, 0.0), stiffness_coefficient=max(beta, 0.0))

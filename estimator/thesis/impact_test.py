@@ -1,0 +1,64 @@
+"""An impact test on a train at standstill (§5.6): blows at some places, an accelerometer at another, peaks in the spectrum."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.condensation import Complexes, Floats
+from estimator.half_power import peak_samples
+from estimator.machine import Machine
+from estimator.parameters import dense, unknowns
+from estimator.rotor import Rotor, assemble_rotor
+from estimator.shaft import NODE_DOFS
+
+
+@dataclass(frozen=True)
+class Place:
+    """A lateral direction at a station of a shaft. angle_deg: from +x towards +y. size: of a blow, negative against it."""
+
+    shaft: str
+    station: float
+    angle_deg: float = 0.0
+    size: float = 1.0
+
+
+def impact_spectrum(
+    machine: Machine, *, coefficients: Floats, blows: Sequence[Place], sensor: Place, frequency: Floats
+) -> Complexes:
+    """Acceleration per impulse (F,) [1/kg] at a sensor after simultaneous, ideally short blows, at frequencies (F,) [Hz].
+
+    coefficients: (K,) SI, in the order of the machine's unknowns. The spectrum is -ω² sᵀ (K - ω²M + jωC)⁻¹ f.
+    Raises ValueError for a place that is no node of the model.
+    """
+    rotor = assemble_rotor(machine)
+    elements = unknowns(machine, rotor).coefficients
+    # Stiffness, damping and mass, by the power of jω that a coefficient goes with.
+    matrices = [rotor.stiffness.copy(), rotor.damping.copy(), rotor.mass.copy()]
+    for one, value in zip(elements, coefficients, strict=True):
+        for left, right in one.pairs:
+            matrices[one.order] += value * np.outer(*dense([left, right], rotor.size).T)
+    stiffness, damping, mass = matrices
+    force = np.sum([_direction(rotor, blow) for blow in blows], axis=0)
+    reading = _direction(rotor, sensor)
+    spectrum = np.empty(frequency.size, dtype=complex)
+    for i, omega in enumerate(2.0 * math.pi * frequency):
+        dynamic = stiffness - omega**2 * mass + 1j * omega * damping
+        spectrum[i] = -(omega**2) * (reading @ np.linalg.solve(dynamic, force))
+    return spectrum
+
+
+def spectrum_peaks(frequency: Floats, spectrum: Complexes) -> tuple[Floats, Floats]:
+    """Frequencies [those given] and magnitudes of the peaks of a spectrum (F,), by ascending frequency."""
+    magnitude = np.abs(spectrum)
+    peaks = peak_samples(magnitude)
+    return frequency[peaks], magnitude[peaks]
+
+
+def _direction(rotor: Rotor, place: Place) -> Floats:
+    vector = np.zeros(rotor.size)
+    x = NODE_DOFS * rotor.node(place.shaft, place.station)
+    angle = math.radians(place.angle_deg)
+    vector[x], vector[x + 1] = place.size * math.cos(angle), place.size * math.sin(angle)
+    return vector

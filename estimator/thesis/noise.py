@@ -1,0 +1,48 @@
+"""Noise on simulated phasors: the thesis's own (Eq. 2.19-2.20) and circular complex noise.
+
+The thesis multiplies each phasor by a real number within 1 ± N/200, so that "5 %" is 1.4 % rms, and the phase stays exact.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Complexes = NDArray[np.complex128]
+Sharing = Literal["none", "channel", "speed", "all"]
+"""Which phasors share one random number: none of them, all speeds of a channel, all channels of a speed, or all."""
+
+
+def multiplicative_noise(
+    response: Complexes, *, percent: float, rng: np.random.Generator, sharing: Sharing = "none"
+) -> Complexes:
+    """The response (S, m) times 1 + (R / R_max - 1/2) N / 100, with R uniform between 0 and 1 (thesis Eq. 2.19-2.20).
+
+    percent: N. sharing: the thesis does not say how many numbers are drawn; "none" is one for each phasor.
+    Raises ValueError for a negative percentage.
+    """
+    if not percent >= 0.0:
+        raise ValueError(f"noise of {percent} %: must be at least 0")
+    samples, channels = response.shape
+    shape = {"none": (samples, channels), "channel": (1, channels), "speed": (samples, 1), "all": (1, 1)}[sharing]
+    drawn = rng.random(shape)
+    # The largest of one number is that number, which would leave no noise: the range of the generator stands in for it.
+    largest = drawn.max() if drawn.size > 1 else 1.0
+    return np.asarray(response * (1.0 + (drawn / largest - 0.5) * percent / 100.0))
+
+
+def multiplicative_rms(percent: float) -> float:
+    """Rms of the relative error that `multiplicative_noise` makes: N / (100 √12), for many numbers drawn."""
+    return percent / 100.0 / math.sqrt(12.0)
+
+
+def complex_noise(response: Complexes, *, rms: float, rng: np.random.Generator) -> Complexes:
+    """The response plus circular complex Gaussian noise of that rms, relative to each phasor's amplitude.
+
+    Raises ValueError for a negative rms.
+    """
+    if not rms >= 0.0:
+        raise ValueError(f"noise of rms {rms}: must be at least 0")
+    drawn = rng.standard_normal(response.shape) + 1j * rng.standard_normal(response.shape)
+    return np.asarray(response + rms / math.sqrt(2.0) * np.abs(response) * drawn)

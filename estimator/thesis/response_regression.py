@@ -1,0 +1,79 @@
+"""From equations of motion at measured phasors to the thesis's regressions, for constant and speed-dependent coefficients."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.parameters import Unknowns
+from estimator.thesis.flexible_train import Complexes, Floats, parts
+from estimator.thesis.reduced_model import ResponseEquations
+from estimator.thesis.regression import Regression, real_rows
+
+
+def real_names(unknowns: Unknowns) -> tuple[str, ...]:
+    """Names of the K + 2P real unknowns, coefficients first."""
+    planes = [f"{plane.name}.{part}" for plane in unknowns.unbalances for part in ("real", "imaginary")]
+    return tuple([one.name for one in unknowns.coefficients] + planes)
+
+
+def with_trial_unbalances(equations: ResponseEquations, trial: Complexes) -> ResponseEquations:
+    """The same equations when known trial unbalances (S, P) [kg m] sat on the discs beside the unknown ones (§4.5)."""
+    moved = (equations.unbalance @ parts(trial)[..., None])[..., 0]
+    return ResponseEquations(equations.coefficient, equations.unbalance, equations.target - moved)
+
+
+def speed_independent_regression(
+    equations: ResponseEquations, unknowns: Unknowns, *, mean_speed: float, damping_scaled: bool
+) -> Regression:
+    """One value of each unknown for all speeds (Eq. 3.41, 4.71).
+
+    mean_speed: ω_a [rad/s] of the thesis's column scaling 1/ω_a, which acts on the unbalances (§2.3.2) and, where
+    `damping_scaled`, on the damping coefficients too (§4.5).
+    """
+    columns = np.concatenate([equations.coefficient, equations.unbalance], axis=2)
+    return Regression(
+        matrix=real_rows(columns.reshape(-1, columns.shape[2])),
+        target=real_rows(equations.target.reshape(-1)),
+        names=real_names(unknowns),
+        thesis_scale=_thesis_scale(unknowns, mean_speed, damping_scaled),
+    )
+
+
+def speed_dependent_regression(
+    equations: ResponseEquations, unknowns: Unknowns, *, group: NDArray[np.intp], mean_speed: float
+) -> Regression:
+    """Coefficients of their own for each group of samples, one set of unbalances for all (Eq. 4.66-4.70).
+
+    group: (S,) number of each sample's group, from 0; a group is one speed with all its runs. The names of a group's
+    coefficients end in "@" and its number; the unbalances come last.
+    Raises ValueError when the groups are not numbered without gaps.
+    """
+    count = int(group.max()) + 1
+    if not np.array_equal(np.unique(group), np.arange(count)):
+        raise ValueError("the groups must be numbered 0, 1, 2, ... without gaps")
+    samples, rows, width = equations.coefficient.shape
+    planes = equations.unbalance.shape[2]
+    columns = np.zeros((samples, rows, count * width + planes), dtype=complex)
+    for number in range(count):
+        members = group == number
+        columns[members, :, number * width : (number + 1) * width] = equations.coefficient[members]
+    columns[:, :, count * width :] = equations.unbalance
+    names = real_names(unknowns)
+    scale = _thesis_scale(unknowns, mean_speed, damping_scaled=True)
+    return Regression(
+        matrix=real_rows(columns.reshape(samples * rows, -1)),
+        target=real_rows(equations.target.reshape(-1)),
+        names=(*_numbered(names[:width], count), *names[width:]),
+        thesis_scale=np.concatenate([np.tile(scale[:width], count), scale[width:]]),
+    )
+
+
+def _numbered(names: Sequence[str], count: int) -> tuple[str, ...]:
+    return tuple(f"{name}@{number}" for number in range(count) for name in names)
+
+
+def _thesis_scale(unknowns: Unknowns, mean_speed: float, damping_scaled: bool) -> Floats:
+    damping = np.array([damping_scaled and one.quantity == "damping" for one in unknowns.coefficients])
+    scaled = np.concatenate([damping, np.ones(2 * len(unknowns.unbalances), dtype=bool)])
+    return np.where(scaled, 1.0 / mean_speed, 1.0)

@@ -1,0 +1,136 @@
+"""The laboratory rig of Chapter 5: what the thesis printed of it, and misalignment as a growth of its coefficients.
+
+The text gives one number per case, the largest growth, and the impact tests' frequencies; the rest was in figures. Both are
+turned into growths of all coefficients here, by assumptions that each function states.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+import scipy.optimize
+
+from estimator.condensation import Complexes, Floats
+from estimator.machine import Machine
+from estimator.modes import eigenvalues
+from estimator.parameters import Unknowns, unknowns
+from estimator.rotor import assemble_rotor
+
+SPEEDS_HZ = (17.0, 21.0, 25.0, 29.0, 31.0, 33.0, 37.0, 41.0)
+"""Speeds at which the rig was measured (§5.4)."""
+H1: Complexes = np.array(
+    [
+        5.57e-5 - 3.57e-6j,
+        -4.63e-5 + 3.43e-5j,
+        1.17e-5 + 5.29e-5j,
+        4.04e-5 + 2.99e-5j,
+        4.11e-5 - 4.67e-5j,
+        4.77e-5 - 4.57e-5j,
+        8.91e-6 + 6.45e-5j,
+        -5.82e-5 - 3.77e-5j,
+    ]
+)
+"""Horizontal response of bearing 1 at these speeds [m] (Table 5.3)."""
+ALIGNED_HZ = (150.0, 203.0, 364.0)
+"""Natural frequencies in the impact test without misalignment, both couplings mounted (Table 5.5)."""
+
+
+@dataclass(frozen=True)
+class MisalignmentCase:
+    """One misalignment of the rig (Table 5.4).
+
+    angle_deg, offset_mm: Δα and Δδ. growth: of c_yx of bearing 4, the largest of all [-] (§5.7). frequencies_hz: in the
+    impact test (Table 5.5), where one is printed.
+    """
+
+    name: str
+    angle_deg: float
+    offset_mm: float
+    growth: float
+    frequencies_hz: tuple[float, float, float] | None = None
+
+
+CASES = (
+    MisalignmentCase("A₁", 0.16, 0.0, 0.12, (153.0, 206.0, 366.0)),
+    MisalignmentCase("A₂", 0.32, 0.0, 0.18),
+    MisalignmentCase("B₁", 0.0, 0.5, 0.31, (154.0, 207.0, 366.0)),
+    MisalignmentCase("B₂", 0.0, 1.0, 0.56),
+    MisalignmentCase("C₁", 0.16, 0.5, 0.60, (156.0, 207.0, 366.0)),
+    MisalignmentCase("C₂", 0.32, 1.0, 0.68),
+)
+
+
+@dataclass(frozen=True)
+class BearingGrowth:
+    """Relative growth of the coefficients of each shaft's bearings [-], and how well it explains the frequencies.
+
+    The coupling grows with the driven shaft's bearings. misfit: (3,) relative frequency error that is left.
+    """
+
+    driver: float
+    driven: float
+    misfit: Floats
+
+    @classmethod
+    def to_reach(cls, machine: Machine, change: Floats) -> Self:
+        """The growths that change the first three frequencies by these factors (3,), in the least-squares sense.
+
+        Three frequencies cannot tell more apart. Growth between -90 % and +900 %.
+        """
+        nominal, _ = nominal_values(machine)
+        aligned = plane_frequencies(machine, coefficients=nominal)
+
+        def misfit(logarithms: Floats) -> Floats:
+            driver, driven = np.exp(logarithms)
+            factors = shaft_factors(machine, driver=float(driver), driven=float(driven))
+            return np.asarray(plane_frequencies(machine, coefficients=nominal * factors) / aligned / change - 1.0)
+
+        found = scipy.optimize.least_squares(misfit, np.zeros(2), bounds=(-np.log(10.0), np.log(10.0)))
+        driver, driven = np.expm1(found.x)
+        return cls(float(driver), float(driven), misfit(found.x))
+
+
+def printed_growth(case: MisalignmentCase, unknowns: Unknowns) -> Floats:
+    """Factor on each coefficient (K,): c_yx of bearing 4 grows as printed, all others by half of it, which is assumed."""
+    largest = "bearing.B4.cyx"
+    return np.array([1.0 + case.growth * (1.0 if one.name == largest else 0.5) for one in unknowns.coefficients])
+
+
+def shaft_factors(machine: Machine, *, driver: float, driven: float) -> Floats:
+    """Factor on each coefficient (K,): one for the bearings of the first shaft, one for those of the second and the coupling.
+
+    The rig was misaligned by lifting the second shaft's bearings, so the coupling is taken to follow them.
+    """
+    shaft = {f"bearing.{bearing.id}": bearing.shaft for bearing in machine.bearings}
+    by_shaft = {machine.shafts[0].id: driver, machine.shafts[1].id: driven}
+    elements = [one.element for one in _unknowns(machine).coefficients]
+    return np.array([by_shaft[shaft[element]] if element in shaft else driven for element in elements])
+
+
+def nominal_values(machine: Machine) -> tuple[Floats, Complexes]:
+    """Coefficients (K,) [SI] and unbalances (P,) [kg m] of a document that gives them all.
+
+    Raises ValueError for one that does not.
+    """
+    unknown = _unknowns(machine)
+    missing = [one.name for one in unknown.coefficients if one.nominal is None]
+    missing += [plane.name for plane in unknown.unbalances if plane.nominal is None]
+    if missing:
+        raise ValueError(f"the document of '{machine.id}' gives no value of {', '.join(missing)}")
+    return (
+        np.array([one.nominal for one in unknown.coefficients], dtype=float),
+        np.array([one.nominal for one in unknown.unbalances], dtype=complex),
+    )
+
+
+def plane_frequencies(machine: Machine, *, coefficients: Floats, count: int = 3) -> Floats:
+    """The first natural frequencies at standstill [Hz], (count,), each the mean of its two planes; coefficients: (K,) SI.
+
+    They are |λ|/2π, undamped frequencies: a damped one is what a run through resonance shows, and differs little.
+    """
+    roots = eigenvalues(machine, coefficients=coefficients)[: 2 * count]
+    return np.asarray(np.abs(roots).reshape(count, 2).mean(axis=1) / (2.0 * np.pi))
+
+
+def _unknowns(machine: Machine) -> Unknowns:
+    return unknowns(machine, assemble_rotor(machine))

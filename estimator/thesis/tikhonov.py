@@ -1,0 +1,113 @@
+"""Tikhonov regularisation with the parameter chosen by rule (thesis §6.5 asks for it).
+
+min ‖A x - b‖² + λ² ‖x‖² damps the component along each singular vector by the filter factor s²/(s² + λ²).
+λ follows from the data: generalised cross-validation (Golub, Heath and Wahba 1979, doi:10.1080/00401706.1979.10489751) or
+the corner of the L-curve (Hansen and O'Leary 1993, doi:10.1137/0914086).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+Floats = NDArray[np.float64]
+Rule = Literal["generalised cross-validation", "L-curve"]
+
+GRID = 200
+"""Values of λ, evenly spaced in ln λ, among which the rules look before they refine."""
+SMALLEST = 1e-16
+"""Smallest λ considered, as a part of the largest singular value."""
+
+
+@dataclass(frozen=True)
+class SpectralProblem:
+    """A least-squares problem in the coordinates of its singular vectors.
+
+    singular_values: (C,) descending, positive. components: (C,) of the target along the left singular vectors.
+    remainder: squared norm of the target outside of them. rows: R, number of equations.
+    """
+
+    singular_values: Floats
+    components: Floats
+    remainder: float
+    rows: int
+
+    @classmethod
+    def of(cls, left: Floats, singular_values: Floats, target: Floats) -> Self:
+        """From the thin left singular vectors (R, C), the singular values (C,) and the target (R,)."""
+        components = left.T @ target
+        outside = target - left @ components
+        return cls(singular_values, components, float(outside @ outside), target.size)
+
+    def residual_square(self, parameter: float) -> float:
+        """‖A x - b‖² of the solution for λ."""
+        damped = damped_parts(self.singular_values, parameter) * self.components
+        return float(damped @ damped) + self.remainder
+
+    def solution_square(self, parameter: float) -> float:
+        """‖x‖² of the solution for λ."""
+        x = filter_factors(self.singular_values, parameter) * self.components / self.singular_values
+        return float(x @ x)
+
+
+def filter_factors(singular_values: Floats, parameter: float) -> Floats:
+    """s²/(s² + λ²), (C,)."""
+    return np.asarray(1.0 / (1.0 + (parameter / singular_values) ** 2))
+
+
+def damped_parts(singular_values: Floats, parameter: float) -> Floats:
+    """1 - s²/(s² + λ²) = λ²/(s² + λ²), (C,), without the cancellation for small λ."""
+    square = parameter**2
+    return np.asarray(square / (singular_values**2 + square))
+
+
+def generalised_cross_validation(problem: SpectralProblem, parameter: float) -> float:
+    """‖A x - b‖² / (R - Σ f)² with f = s²/(s² + λ²).
+
+    An estimate of the mean square error with which left-out equations are predicted, over their number R.
+    """
+    damped = damped_parts(problem.singular_values, parameter)
+    freedom = problem.rows - damped.size + float(damped.sum())
+    return problem.residual_square(parameter) / freedom**2
+
+
+def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
+    """Curvature of (ln ‖A x - b‖, ln ‖x‖) over growing λ; positive at the corner.
+
+    With η = ‖x‖², ρ = ‖A x - b‖² and dρ/dλ = -λ² dη/dλ it needs no second derivative:
+    2 ηρ/|η'| (λ²η'ρ + 2ληρ + λ⁴ηη') / (λ⁴η² + ρ²)^(3/2).
+    """
+    factors = filter_factors(problem.singular_values, parameter)
+    damped = damped_parts(problem.singular_values, parameter)
+    along = problem.components / problem.singular_values
+    solution = problem.solution_square(parameter)
+    residual = problem.residual_square(parameter)
+    slope = -4.0 / parameter * float(np.sum(damped * (factors * along) ** 2))
+    if slope == 0.0 or residual == 0.0:
+        return 0.0  # λ is far below every singular value: the curve has not begun to bend
+    bend = parameter**2 * slope * residual + 2.0 * parameter * solution * residual + parameter**4 * solution * slope
+    return float(2.0 * solution * residual / abs(slope) * bend / (parameter**4 * solution**2 + residual**2) ** 1.5)
+
+
+def choose_parameter(problem: SpectralProblem, rule: Rule) -> float:
+    """λ by the rule: the best of a grid over the singular values' range, then refined around it.
+
+    The smallest λ considered lies where it changes nothing; a rule that wants no regularisation ends there.
+    """
+    criterion = generalised_cross_validation if rule == "generalised cross-validation" else _flatness
+    largest = float(problem.singular_values[0])
+    smallest = max(SMALLEST * largest, 1e-3 * float(problem.singular_values[-1]))
+    grid = np.linspace(np.log(smallest), np.log(largest), GRID)
+    best = int(np.argmin([criterion(problem, float(np.exp(one))) for one in grid]))
+    refined = minimize_scalar(
+        lambda logarithm: criterion(problem, float(np.exp(logarithm))),
+        bounds=(float(grid[max(best - 1, 0)]), float(grid[min(best + 1, GRID - 1)])),
+        method="bounded",
+    )
+    return float(np.exp(refined.x))
+
+
+def _flatness(problem: SpectralProblem, parameter: float) -> float:
+    return -l_curve_curvature(problem, parameter)
