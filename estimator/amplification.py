@@ -7,6 +7,7 @@ standards themselves were not at hand; ROSS's API report and two other public pr
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -132,21 +133,31 @@ def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
 
 
 def amplification(
-    model: UpdatedModel, *, place: Probe, lowest: float, highest: float, minimum_speed: float, maximum_continuous_speed: float
-) -> tuple[SeparationMargin, ...]:
-    """Response peaks between two speeds at a place of the train, and their margins to the operating speeds, all [rad/s].
+    model: UpdatedModel,
+    *,
+    places: Sequence[Probe],
+    lowest: float,
+    highest: float,
+    minimum_speed: float,
+    maximum_continuous_speed: float,
+) -> tuple[tuple[SeparationMargin, ...], ...]:
+    """Response peaks between two speeds at places of the train, and their margins to the operating speeds, all [rad/s].
 
-    The response is that to the identified unbalances; place: one of the machine's probes or any other.
+    The response is that to the identified unbalances; places: the machine's probes or any others, a tuple for each.
     Raises ValueError for speeds that are not ascending and positive.
     """
     if not (0 < lowest < highest and 0 < minimum_speed <= maximum_continuous_speed):
         raise ValueError("speeds must be positive, lowest below highest, minimum_speed not above maximum_continuous_speed")
     speed = _speeds(model, lowest, highest)
-    row = displacement_row(model.machine, assemble_rotor(model.machine), place)
-    amplitude = np.abs(forced_response(model, speed=speed, output=row[None, :]).phasor[:, 0])
+    rotor = assemble_rotor(model.machine)
+    rows = np.array([displacement_row(model.machine, rotor, place) for place in places])
+    amplitude = np.abs(forced_response(model, speed=speed, output=rows).phasor)
     return tuple(
-        separation_margin(peak, minimum_speed=minimum_speed, maximum_continuous_speed=maximum_continuous_speed)
-        for peak in response_peaks(speed, amplitude)
+        tuple(
+            separation_margin(peak, minimum_speed=minimum_speed, maximum_continuous_speed=maximum_continuous_speed)
+            for peak in response_peaks(speed, curve)
+        )
+        for curve in amplitude.T
     )
 
 

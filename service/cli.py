@@ -179,7 +179,8 @@ def model(
         raise typer.Exit(1)
     try:
         speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
-        typer.echo(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
+        with threadpoolctl.threadpool_limits(1):
+            typer.echo(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
     except ValueError as error:
         _fail(str(error))
 

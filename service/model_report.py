@@ -49,16 +49,16 @@ def _critical_speeds(model: UpdatedModel) -> Iterator[str]:
 def _peaks(model: UpdatedModel, speed: float) -> Iterator[str]:
     yield "Response peaks: channel, speed [r/min], amplification factor, separation margin and what API 684 asks [%]"
     limits = model.machine.speed_range
-    for channel, probe in zip(model.machine.channels, model.machine.probes, strict=True):
-        margins = amplification(
-            model,
-            place=probe,
-            lowest=rpm_to_rad_per_s(limits.minimum_rpm),
-            highest=HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(limits.maximum_rpm),
-            minimum_speed=speed,
-            maximum_continuous_speed=speed,
-        )
-        for one in margins:
+    margins = amplification(
+        model,
+        places=model.machine.probes,
+        lowest=rpm_to_rad_per_s(limits.minimum_rpm),
+        highest=HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(limits.maximum_rpm),
+        minimum_speed=speed,
+        maximum_continuous_speed=speed,
+    )
+    for channel, peaks in zip(model.machine.channels, margins, strict=True):
+        for one in peaks:
             factor = one.peak.amplification_factor
             asked = "none asked" if one.required is None else f"{one.required:.1f} asked"
             verdict = {True: "met", False: "NOT MET", None: "open"}[one.met]

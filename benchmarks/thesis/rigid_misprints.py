@@ -7,6 +7,7 @@ import numpy as np
 
 from benchmarks.thesis.rigid import Complexes, Experiment, Floats
 from estimator.condensation import CondensedTrain
+from estimator.elimination import GivenShafts
 from estimator.thesis.regression import Regression, solve
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import SIZE, condensed, names
@@ -62,7 +63,7 @@ def _angle_times_speed(subject: Experiment) -> Regression:
     train = subject.train
     angle = np.repeat(np.angle(subject.rigid.unbalances), 2)
     turned = train.force * np.exp(1j * (train.direction * train.speed)[:, None, None] * angle)
-    return rigid_regression(replace(train, force=turned), subject.clean)
+    return rigid_regression(replace(train, shafts=GivenShafts(train.known, turned)), subject.clean)
 
 
 def _inertia(shaft_inertia: tuple[float, float]) -> Callable[[Experiment], Regression]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigvals
 
 from estimator.condensation import CondensedTrain
+from estimator.elimination import GivenShafts
 from estimator.parameters import DIRECT, Coefficient, Excitation, Quantity, Unknowns, dense
 
 Floats = NDArray[np.float64]
@@ -122,8 +123,10 @@ def condensed(train: RigidTrain, *, speed: Floats, direction: Floats) -> Condens
     return CondensedTrain(
         speed=np.asarray(speed, dtype=float),
         direction=np.asarray(direction, dtype=float),
-        known=(-(np.asarray(speed, dtype=float)[:, None, None] ** 2) * mass(train)).astype(complex),
-        force=_force(np.asarray(speed, dtype=float), np.asarray(direction, dtype=float)),
+        shafts=GivenShafts(
+            stiffness=(-(np.asarray(speed, dtype=float)[:, None, None] ** 2) * mass(train)).astype(complex),
+            forces=_force(np.asarray(speed, dtype=float), np.asarray(direction, dtype=float)),
+        ),
         left=dense([coefficient.left for coefficient in coefficients], SIZE),
         right=dense([coefficient.right for coefficient in coefficients], SIZE),
         output=np.eye(SIZE),

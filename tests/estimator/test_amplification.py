@@ -152,9 +152,9 @@ def test_rigid_rotor_has_the_factor_of_its_damping() -> None:
     """Bounce with ζ = c / √(2km); the disc's unbalance in the middle moves nothing else."""
     machine = rigid_rotor(diametral=0.05, polar=0.03, damping=50.0)
     ratio = 50.0 / 5.0 / bounce()
-    (found,) = amplification(
+    ((found,),) = amplification(
         model_of(machine),
-        place=Probe(id="P", shaft="S", station=0.05, angle_deg=30.0),
+        places=[Probe(id="P", shaft="S", station=0.05, angle_deg=30.0)],
         lowest=20.0,
         highest=400.0,
         minimum_speed=250.0,
@@ -170,8 +170,8 @@ def test_rigid_rotor_has_the_factor_of_its_damping() -> None:
 def test_peaks_of_a_train_are_those_of_its_dense_response() -> None:
     machine = chapter_3()
     probe = machine.probes[2]
-    found = amplification(
-        model_of(machine), place=probe, lowest=20.0, highest=400.0, minimum_speed=250.0, maximum_continuous_speed=260.0
+    (found,) = amplification(
+        model_of(machine), places=[probe], lowest=20.0, highest=400.0, minimum_speed=250.0, maximum_continuous_speed=260.0
     )
     speed = np.linspace(20.0, 400.0, 3801)
     curve = np.abs(dense_response(machine, speed, direction=1)[:, 2])
@@ -185,7 +185,7 @@ def test_speeds_must_make_sense() -> None:
         with pytest.raises(ValueError, match="speeds must be positive"):
             amplification(
                 model_of(chapter_3()),
-                place=chapter_3().probes[0],
+                places=chapter_3().probes[:1],
                 lowest=lowest,
                 highest=highest,
                 minimum_speed=minimum,
