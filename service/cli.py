@@ -6,7 +6,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Annotated, Any, NoReturn, get_args
+from typing import Annotated, Any, Literal, NoReturn, get_args
 
 import threadpoolctl
 import typer
@@ -18,12 +18,14 @@ from estimator.machine import Machine, field_path
 from estimator.measurement import Measurement
 from estimator.model_comparison import compare_misalignment
 from estimator.simulation import Story
+from estimator.thesis.machine_regression import regress
+from estimator.thesis.tikhonov import Rule
 from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.model_report import model_text
 from service.offline import read_measurement
-from service.printing import advice_text, comparison_text, identification_text
+from service.printing import advice_text, comparison_text, identification_text, regression_text
 from service.recording import read_recording, split
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -40,6 +42,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition mo
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
 LINGER_S = 5.0
+Method = Literal["likelihood", "regression"]
 
 
 @app.command()
@@ -146,12 +149,17 @@ def identify_offline(
     machine: MachineFile,
     files: RunFiles,
     sidecar: OtherSidecar = None,
+    method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
+    tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
     Ends with status 1 when the fit is not accepted.
     """
+    if method == "regression":
+        _regress(machine, files, sidecar, tikhonov)
+        return
     described, measurement, result = _identified(machine, files, sidecar)
     typer.echo(identification_text(result))
     if advice:
@@ -205,6 +213,18 @@ def compare(
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
     typer.echo(comparison_text(found))
+
+
+def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None) -> None:
+    try:
+        described = read_machine(machine)
+        measurement, left_out = read_measurement(described, files, sidecar)
+        for line in left_out:
+            typer.echo(line, err=True)
+        with threadpoolctl.threadpool_limits(1):
+            typer.echo(regression_text(regress(described, measurement, tikhonov=tikhonov)))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        _fail(str(error))
 
 
 def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:

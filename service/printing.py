@@ -8,6 +8,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.model_comparison import Comparison
+from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
@@ -38,6 +39,21 @@ def advice_text(machine: Machine, result: Identification, measurement: Measureme
     lines += [f"  {one.what} ({rad_per_s_to_rpm(one.speed):.0f} rpm): by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
     lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
     return "\n".join(lines)
+
+
+def regression_text(found: PublishedEstimate) -> str:
+    """The values of the thesis's regression, which has no intervals."""
+    solution = found.solution
+    regularised = f", regularised with λ = {solution.parameter:.2g}" if solution.parameter else ""
+    lines = [
+        "Regression of the thesis, Chapter 4: no intervals, biased by noise; see the evidence page",
+        f"condition number {solution.condition_number_before:.2g}, {solution.condition_number_after:.2g} after column scaling"
+        + regularised,
+        "",
+    ]
+    width = max(len(name) for name in found.names)
+    rows = zip(found.names, solution.values, found.units, strict=True)
+    return "\n".join(lines + [f"{name:<{width}}  {value:+.4e} {unit}" for name, value, unit in rows])
 
 
 def comparison_text(comparison: Comparison) -> str:

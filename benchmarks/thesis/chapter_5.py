@@ -55,7 +55,7 @@ from estimator.response import response
 from estimator.simply_supported import SimplySupportedShaft, disc_at_midspan_frequency, span_for
 from estimator.thesis import rigid_train
 from estimator.thesis.flexible_train import flexible_train, parts
-from estimator.thesis.impact_test import Place, impact_spectrum, spectrum_peaks
+from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
 from estimator.thesis.regression import solve
 from estimator.thesis.rig import (
     ALIGNED_HZ,

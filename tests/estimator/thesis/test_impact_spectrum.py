@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimator.machine import Machine, parse_machine
 from estimator.modes import natural_frequencies
-from estimator.thesis.impact_test import Place, impact_spectrum, spectrum_peaks
+from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
 from estimator.thesis.rig import nominal_values, plane_frequencies
 from tests.estimator.trains import ROOT, one_disc_document
 

@@ -1,0 +1,89 @@
+"""The thesis's Chapter 4 identification on a machine's own run, as published: beside the maximum-likelihood fit, to compare.
+
+High-frequency condensation to the bearings' translations and a least-squares regression (Eq. 4.54-4.57, 4.71). It has no
+intervals, is biased by noise in the regressors and wrong at speeds where stiffness matters: see the evidence page.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.machine import Machine
+from estimator.measurement import Measurement
+from estimator.rotor import assemble_rotor
+from estimator.shaft import NODE_DOFS
+from estimator.thesis.flexible_train import Complexes, flexible_train
+from estimator.thesis.reduced_model import response_equations
+from estimator.thesis.reduction import high_frequency_condensed
+from estimator.thesis.regression import Scaling, Solution, solve
+from estimator.thesis.response_regression import speed_independent_regression, with_trial_unbalances
+from estimator.thesis.tikhonov import Rule
+
+
+@dataclass(frozen=True)
+class PublishedEstimate:
+    """names and units: of the real unknowns (C,), real and imaginary part of each unbalance apart. solution: their values."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    solution: Solution
+
+
+class NotMeasuredAtBearings(ValueError):
+    """The method needs both translations at every bearing at every speed."""
+
+
+def regress(
+    machine: Machine, measurement: Measurement, *, scaling: Scaling = "norm", tikhonov: Rule | None = None
+) -> PublishedEstimate:
+    """Identify as Chapter 4 of the thesis does.
+
+    scaling: of the regression's columns. tikhonov: rule for a regularisation that draws towards the nominal values (§6.5).
+    Raises NotMeasuredAtBearings, and what `solve` raises.
+    """
+    translations, used = bearing_translations(machine, measurement)
+    train = flexible_train(machine)
+    speed, direction = measurement.speed[used], measurement.direction[used]
+    model = high_frequency_condensed(train, speed=speed, direction=direction)
+    equations = response_equations(model, translations[used])
+    if measurement.added is not None:
+        equations = with_trial_unbalances(equations, measurement.added[used])
+    mean_speed = float(np.mean(speed))
+    regression = speed_independent_regression(equations, train.unknowns, mean_speed=mean_speed, damping_scaled=True)
+    coefficients, planes = train.unknowns.coefficients, train.unknowns.unbalances
+    nominal = np.array([plane.nominal or 0j for plane in planes])
+    parts = np.stack([nominal.real, nominal.imag], axis=-1).reshape(-1)
+    expected = np.concatenate([[one.expected for one in coefficients], parts])
+    units = [one.unit for one in coefficients] + [plane.unit for plane in planes for _ in (0, 1)]
+    solution = solve(regression, scaling=scaling, tikhonov=tikhonov, expected=expected)
+    return PublishedEstimate(regression.names, tuple(units), solution)
+
+
+def bearing_translations(machine: Machine, measurement: Measurement) -> tuple[Complexes, NDArray[np.bool_]]:
+    """Translations (S, n) [m] along x and y at the bearings as `FlexibleTrain.bearing` orders them, and usable samples (S,).
+
+    Raises NotMeasuredAtBearings, which names the bearings without two probes at different angles.
+    """
+    rotor = assemble_rotor(machine)
+    at_node: dict[int, list[int]] = {}
+    for channel, probe in enumerate(machine.probes):
+        at_node.setdefault(rotor.node(probe.shaft, probe.station), []).append(channel)
+    angle = np.deg2rad([probe.angle_deg for probe in machine.probes])
+    lacking = []
+    for bearing in machine.bearings:
+        seen = at_node.get(rotor.node(bearing.shaft, bearing.station), [])
+        if len(seen) < 2 or np.ptp(np.sin(angle[seen] - angle[seen[0]])) < 1e-3:
+            lacking.append(bearing.id)
+    if lacking:
+        raise NotMeasuredAtBearings(f"each bearing needs two probes at different angles; missing at {', '.join(lacking)}")
+    degrees = flexible_train(machine).bearing
+    found = np.zeros((measurement.speed.size, degrees.size), dtype=complex)
+    used = np.ones(measurement.speed.size, dtype=bool)
+    phasor = np.where(measurement.usable, measurement.phasor, 0.0)
+    for column, degree in enumerate(degrees):
+        channels = at_node[degree // NODE_DOFS]
+        rows = np.stack([np.cos(angle[channels]), np.sin(angle[channels])], axis=1)
+        found[:, column] = phasor[:, channels] @ np.linalg.pinv(rows)[degree % NODE_DOFS]
+        used &= measurement.usable[:, channels].all(axis=1)
+    return found, used
