@@ -48,12 +48,26 @@ class Estimate:
         return self.value is not None
 
 
+def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
+    """Coordinates of coefficients whose standard error alone does not rule an estimate out."""
+    limit = np.where(coordinates.logarithmic, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR)
+    return tuple(p for k in range(coordinates.logarithmic.size) for p in coordinates.places(k) if error[p] <= limit[k])
+
+
 def estimates(
-    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+    train: CondensedTrain,
+    coordinates: Coordinates,
+    theta: Floats,
+    error: Floats,
+    reason: Reason,
+    doubtful: frozenset[int] = frozenset(),
 ) -> tuple[Estimate, ...]:
-    """Estimates of all parameters, from fit coordinates (n,) and their standard errors (n,)."""
+    """Estimates of all parameters, from fit coordinates (n,) and their standard errors (n,).
+
+    doubtful: coordinates whose interval the likelihood's profile does not confirm.
+    """
     return (
-        *_coefficients(train, coordinates, theta, error, reason),
+        *_coefficients(train, coordinates, theta, error, reason, doubtful),
         *_excitations(train, coordinates, theta, error, reason),
         *_scale_factors(train, coordinates, theta, error),
         *_channels(train, coordinates, theta, error),
@@ -61,7 +75,12 @@ def estimates(
 
 
 def _coefficients(
-    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+    train: CondensedTrain,
+    coordinates: Coordinates,
+    theta: Floats,
+    error: Floats,
+    reason: Reason,
+    doubtful: frozenset[int],
 ) -> Iterator[Estimate]:
     values = coordinates.coefficients(theta)
     typical = values if values.ndim == 1 else np.exp(np.mean(np.log(np.abs(values) + 1e-300), axis=0))
@@ -73,6 +92,11 @@ def _coefficients(
             yield _without(coefficient, f"tied to {coefficient.tied_to}")
         else:
             for place in coordinates.places(k):
+                if place in doubtful:
+                    name = coordinates.names[place]
+                    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
+                    yield _open(common, f"the data leave it open far beyond its standard error{_because(reason, name)}")
+                    continue
                 yield _coefficient(coefficient, coordinates, place, theta, error, beside(coefficient, size), reason)
 
 

@@ -195,14 +195,14 @@ def fit(problem: Problem, start: Floats) -> Fit:
     iterations = 0
     converged = False
     for misfit, limit in zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True):
-        theta, converged, steps = _descend(problem, theta, problem.weight(measured, misfit), limit)
+        theta, converged, steps = descend(problem, theta, problem.weight(measured, misfit), limit)
         problem = problem.without_outliers(theta, misfit)
         iterations += steps
     for _ in range(FINAL_PASSES):
         before = problem
         problem = problem.with_estimated_noise(theta).without_outliers(theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
-        theta, converged, steps = _descend(problem, theta, weight, STAGE_ITERATIONS[-1])
+        theta, converged, steps = descend(problem, theta, weight, STAGE_ITERATIONS[-1])
         iterations += steps
         if not converged or (steps == 0 and _settled(before, problem)):
             break
@@ -235,7 +235,7 @@ def _settled(before: Problem, after: Problem) -> bool:
     )
 
 
-def _descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
+def descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
     """Levenberg-Marquardt at fixed weights: (θ, converged, steps tried).
 
     The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).

@@ -6,11 +6,12 @@ import numpy as np
 
 from estimator.condensation import CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
-from estimator.estimates import Estimate, estimates
+from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
 from estimator.identifiability import Reasons, reasons_for
 from estimator.machine import Machine, Noise
 from estimator.measurement import Measurement
+from estimator.profile import flat
 from estimator.starts import BestFit, best_fit
 from estimator.verdict import judge
 
@@ -18,6 +19,8 @@ LARGEST_SAMPLE_COUNT = 5000
 """Samples that one fit uses; more are thinned out."""
 SCALE_PASSES = 10
 """Most times the unbalances' scale is looked for; each can find one a thousand times larger."""
+LARGEST_CONDITION = 1e5
+"""Condition number above which intervals are tried against the likelihood's profile; full run-downs have some thousands."""
 SAME_SPEED = 1e-6
 """Speeds that differ by less than this part are one: samples there repeat each other."""
 THINNING_BINS = 200
@@ -196,9 +199,14 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
     physical = covariance * np.outer(coordinates.unit, coordinates.unit)
     left_out = np.count_nonzero(found.outlier, axis=0)
 
+    condition = float(np.linalg.cond(information / np.outer(size, size)))
+    error = np.sqrt(np.diag(covariance))
+    doubtful = frozenset[int]()
+    if verdict.accepted and condition > LARGEST_CONDITION:
+        doubtful = flat(problem, found, covariance, determined(coordinates, error))
     why = None if reasons is None else reasons(problem, found, covariance)
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(np.diag(covariance)), why),
+        estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
         coordinates=coordinates.names,
         covariance=physical,
         point=coordinates.point(found.theta),
@@ -206,7 +214,7 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
         verdict=verdict.words,
-        condition_number=float(np.linalg.cond(information / np.outer(size, size))),
+        condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,
         samples=int(speed.size),
