@@ -30,11 +30,15 @@ UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
 
 @dataclass(frozen=True)
 class Truth:
-    """True parameters of a simulated machine, SI: coefficients (K,) and complex unbalances (P,)."""
+    """True parameters of a simulated machine, SI: coefficients (K,) and complex unbalances (P,).
+
+    factors: by name, on E and density of the materials that the document does not take as known.
+    """
 
     unknowns: Unknowns
     coefficients: Floats
     unbalances: Complexes
+    factors: dict[str, float]
 
 
 def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
@@ -51,7 +55,9 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     factor = np.exp(TRUTH_SPREAD * rng.standard_normal(expected.size))
     nominal = np.array([p.nominal for p in unknown.unbalances], dtype=complex)
     turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
-    return Truth(unknown, expected * factor, turned)
+    train = condense(machine, speed=np.ones(1), direction=np.ones(1))
+    drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
+    return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
 
 
 def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
@@ -105,6 +111,7 @@ def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int)
 def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
     """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
+    train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
     clean = response(train, coefficients=truth.coefficients, excitations=truth.unbalances)
     return clean + noise(machine.noise, clean, rng)
 

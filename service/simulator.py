@@ -60,7 +60,7 @@ class TruthFile:
         if self._file is None:
             return
         names = [c.name for c in truth.unknowns.coefficients]
-        parameters = dict(zip(names, truth.coefficients.tolist(), strict=True))
+        parameters = dict(zip(names, truth.coefficients.tolist(), strict=True)) | truth.factors
         unbalances = {
             plane.name: [value.real, value.imag]
             for plane, value in zip(truth.unknowns.unbalances, truth.unbalances.tolist(), strict=True)

@@ -134,10 +134,11 @@ def identified(machine: Machine, seed: int) -> tuple[Identification, Floats]:
     speed = np.linspace(rpm_to_rad_per_s(speed_range.minimum_rpm), rpm_to_rad_per_s(speed_range.maximum_rpm), SPEEDS)
     train = condense(machine, speed=speed, direction=np.full(SPEEDS, float(machine.direction)))
     coefficients, unbalances = real_machine(machine, rng)
-    clean = response(train, coefficients=coefficients, excitations=unbalances)
+    factors = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size))
+    clean = response(train.scaled(factors), coefficients=coefficients, excitations=unbalances)
     measured = Measurement.of(speed=speed, phasor=clean + noise(machine.noise, clean, rng), direction=machine.direction)
     found = identify(machine, measured)
-    pairs = zip(found.estimates, [*coefficients, *unbalances], strict=True)
+    pairs = zip(found.estimates, [*coefficients, *unbalances, *factors], strict=True)
     return found, np.concatenate([normalised_errors(one, value) for one, value in pairs])
 
 

@@ -80,6 +80,7 @@ def assert_same(one: Truth, other: Truth) -> None:
     assert one.unknowns.names == other.unknowns.names
     assert np.array_equal(one.coefficients, other.coefficients)
     assert np.array_equal(one.unbalances, other.unbalances)
+    assert one.factors == other.factors
 
 
 def test_the_truth_is_settled_by_the_seed() -> None:
