@@ -72,6 +72,8 @@ def _estimate(one: Estimate, found: dict[str, tuple[float, float]], half: float)
     """The averaged estimate; not estimable where a single run could not determine it."""
     common = (one.name, one.element, one.quantity, one.unit)
     parts = [found[name] for name in (one.name, f"{one.name}.real", f"{one.name}.imaginary") if name in found]
+    if not parts:
+        return one  # fixed or tied: no run has estimated it
     if any(math.isnan(value) for value, _ in parts):
         return Estimate(*common, None, None, None, None, reason="not every run determines it")
     value, error = float(parts[0][0]), float(parts[0][1])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.baseline import CommonShift, Point, common_shift
-from estimator.machine import Coupling, Machine
+from estimator.machine import Bearing, Coupling, Machine
 
 CHANCE_TOGETHER = 1e-4
 """Probability, while nothing has changed, with which the common shift may pass in one identification."""
@@ -47,12 +47,24 @@ class MisalignmentEvidence:
 
 
 def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
-    """Ids of the last bearing before a coupling and of the first one behind it."""
-    before = [b for b in machine.bearings if b.shaft == coupling.driver]
-    behind = [b for b in machine.bearings if b.shaft == coupling.driven]
+    """Ids of the last bearing before a coupling and of the first one behind it, past shafts that have none."""
+    towards_driver = {one.driven: one.driver for one in machine.couplings}
+    towards_driven = {one.driver: one.driven for one in machine.couplings}
+    before = _first_with_bearings(machine, coupling.driver, towards_driver)
+    behind = _first_with_bearings(machine, coupling.driven, towards_driven)
     last = [max(before, key=lambda b: b.station).id] if before else []
     first = [min(behind, key=lambda b: b.station).id] if behind else []
     return tuple(last + first)
+
+
+def _first_with_bearings(machine: Machine, shaft: str | None, onward: dict[str, str]) -> list[Bearing]:
+    """Bearings of a shaft, or of the next one onward that has any. A train's couplings make no ring, so this ends."""
+    while shaft is not None:
+        found = [bearing for bearing in machine.bearings if bearing.shaft == shaft]
+        if found:
+            return found
+        shaft = onward.get(shaft)
+    return []
 
 
 def watched(machine: Machine, coupling: Coupling) -> tuple[str, ...]:

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from trains import chapter_3
+from trains import chapter_3, chapter_3_document, dense_response, noisy
 
 from estimator.gathering import combined
 from estimator.identification import Identification, identify
+from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.simulation import draw_truth, measured_phasors, scattered
 
@@ -59,3 +60,17 @@ def test_one_run_is_nothing_to_combine() -> None:
     results, _ = runs(1)
     with pytest.raises(ValueError, match="at least two"):
         combined(results)
+
+
+def test_fixed_and_tied_parameters_stay_what_they_are() -> None:
+    document = chapter_3_document()
+    document["parameters"] = [
+        {"names": "coupling.C1.k_phi*", "fixed": True},
+        {"names": "bearing.B2.cxx", "tied_to": "bearing.B1"},
+    ]
+    machine = parse_machine(document)
+    phasors = [noisy(dense_response(machine, SPEED, direction=1), seed=seed) for seed in (1, 2)]
+    together = combined([identify(machine, Measurement.of(speed=SPEED, phasor=one)) for one in phasors])
+    assert "kept at its nominal value" in (together.estimate("coupling.C1.k_phix").reason or "")
+    assert together.estimate("bearing.B2.cxx").reason == "tied to bearing.B1.cxx"
+    assert together.estimate("bearing.B1.cxx").value is not None

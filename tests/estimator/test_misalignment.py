@@ -170,3 +170,12 @@ def test_each_coupling_of_a_longer_train_has_its_own() -> None:
     document["couplings"].append(document["couplings"][0] | {"id": "C2", "driver": "S2", "driven": "S3"})
     machine = parse_machine(document)
     assert [neighbouring_bearings(machine, one) for one in machine.couplings] == [("B2", "B3"), ("B4", "B5")]
+
+
+def test_a_spacer_without_bearings_is_stepped_over() -> None:
+    document = chapter_3_document()
+    document["shafts"].insert(1, {"id": "spacer", "sections": document["shafts"][0]["sections"]})
+    first = document["couplings"][0]
+    document["couplings"] = [first | {"driven": "spacer"}, first | {"id": "C2", "driver": "spacer", "driven": "S2"}]
+    machine = parse_machine(document)
+    assert [neighbouring_bearings(machine, one) for one in machine.couplings] == [("B2", "B3"), ("B2", "B3")]
