@@ -30,13 +30,18 @@ ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
 
 def coefficient_values(machine: Machine) -> dict[str, float | None]:
     """Nominal value by name, such as `bearing.B1.kxx`, of every coefficient that is identified."""
-    found: dict[str, float | None] = {}
-    for place, kind in ELEMENTS.items():
-        for part in getattr(machine, place):
-            always = LATERAL + (ANGULAR if kind == "coupling" else ())
-            given = tuple(name for name in OPTIONAL.get(place, ()) if getattr(part, name) is not None)
-            found |= {f"{kind}.{part.id}.{name}": getattr(part, name) for name in always + given}
-    return found
+    return {
+        f"{kind}.{part.id}.{name}": getattr(part, name)
+        for place, kind in ELEMENTS.items()
+        for part in getattr(machine, place)
+        for name in coefficient_names(place, part)
+    }
+
+
+def coefficient_names(place: str, part: Any) -> tuple[str, ...]:
+    """Names of the coefficients that are identified of a part in that list of the document."""
+    given = tuple(name for name in OPTIONAL.get(place, ()) if getattr(part, name) is not None)
+    return LATERAL + (ANGULAR if place == "couplings" else ()) + given
 
 
 def planes(machine: Machine) -> dict[str, float | None]:
@@ -60,6 +65,7 @@ def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
             message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
             yield _problem(("element_length",), machine.element_length, message)
     yield from _coupling_problems(machine)
+    yield from _dependence_problems(machine)
     yield from _rule_problems(machine)
 
 
@@ -121,6 +127,17 @@ def _ring_problems(machine: Machine) -> Iterator[InitErrorDetails]:
                 yield _problem(("couplings", i, "driven"), coupling.driven, "the couplings join the shafts to a ring")
                 break
             shaft = behind.get(shaft) if shaft is not None else None
+
+
+def _dependence_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+    for place in ELEMENTS:
+        for i, part in enumerate(getattr(machine, place)):
+            dependence = part.speed_dependence
+            known = coefficient_names(place, part)
+            for name in (dependence and dependence.coefficients) or ():
+                if name not in known:
+                    message = f"'{name}' is not identified here; what is: {', '.join(known)}"
+                    yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
 
 
 def _rule_problems(machine: Machine) -> Iterator[InitErrorDetails]:

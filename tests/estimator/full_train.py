@@ -181,13 +181,16 @@ def full_response(
     """
     acting = force or unbalance_force(machine)
     rows = probe_rows(machine)
-    constant = None if at_speed else full_train(machine)
+    train = full_train(machine)
+    stiffness, damping, mass = elements(machine)
     found = np.empty((speed.size, len(rows)), dtype=complex)
     for i, omega in enumerate(speed.tolist()):
-        train = constant or full_train(machine, at_speed(omega) if at_speed else None)
+        dynamic = train.dynamic_stiffness(omega, direction=direction)
+        if at_speed is not None:
+            k, c, m = at_speed(omega)
+            dynamic += (k - stiffness) - omega**2 * (m - mass) + 1j * omega * (c - damping)
         forward = acting(omega)
-        turned = forward if direction > 0 else forward.conj()
-        found[i] = rows @ np.linalg.solve(train.dynamic_stiffness(omega, direction=direction), turned)
+        found[i] = rows @ np.linalg.solve(dynamic, forward if direction > 0 else forward.conj())
     return found
 
 
