@@ -235,7 +235,8 @@ class ParameterRule(_Part):
     fixed: bool = Field(default=False, description="keep the nominal value")
     spread: Positive | None = Field(
         default=None,
-        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value",
+        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value, or of the "
+        "direct terms beside a cross-coupled term of zero",
     )
     tied_to: str | None = Field(default=None, description="element whose coefficients of the same names it takes: bearing.B1")
 
