@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, CondensedTrain, Floats
 from estimator.machine import SpeedDependence
-from estimator.parameters import Coefficient, Quantity
+from estimator.parameters import Coefficient, Excitation, Quantity
 from estimator.sensitivity import Sensitivity
 
 KNOWN_SPREAD = log(10.0)
@@ -213,8 +213,8 @@ class _Builder:
         place, follows = self._coefficients(coefficients)
         excitation_scale = np.array([e.spread if e.spread is not None else self.unbalance_scale for e in excitations])
         excitation_place = [
-            -1 if e.fixed else self.add_pair(e.name, sqrt(0.5) if e.spread is not None else UNBALANCE_SPREAD, float(scale))
-            for e, scale in zip(excitations, excitation_scale, strict=True)
+            -1 if one.fixed else self._excitation(one, float(scale))
+            for one, scale in zip(excitations, excitation_scale, strict=True)
         ]
         scale_place = [self.add(n, 0.0, float(s), 1.0) for n, s in zip(train.scale_names, train.scale_spread, strict=True)]
         gain_place = self._channels("gain", train.gain_spread)
@@ -239,6 +239,11 @@ class _Builder:
             quantities=tuple(c.quantity for c in coefficients),
             guessed=np.array([c.direct and c.nominal is None for c in coefficients], dtype=bool),
         )
+
+    def _excitation(self, one: Excitation, scale: float) -> int:
+        if one.spread is None:
+            return self.add_pair(one.name, UNBALANCE_SPREAD, scale)
+        return self.add_pair(one.name, sqrt(0.5), scale, centre=(one.nominal or 0j) / scale)
 
     def _coefficients(self, coefficients: tuple[Coefficient, ...]) -> tuple[NDArray[np.intp], tuple[FollowsSpeed, ...]]:
         place = np.full(len(coefficients), -1, dtype=np.intp)
@@ -299,7 +304,9 @@ def knot_weights(dependence: SpeedDependence, speed: Floats) -> Floats:
 
 def _spread(coefficient: Coefficient) -> float:
     if coefficient.spread is not None:
-        return coefficient.spread
+        # A part of nothing is no spread: a cross-coupled term of zero is measured by the direct terms beside it.
+        part = 1.0 if coefficient.direct else abs(coefficient.expected) / coefficient.scale or 1.0
+        return coefficient.spread * part
     if not coefficient.direct:
         return CROSS_SPREAD
     return UNKNOWN_SPREAD if coefficient.nominal is None else KNOWN_SPREAD

@@ -13,7 +13,7 @@ from estimator.machine import Machine
 from estimator.parameters import Coefficient, dense
 from estimator.rotor import assemble_rotor
 
-SMALLEST_SHARE = 0.01
+SMALLEST_SHARE = 0.005
 """A mode moves an element when the element holds this part of the mode's energy, or takes as much out of it in a radian."""
 
 Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]

@@ -162,6 +162,11 @@ def _require_enough(machine: Machine, measurement: Measurement) -> None:
         raise ValueError(
             f"the measurement has {measurement.phasor.shape[1]} channels, machine '{machine.id}' has {len(machine.probes)}"
         )
+    if measurement.added is not None and measurement.added.shape[1] != len(machine.discs):
+        raise ValueError(
+            f"added unbalances are given for {measurement.added.shape[1]} discs, "
+            f"machine '{machine.id}' has {len(machine.discs)}"
+        )
     if measurement.speed.size == 0:
         raise NotEnoughData("no sample has a usable channel")
 

@@ -121,8 +121,8 @@ class Excitation:
 
     speed_power: the force goes with this power of ω. shape: over (displacement, slope) per node, of what turns with the
     shaft; of a bow the deflection [m/m], else the force. stiffened: the force is the shafts' stiffness times the shape.
-    acting: for what acts along one degree of freedom only, the vector over all of them. spread: rms expected of it, None
-    where the data themselves give its size. node: of an unbalance.
+    acting: for what acts along one degree of freedom only, the vector over all of them. spread: rms expected of its distance
+    from the nominal value, or from zero, None where the data themselves give its size. node: of an unbalance.
     """
 
     name: str
@@ -169,10 +169,10 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
         coefficients += _to_ground(machine, rotor, part)
     for coupling in machine.couplings:
         coefficients += _coupling(machine, rotor, coupling)
-    excitations = [*_unbalances(machine, rotor), *_bows(machine, rotor), *_loads(machine, rotor)]
+    unbalances = [_held(one, machine.parameters) for one in _unbalances(machine, rotor)]
     return Unknowns(
         _tied([_ruled(one, machine.parameters) for one in coefficients]),
-        tuple(_held(one, machine.parameters) for one in excitations),
+        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor)),
     )
 
 
@@ -346,11 +346,13 @@ def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
     return tuple(led(one) for one in coefficients)
 
 
-def _held(excitation: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
+def _held(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
+    """The unbalance with the last rule that names it."""
     for rule in reversed(rules):
-        if fnmatchcase(excitation.name, rule.names):
-            return replace(excitation, fixed=rule.fixed, spread=rule.spread if rule.spread is not None else excitation.spread)
-    return excitation
+        if fnmatchcase(unbalance.name, rule.names):
+            spread = None if rule.spread is None else rule.spread * abs(unbalance.nominal or 0.0)
+            return replace(unbalance, fixed=rule.fixed, spread=spread)
+    return unbalance
 
 
 def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[str, float]:

@@ -30,13 +30,18 @@ ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
 
 def coefficient_values(machine: Machine) -> dict[str, float | None]:
     """Nominal value by name, such as `bearing.B1.kxx`, of every coefficient that is identified."""
-    found: dict[str, float | None] = {}
-    for place, kind in ELEMENTS.items():
-        for part in getattr(machine, place):
-            always = LATERAL + (ANGULAR if kind == "coupling" else ())
-            given = tuple(name for name in OPTIONAL.get(place, ()) if getattr(part, name) is not None)
-            found |= {f"{kind}.{part.id}.{name}": getattr(part, name) for name in always + given}
-    return found
+    return {
+        f"{kind}.{part.id}.{name}": getattr(part, name)
+        for place, kind in ELEMENTS.items()
+        for part in getattr(machine, place)
+        for name in coefficient_names(place, part)
+    }
+
+
+def coefficient_names(place: str, part: Any) -> tuple[str, ...]:
+    """Names of the coefficients that are identified of a part in that list of the document."""
+    given = tuple(name for name in OPTIONAL.get(place, ()) if getattr(part, name) is not None)
+    return LATERAL + (ANGULAR if place == "couplings" else ()) + given
 
 
 def planes(machine: Machine) -> dict[str, float | None]:
@@ -60,6 +65,7 @@ def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
             message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
             yield _problem(("element_length",), machine.element_length, message)
     yield from _coupling_problems(machine)
+    yield from _dependence_problems(machine)
     yield from _rule_problems(machine)
 
 
@@ -123,32 +129,49 @@ def _ring_problems(machine: Machine) -> Iterator[InitErrorDetails]:
             shaft = behind.get(shaft) if shaft is not None else None
 
 
+def _dependence_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+    for place in ELEMENTS:
+        for i, part in enumerate(getattr(machine, place)):
+            dependence = part.speed_dependence
+            known = coefficient_names(place, part)
+            for name in (dependence and dependence.coefficients) or ():
+                if name not in known:
+                    message = f"'{name}' is not identified here; what is: {', '.join(known)}"
+                    yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
+
+
 def _rule_problems(machine: Machine) -> Iterator[InitErrorDetails]:
     coefficients = coefficient_values(machine)
     values = coefficients | planes(machine)
-    tied: set[str] = set()
+    in_force = {name: i for i, rule in enumerate(machine.parameters) for name in values if fnmatchcase(name, rule.names)}
     for i, rule in enumerate(machine.parameters):
-        matching = [name for name in values if fnmatchcase(name, rule.names)]
-        if not matching:
+        if not any(fnmatchcase(name, rule.names) for name in values):
             message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
             yield _problem(("parameters", i, "names"), rule.names, message)
-        unknown = [name for name in matching if values[name] is None]
+        ruled = [name for name in values if in_force.get(name) == i]
+        unknown = [name for name in ruled if values[name] is None]
         if unknown and rule.tied_to is None:
             message = f"needs a nominal value of {', '.join(unknown)}"
             yield _problem(("parameters", i), rule.names, message)
-        if rule.tied_to is not None:
-            yield from _tie_problems(i, rule.tied_to, matching, coefficients, tied)
-            tied |= set(matching)
+        nothing = [name for name in ruled if name not in coefficients and values[name] == 0.0]
+        if nothing and rule.spread is not None:
+            message = f"a part of {', '.join(nothing)} is no spread: its nominal magnitude is zero"
+            yield _problem(("parameters", i), rule.names, message)
+    tied = {name: i for name, i in in_force.items() if machine.parameters[i].tied_to is not None}
+    yield from _tie_problems(machine, coefficients, tied)
 
 
-def _tie_problems(
-    rule: int, target: str, matching: list[str], coefficients: dict[str, float | None], tied: set[str]
-) -> Iterator[InitErrorDetails]:
-    for name in matching:
+def _tie_problems(machine: Machine, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
+    """tied: by name of a tied parameter, the rule that ties it."""
+    for name, i in tied.items():
+        target = machine.parameters[i].tied_to
         leader = f"{target}.{name.rsplit('.', 1)[-1]}"
-        if leader not in coefficients or name not in coefficients:
+        if leader == name:
+            message = f"'{name}' cannot be tied to itself"
+        elif leader not in coefficients or name not in coefficients:
             message = f"'{name}' cannot be tied to '{leader}': both must be coefficients of bearings, couplings or seals"
-            yield _problem(("parameters", rule, "tied_to"), target, message)
-        elif leader in matching or leader in tied:
+        elif leader in tied:
             message = f"'{leader}' is itself tied: tie to an element that stands on its own"
-            yield _problem(("parameters", rule, "tied_to"), target, message)
+        else:
+            continue
+        yield _problem(("parameters", i, "tied_to"), target, message)
