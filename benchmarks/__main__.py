@@ -1,10 +1,8 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import estimator, identification, latency, updated_model
+from benchmarks import estimator, latency, updated_model
 
 if __name__ == "__main__":
-    identification.main([])
-    print()
     estimator.main([])
     print()
     updated_model.main([])

@@ -1,8 +1,6 @@
 """The estimator's figures: efficiency, coverage, convergence, model bias, outliers, speed, memory, and a user's own script.
 
-Trains: Chapter 3 of the thesis, measured at its bearings only (150 speeds, 8 channels, 50 real unknowns; reference response of
-tests/data, computed with ROSS), and `examples/turbine-compressor-generator.yaml` (290 speeds, 12 channels, 78 real unknowns).
-Noise is circular complex, of an rms that is a part of each phasor's amplitude. Everything runs on one BLAS thread.
+Trains and noise: `benchmarks/trains.py`. Everything runs on one BLAS thread.
 
     python -m benchmarks.estimator [--seeds N] [--trials N] [--only NAME …]
 """
@@ -15,135 +13,33 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import scipy.optimize
-import yaml
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from benchmarks.trains import Complexes, Floats, Train, cramer_rao, modelled, off, silent, three_shafts, two_shafts, values
 from estimator.condensation import condense
 from estimator.identification import Identification, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.response import response
 from estimator.rotor import assemble_rotor
-from estimator.sensitivity import sensitivity
-from estimator.units import rpm_to_rad_per_s
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-Document = dict[str, Any]
-
-EXAMPLES = Path(__file__).parents[1] / "examples"
-REFERENCE = Path(__file__).parents[1] / "tests" / "data" / "thesis-chapter-3.npz"
-COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy", "k_phix", "k_phiy")
 SMALL_BOUND = 0.2
 """Efficiency is judged over parameters whose Cramér-Rao bound is below this part of their value."""
 MEMORY_SPEEDS = 5000
 
 
-@dataclass(frozen=True)
-class Train:
-    """A document, its noiseless response (S, m) [m] at the speeds (S,) [rad/s] and its true real unknowns (N,) [SI]."""
-
-    document: Document
-    speed: Floats
-    clean: Complexes
-    truth: Floats
-
-    @property
-    def machine(self) -> Machine:
-        """The machine of the document as it stands."""
-        return parse_machine(self.document)
-
-    def measured(self, seed: int, relative: float = 0.01) -> Measurement:
-        """The response with noise."""
-        rng = np.random.default_rng(seed)
-        noise = rng.standard_normal(self.clean.shape) + 1j * rng.standard_normal(self.clean.shape)
-        return Measurement.of(speed=self.speed, phasor=self.clean + relative / math.sqrt(2) * np.abs(self.clean) * noise)
-
-    def stating(self, relative: float) -> "Train":
-        """The train whose document states this relative noise and no floor."""
-        return Train({**self.document, "noise": {"relative": relative, "floor": 0.0}}, self.speed, self.clean, self.truth)
-
-
-def two_shafts() -> Train:
-    """The Chapter 3 train with the reference response."""
-    document = yaml.safe_load((EXAMPLES / "thesis-chapter-3.yaml").read_text(encoding="utf-8"))
-    with np.load(REFERENCE) as data:
-        return Train(document, data["speed"][1::2], data["response"][1::2], _truth(parse_machine(document)))
-
-
-def three_shafts(speeds: int = 290) -> Train:
-    """The turbine, compressor and generator over their speed range, with the response of the model itself."""
-    document = yaml.safe_load((EXAMPLES / "turbine-compressor-generator.yaml").read_text(encoding="utf-8"))
-    document["noise"] = {"relative": 0.01, "floor": 0.0}
-    document["materials"]["steel"].update(young_modulus_spread=0.0, density_spread=0.0)  # known: 78 unknowns, not 80
-    machine = parse_machine(document)
-    limits = machine.speed_range
-    speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), speeds)
-    return Train(document, speed, modelled(machine, speed), _truth(machine))
-
-
-def modelled(machine: Machine, speed: Floats) -> Complexes:
-    """Response of a machine at its document's values."""
-    train = condense(machine, speed=speed, direction=np.ones_like(speed))
-    coefficients = np.array([one.nominal for one in train.unknowns.coefficients], dtype=float)
-    excitations = np.array([one.nominal for one in train.unknowns.excitations], dtype=complex)
-    return response(train, coefficients=coefficients, excitations=excitations)
-
-
-def off(document: Document, rng: np.random.Generator, span: float) -> Document:
-    """The document with every nominal coefficient off by a factor uniform between 1 ± span, and no nominal unbalance."""
-    changed = copy.deepcopy(document)
-    for part in (*changed["bearings"], *changed["couplings"]):
-        for name in COEFFICIENTS:
-            if name in part:
-                part[name] *= 1 + rng.uniform(-span, span)
-    for disc in changed["discs"]:
-        disc.pop("unbalance", None)
-    return changed
-
-
-def cramer_rao(train: Train, relative: float) -> Floats:
-    """Smallest standard error (N,) that an unbiased estimate of each real unknown can have."""
-    machine = train.machine
-    condensed = condense(machine, speed=train.speed, direction=np.ones_like(train.speed))
-    count = len(condensed.unknowns.coefficients)
-    parts = train.truth[count:].reshape(-1, 2)
-    found = sensitivity(condensed, coefficients=train.truth[:count], excitations=parts[:, 0] + 1j * parts[:, 1])
-    weighted = found.by_parameter / (relative / math.sqrt(2) * np.abs(train.clean))[..., None]
-    columns = weighted.reshape(-1, weighted.shape[-1])
-    size = np.linalg.norm(columns, axis=0)
-    information = ((columns / size).conj().T @ (columns / size)).real
-    return np.asarray(np.sqrt(np.diag(np.linalg.inv(information))) / size)
-
-
-def values(found: Identification) -> tuple[Floats, Floats, Floats]:
-    """Estimates (N,), and lower and upper end of their 95 % intervals; NaN where not estimable."""
-    rows: list[tuple[float, float, float]] = []
-    for one in found.estimates:
-        if one.quantity in ("scale factor", "gain", "run-out"):
-            continue
-        parts = [(one.value, one.standard_error)]
-        if one.quantity == "unbalance":
-            parts.append((one.imaginary, one.imaginary_standard_error))
-            rows += [(v, v - 1.96 * e, v + 1.96 * e) if v is not None and e is not None else (math.nan,) * 3 for v, e in parts]
-        elif one.value is None or one.lower is None or one.upper is None:
-            rows.append((math.nan,) * 3)
-        else:
-            rows.append((one.value, one.lower, one.upper))
-    table = np.array(rows)
-    return table[:, 0], table[:, 1], table[:, 2]
-
-
 def converged(found: Identification) -> bool:
     """Whether χ²/dof is within five standard deviations of 1."""
     return abs(found.chi_square / found.degrees_of_freedom - 1) <= 5 * math.sqrt(2 / found.degrees_of_freedom)
+
+
+def model() -> list[str]:
+    """The model's response beside the one that ROSS computed on the same mesh."""
+    train = two_shafts()
+    deviation = np.abs(modelled(train.machine, train.speed) - train.clean) / np.abs(train.clean)
+    return [_row("model against ROSS, same mesh, relative", "<= 1e-9", f"{deviation.max():.1e}")]
 
 
 def efficiency(seeds: int) -> list[str]:
@@ -186,6 +82,21 @@ def convergence(trials: int) -> list[str]:
         lines.append(_row(label, asked, f"{100 * good / trials:.2f} %"))
         lines.append(_row("  from the first start; seconds, median and longest", "", f"{np.mean(np.array(starts) == 1):.1%}; "
                           f"{np.median(seconds):.2f}, {max(seconds):.2f}"))  # fmt: skip
+    return lines
+
+
+def silence() -> list[str]:
+    """Documents that say nothing about some of their elements."""
+    train = two_shafts()
+    lines = []
+    for kinds in (("discs", "bearings"), ("discs", "bearings", "couplings")):
+        machine = parse_machine(silent(train.document, kinds))
+        begin = time.perf_counter()
+        found = [identify(machine, train.measured(seed)) for seed in range(3)]
+        seconds = (time.perf_counter() - begin) / 3
+        good = sum(one.accepted and converged(one) for one in found)
+        lines.append(_row(f"no nominal values of {' and '.join(kinds)}: converged, of 3", "", f"{good}"))
+        lines.append(_row("  seconds; starts", "", f"{seconds:.1f}; {', '.join(str(one.starts) for one in found)}"))
     return lines
 
 
@@ -355,13 +266,6 @@ def _median_time(call: Callable[[], object], repeats: int) -> float:
     return float(np.median(seconds))
 
 
-def _truth(machine: Machine) -> Floats:
-    unknown = condense(machine, speed=np.array([1.0]), direction=np.array([1.0])).unknowns
-    unbalances = np.array([one.nominal for one in unknown.unbalances], dtype=complex)
-    parts = np.stack([unbalances.real, unbalances.imag], axis=-1).reshape(-1)
-    return np.concatenate([np.array([one.nominal for one in unknown.coefficients], dtype=float), parts])
-
-
 def _size(truth: Floats) -> Floats:
     """What a bound is compared with: the value; of an unbalance's parts, the unbalance."""
     size = np.abs(truth)
@@ -378,7 +282,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.estimator", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seeds", type=int, default=200, help="noise seeds of the efficiency, default 200")
     parser.add_argument("--trials", type=int, default=300, help="random documents per train, default 300")
-    names = ("efficiency", "convergence", "bias", "outliers", "speed", "script")
+    names = ("model", "efficiency", "convergence", "silence", "bias", "outliers", "speed", "script")
     parser.add_argument("--only", nargs="*", choices=names, default=names)
     parser.add_argument("--memory", help=argparse.SUPPRESS)
     chosen = parser.parse_args(arguments)
@@ -386,8 +290,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         _measure_memory(chosen.memory)
         return
     parts: dict[str, Callable[[], list[str]]] = {
+        "model": model,
         "efficiency": lambda: efficiency(chosen.seeds),
         "convergence": lambda: convergence(chosen.trials),
+        "silence": silence,
         "bias": lambda: model_bias(max(1, chosen.seeds // 40)),
         "outliers": lambda: outlying(max(1, chosen.seeds // 10)),
         "speed": lambda: speed(7),

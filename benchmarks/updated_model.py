@@ -1,6 +1,6 @@
 """How often the bands of the updated model's results hold the truth, on the Chapter 3 train measured at the bearings only.
 
-Data as in `benchmarks.identification`: 150 speeds, 2 to 300 rad/s, 1 % complex noise. Each run draws its own noise, identifies
+Data as in `benchmarks.trains`: 150 speeds, 2 to 300 rad/s, 1 % complex noise. Each run draws its own noise, identifies
 the train and predicts; the truth is the nominal train itself.
 
     python -m benchmarks.updated_model [--runs N]
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from benchmarks.identification import Train, load
+from benchmarks.trains import Train, two_shafts
 from estimator.balancing import balance
 from estimator.critical_speed import critical_speed_table
 from estimator.error_propagation import PhasorBand
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if runs < 1:
         parser.error("--runs must be at least 1")
     with threadpool_limits(limits=1):
-        print(report(load(), runs))
+        print(report(two_shafts(), runs))
 
 
 def report(train: Train, runs: int) -> str:

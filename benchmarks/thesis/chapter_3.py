@@ -167,7 +167,7 @@ def _critical_speeds(subject: Subject) -> str:
         + table(["[rad/s]", *[str(k) for k in range(1, 9)]], rows)
         + "\n\nThe printed speeds do not follow from the printed data. The model's response agrees with that of ROSS "
         "(`python -m "
-        "benchmarks.identification`), and none of the slips of the pen tried in the data explains the difference. What "
+        "benchmarks.estimator`), and none of the slips of the pen tried in the data explains the difference. What "
         "does, with "
         "nothing adjusted, up to 6 % (3.4 % rms; without it 61 % and 41 %), is the rotary inertia of Appendix A taken as "
         "it is "
