@@ -13,6 +13,7 @@ import scipy.optimize
 import yaml
 from numpy.typing import NDArray
 
+from benchmarks.thesis import rig_mode_shapes
 from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.rig import (
     BELOW,
@@ -91,6 +92,7 @@ def section() -> str:
         _fits(rig),
         _misalignment(rig),
         _natural_frequencies(rig),
+        rig_mode_shapes.section(rig),
         _impact_tests(rig),
         _signals(),
     ]

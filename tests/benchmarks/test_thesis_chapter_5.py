@@ -18,6 +18,7 @@ from benchmarks.thesis.rig import (
     logarithmic_point,
     regressed,
 )
+from benchmarks.thesis.rig_mode_shapes import nodes, plane_modes
 from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
 from estimator.misalignment import misalignment_evidence, watched
 from estimator.thesis.rig import shaft_factors
@@ -92,3 +93,13 @@ def test_simple_supports_have_the_printed_frequencies_only_with_the_misprinted_i
     assert right.frequencies[1] > 325.0
     assert printed.elements == 12
     assert printed.frequencies == pytest.approx(PRINTED_HZ, rel=0.01)
+
+
+def test_mode_shapes_of_the_rig_belong_to_its_frequencies(rig: Rig) -> None:
+    """Each of the three modes is one rotor's; the second has its node where the other rotor begins, at the coupling."""
+    modes = plane_modes(rig)
+    assert [mode.frequency / (2 * np.pi) for mode in modes] == pytest.approx([150.0, 204.0, 363.0], rel=0.02)
+    largest = [[float(np.max(np.abs(shaft.x))) for shaft in mode.shafts] for mode in modes]
+    assert [int(np.argmax(one)) for one in largest] == [1, 0, 0]
+    assert all(min(one) < 0.1 * max(one) for one in largest)
+    assert nodes(modes[1]) == 1
