@@ -13,7 +13,7 @@ from estimator.machine import Machine, Noise
 from estimator.measurement import Measurement
 from estimator.profile import flat
 from estimator.starts import BestFit, best_fit
-from estimator.verdict import judge
+from estimator.verdict import judge, remark
 
 LARGEST_SAMPLE_COUNT = 5000
 """Samples that one fit uses; more are thinned out."""
@@ -218,7 +218,7 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict=verdict.words,
+        verdict=verdict.words + (remark(problem, found) if verdict.accepted else ""),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,

@@ -2,8 +2,9 @@
 
 The thesis sees misalignment as changed coefficients of a coupling and the bearings beside it; Sinha, Lees and Friswell
 (J. Sound Vib. 272 (2004) 967) as synchronous forces and moments in the coupling that do not depend on speed. Each is fitted to
-the run with everything else as the baseline had it, only unbalances free, and they are compared by the Bayesian information
-criterion (Schwarz, Ann. Statist. 6 (1978) 461, doi:10.1214/aos/1176344136), beside the view that nothing has changed.
+the run with everything else near what the baseline had, only unbalances free, and they are compared by the Bayesian
+information criterion (Schwarz, Ann. Statist. 6 (1978) 461, doi:10.1214/aos/1176344136), beside the view that nothing has
+changed.
 """
 
 import math
@@ -22,18 +23,28 @@ from estimator.units import rpm_to_rad_per_s
 
 CLEAR = 10.0
 """A difference of the criterion above this is very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
+RUN_SCATTER = 0.01
+"""Relative rms by which coefficients differ between runs of a machine to which nothing has happened, and by the baseline's
+own errors."""
+FAR = 6.0
+"""What should not have changed has when it moved by more than so many of these."""
 WIDE_LOAD = 100.0
 """Spread of an equivalent load in units of the largest unbalance force: no limit in practice."""
 
 
 @dataclass(frozen=True)
 class View:
-    """One explanation of a run. criterion: Bayesian information criterion, smaller is better. unknowns: fitted numbers."""
+    """One explanation of a run.
+
+    unknowns: fitted numbers that are not held. criterion: Bayesian information criterion, smaller is better. moved: the held
+    coefficient that went farthest from the baseline, if farther than it may; None otherwise.
+    """
 
     name: str
     identification: Identification
     unknowns: int
     criterion: float
+    moved: str | None
 
 
 @dataclass(frozen=True)
@@ -58,10 +69,11 @@ def compare_misalignment(
         raise KeyError(coupling)
     suspects = {f"coupling.{coupling}", *(f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, found))}
     healthy = as_identified(machine, baseline)
+    unchanged = _held(healthy, baseline, set())
     views = [
-        _view("unchanged", _held(healthy, baseline, set()), measurement, options),
-        _view("changed coefficients", _held(healthy, baseline, suspects), measurement, options),
-        _view("equivalent load", _loaded(_held(healthy, baseline, set()), found, baseline), measurement, options),
+        _view("unchanged", unchanged, measurement, baseline, set(), options),
+        _view("changed coefficients", _held(healthy, baseline, suspects), measurement, baseline, suspects, options),
+        _view("equivalent load", _loaded(unchanged, found, baseline), measurement, baseline, set(), options),
     ]
     views.sort(key=lambda view: view.criterion)
     preferred, verdict = _verdict(views)
@@ -106,16 +118,30 @@ def as_identified(machine: Machine, baseline: Identification) -> Machine:
 
 
 def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
-    """The machine with all constant coefficients fixed but those of the free elements."""
-    rules = tuple(
-        ParameterRule(names=name, fixed=True)
+    """The machine with all constant coefficients kept near their values but those of the free elements."""
+    rules = tuple(ParameterRule(names=name, spread=RUN_SCATTER) for name in _holdable(baseline, free))
+    return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
+
+
+def _holdable(baseline: Identification, free: set[str]) -> list[str]:
+    return [
+        name
         for name in baseline.coordinates
         if name.split(".")[0] in ("bearing", "coupling", "seal")
         and "@" not in name
         and not name.endswith((".real", ".imaginary"))
         and name.rsplit(".", 1)[0] not in free
-    )
-    return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
+    ]
+
+
+def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:
+    """How far each held coefficient went from the baseline, in units of the run-to-run scatter."""
+    moves = {}
+    for name in _holdable(baseline, free):
+        before, after = (float(one.point[one.coordinates.index(name)]) for one in (baseline, found))
+        size = 1.0 if is_direct(name) else abs(before)
+        moves[name] = (after - before) / (RUN_SCATTER * size) if size > 0.0 else 0.0
+    return moves
 
 
 def _loaded(machine: Machine, coupling: Coupling, baseline: Identification) -> Machine:
@@ -127,13 +153,24 @@ def _loaded(machine: Machine, coupling: Coupling, baseline: Identification) -> M
     return machine.model_copy(update={"couplings": couplings})
 
 
-def _view(name: str, machine: Machine, measurement: Measurement, options: Options | None) -> View:
+def _view(
+    name: str,
+    machine: Machine,
+    measurement: Measurement,
+    baseline: Identification,
+    free: set[str],
+    options: Options | None,
+) -> View:
     found = identify(machine, measurement, options)
     phasors = int(np.count_nonzero(measurement.usable))
     # What was left out must cost a view as much as the worst noise would.
     left_out = 2 * math.log(phasors / OUTLIER_CHANCE) * sum(found.outliers.values())
-    unknowns = len(found.coordinates)
-    return View(name, found, unknowns, found.chi_square + left_out + unknowns * math.log(2 * phasors))
+    moves = _moves(found, baseline, free)
+    unknowns = len(found.coordinates) - len(moves)
+    cost = found.chi_square + left_out + math.fsum(move**2 for move in moves.values())
+    farthest = max(moves, key=lambda name: abs(moves[name]), default=None)
+    moved = None if farthest is None or abs(moves[farthest]) <= FAR else farthest
+    return View(name, found, unknowns, cost + unknowns * math.log(2 * phasors), moved)
 
 
 def _verdict(views: list[View]) -> tuple[str | None, str]:
@@ -141,6 +178,8 @@ def _verdict(views: list[View]) -> tuple[str | None, str]:
     margin = second.criterion - best.criterion
     if not best.identification.accepted:
         return None, f"none of the views explains the run; the best is {best.name}: {best.identification.verdict}"
+    if best.moved is not None:
+        return None, f"none of the views explains the run: something else has changed, most of all {best.moved}"
     if best.name != "unchanged" and next(v for v in views if v.name == "unchanged").criterion - best.criterion <= CLEAR:
         return None, f"no clear change: {best.name} is better than unchanged by {margin:.1f} only, {CLEAR:g} would be clear"
     if margin <= CLEAR:

@@ -57,6 +57,22 @@ def judge(problem: Problem, found: Fit) -> Verdict:
     return Verdict(True, f"accepted: {chi}{outlying}", freedom)
 
 
+def remark(problem: Problem, found: Fit) -> str:
+    """What an accepted fit with stated noise should be told beside: a pattern that χ² is not sharp enough for, else nothing.
+
+    Not a reason to refuse: the errors of overlapping measurements are alike as well.
+    """
+    if found.noise.estimated:
+        return ""
+    correlation, pairs = serial_correlation(problem, found)
+    if correlation <= CHI_SQUARE_LIMIT / math.sqrt(2.0 * max(1, pairs)):
+        return ""
+    return (
+        f"; residuals of neighbouring speeds are alike (correlation {correlation:.2g}): the model may be slightly wrong, "
+        "or the samples overlap"
+    )
+
+
 def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
     """With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed."""
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE and found.noise.floor == 0.0:

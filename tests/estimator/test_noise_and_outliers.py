@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from full_train import full_response, true_values
-from trains import Complexes, Document, Floats, chapter_3, chapter_3_document, noisy, one_disc_document
+from trains import Complexes, Document, Floats, chapter_3, chapter_3_document, dense_response, noisy, one_disc_document
 
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, parse_machine
@@ -121,3 +121,17 @@ def test_one_disc_noise_is_found_from_few_channels() -> None:
     found = identify(machine, Measurement.of(speed=speed, phasor=noisy(full_response(machine, speed), seed=2, relative=0.01)))
     assert found.accepted, found.verdict
     assert found.noise.relative == pytest.approx(0.01, rel=0.1)
+
+
+def test_a_pattern_too_small_for_chi_square_is_remarked() -> None:
+    document = chapter_3_document()
+    document["couplings"][0]["kxx"] *= 1.5
+    document["parameters"] = [{"names": "coupling.C1.kxx", "fixed": True}]
+    speed = np.arange(2.0, 300.0, 2.0)
+    phasor = noisy(dense_response(chapter_3(), speed, direction=1), seed=0)
+    wrong = identify(parse_machine(document), Measurement.of(speed=speed, phasor=phasor))
+    right = identify(chapter_3(), Measurement.of(speed=speed, phasor=phasor))
+    assert right.accepted
+    assert "alike" not in right.verdict
+    assert wrong.accepted
+    assert "residuals of neighbouring speeds are alike" in wrong.verdict
