@@ -12,6 +12,8 @@ CHI_SQUARE_LIMIT = 5.0
 """With stated noise, a fit is accepted when χ²/dof is at most 1 plus this many standard deviations √(2/dof)."""
 LARGEST_OUTLIER_PART = 0.1
 """A fit that leaves out more than this part of the phasors explains the wrong ones."""
+FEW_OUTLIERS = 5
+"""Fewer outliers than this say nothing about a channel."""
 LARGEST_ESTIMATED_NOISE = 0.2
 """An estimated relative noise above this is no noise but a model that does not fit."""
 SMALLEST_ESTIMATED_NOISE = 1e-5
@@ -105,6 +107,6 @@ def _worst_channel(problem: Problem, found: Fit) -> str:
     """Where most of the outliers are, if one channel has more than half of them."""
     counts = np.count_nonzero(found.outlier, axis=0)
     worst = int(np.argmax(counts))
-    if len(counts) < 2 or counts[worst] <= counts.sum() / 2:
+    if len(counts) < 2 or counts.sum() < FEW_OUTLIERS or counts[worst] <= counts.sum() / 2:
         return ""
     return f", most of them of {problem.train.channels[worst]}"

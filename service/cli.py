@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn, get_args
 
+import numpy as np
 import threadpoolctl
 import typer
 from pydantic import ValidationError
@@ -17,16 +18,17 @@ from estimator.identification import Identification, identify
 from estimator.machine import Machine, field_path
 from estimator.measurement import Measurement
 from estimator.model_comparison import compare_misalignment
-from estimator.simulation import Story
+from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
+from estimator.units import RAD_PER_S
 from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.model_report import model_text
 from service.offline import read_measurement
 from service.printing import advice_text, comparison_text, identification_text, regression_text
-from service.recording import read_recording, split
+from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
@@ -42,6 +44,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition mo
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
 LINGER_S = 5.0
+SAMPLE_S = 600.0
 Method = Literal["likelihood", "regression"]
 
 
@@ -136,6 +139,28 @@ def document(machine: Annotated[Path, typer.Argument(help="machine document, YAM
     try:
         typer.echo(read_machine(machine).model_dump_json(indent=1))
     except UnreadableFile as error:
+        _fail(str(error))
+
+
+@app.command()
+def sample(
+    machine: Annotated[str, typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    file: Annotated[Path, typer.Argument(help="CSV to write; its sidecar stands beside it")],
+    progress: Annotated[float, typer.Option(min=0, max=1, help="how far the story has gone")] = 1.0,
+    samples: Annotated[int, typer.Option(min=10)] = 200,
+    seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
+    run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
+) -> None:
+    """Write one simulated run-down as a recording, to try the commands on."""
+    try:
+        described, story = _machine_and_story(machine)
+        true = at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
+        rng = np.random.default_rng([seed, run_seed])
+        times, speed = speed_law(described, "run-down", duration=SAMPLE_S, samples=samples)
+        phasor = measured_phasors(described, scattered(true, rng), speed, rng)
+        interval = float(times[1] - times[0])
+        write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
+    except (UnreadableFile, ValueError, OSError) as error:
         _fail(str(error))
 
 

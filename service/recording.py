@@ -1,15 +1,19 @@
 """Recorded runs: a CSV file with a header line, and a sidecar YAML beside it that says what its columns mean."""
 
+import cmath
 import csv
+import math
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
+import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from estimator.machine import Identifier, Positive, Unbalance, field_path
+from estimator.condensation import Complexes, Floats
+from estimator.machine import Identifier, Machine, Positive, Unbalance, field_path
 from service.documents import UnreadableFile, read_yaml
 from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
@@ -98,6 +102,35 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         amplitude=[list(row) for row in zip(*amplitude, strict=True)],
         phase=[list(row) for row in zip(*phase, strict=True)],
     )
+
+
+def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
+    """Write a run as CSV with its sidecar beside it, to be read by `read_recording`.
+
+    speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
+    """
+    channels = machine.channels
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["speed_rpm", *(f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))])
+        for speed, row in zip(speed_rpm, phasor, strict=True):
+            parts = (value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one))))
+            writer.writerow([f"{speed:.4f}", *(f"{value:.6g}" for value in parts)])
+    sidecar = Sidecar(
+        plant=machine.plant,
+        machine=machine.id,
+        direction=machine.rotation,
+        interval_s=interval_s,
+        speed="speed_rpm",
+        speed_unit="rpm",
+        channels=[RecordedChannel(channel=c, amplitude=f"{c}_um_pp", phase=f"{c}_lag_deg") for c in channels],
+        amplitude_unit="um",
+        amplitude_kind="peak-to-peak",
+        phase_convention="lag",
+        phase_unit="deg",
+    )
+    described = sidecar.model_dump(mode="json", exclude_none=True, exclude={"start", "added_unbalance"})
+    path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 
 def read_sidecar(path: Path) -> Sidecar:

@@ -141,3 +141,20 @@ def test_a_fit_that_is_refused_has_no_model(tmp_path: Path) -> None:
 def test_a_run_of_another_machine(tmp_path: Path) -> None:
     path = recorded(tmp_path, "run", of(chapter_3_document(), 1), machine="pump-9")
     assert "is a recording of 'pump-9'" in run("identify", DOCUMENT, path, status=1)
+
+
+def test_sampled_runs_try_the_commands(tmp_path: Path) -> None:
+    document = "examples/motor-pump.yaml"
+    healthy, later = str(tmp_path / "healthy.csv"), str(tmp_path / "later.csv")
+    run("sample", document, healthy, "--samples", "120")
+    run("sample", f"{document}:misalignment", later, "--samples", "120", "--run-seed", "2")
+    assert run("identify", document, healthy).startswith("accepted")
+    assert run("compare", document, healthy, later, "--coupling", "C1").startswith("changed coefficients: better than")
+
+
+def test_the_same_seeds_sample_the_same_run(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        run("sample", DOCUMENT, str(tmp_path / f"{name}.csv"), "--samples", "20")
+    run("sample", DOCUMENT, str(tmp_path / "other.csv"), "--samples", "20", "--run-seed", "2")
+    one, two, other = ((tmp_path / f"{name}.csv").read_text() for name in ("one", "two", "other"))
+    assert one == two != other
