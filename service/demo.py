@@ -74,7 +74,7 @@ def run(*, leave: bool, port: int) -> bool:
     folder = Path(tempfile.mkdtemp(prefix="rundown-demo-"))
     right = False
     try:
-        with _interrupted_by_sigterm(), _service(folder, port) as (client, endpoint):
+        with _interrupted_by_signals(), _service(folder, port) as (client, endpoint):
             right = _tell(folder, client, endpoint)
             if not leave:
                 print("\nServing until Ctrl-C.", flush=True)
@@ -138,17 +138,18 @@ def _process(log: Path, arguments: list[str], **environment: str) -> Iterator[su
 
 
 @contextlib.contextmanager
-def _interrupted_by_sigterm() -> Iterator[None]:
-    """SIGTERM ends the demonstration as Ctrl-C does, so that it leaves nothing running either way."""
+def _interrupted_by_signals() -> Iterator[None]:
+    """SIGTERM ends the demonstration as Ctrl-C does, which ends it even where it was started deaf to it, behind a `&`."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, interrupt)
+    before = {number: signal.signal(number, interrupt) for number in (signal.SIGTERM, signal.SIGINT)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _free_port() -> int:
