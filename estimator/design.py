@@ -1,8 +1,10 @@
 """Which further speeds or probes would help most: an identification's Fisher information read the other way round.
 
 A further measurement with weighted sensitivities J (rows: its real numbers) turns the covariance C of the unknowns into
-(C⁻¹ + JᵀJ)⁻¹, whatever will be measured. Candidates are taken one by one, each the best beside those taken before
-(greedy D-optimal design; Atkinson, Donev and Tobias, Optimum Experimental Designs, Oxford 2007, ch. 11-12).
+(C⁻¹ + JᵀJ)⁻¹, whatever will be measured. Candidates are taken one by one, each the best beside those taken before: the one
+that makes the geometric mean of the wanted standard errors smallest (optimal design in the sense of Atkinson, Donev and
+Tobias, Optimum Experimental Designs, Oxford 2007, with a criterion that does not depend on units). Every channel counts as
+measured with the noise model's error; trial weights of the run take no part.
 """
 
 from collections.abc import Sequence

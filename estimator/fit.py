@@ -18,7 +18,7 @@ from estimator.condensation import Complexes, CondensedTrain, Floats
 from estimator.coordinates import Coordinates
 from estimator.machine import Noise
 from estimator.measurement import Measurement
-from estimator.noise import error_size, estimated_noise, outlier_limit, outliers
+from estimator.noise import channel_noise, error_size, estimated_noise, outlier_limit, outliers
 from estimator.response import response
 from estimator.sensitivity import sensitivity
 
@@ -41,10 +41,10 @@ CONVERGED_DECREASE = 1e-3
 class Fit:
     """Where one start led.
 
-    theta: fit coordinates (n,). chi_square: of the data at the final weights. information: Fisher information of the data in
-    the coordinates, (n, n). converged: whether the last stage met its tolerance. iterations: steps tried. noise: as used at
-    the end. outlier: (S, m) True for phasors left out. misfit: what tells a better start from a worse one, χ² with what
-    the outliers cost; where the noise is estimated, times the mean size of its variance.
+    theta: fit coordinates (n,). chi_square: of the data at the final weights. information: Fisher information of the data
+    in the coordinates, (n, n). converged: whether the last stage met its tolerance. iterations: steps tried. noise: as used
+    at the end. channel_noise: as in `Problem`. outlier: (S, m) True for phasors left out. misfit: what tells a better start
+    from a worse one, χ² with what the outliers cost; where the noise is estimated, times the mean size of its variance.
     """
 
     theta: Floats
@@ -55,11 +55,15 @@ class Fit:
     noise: Noise
     outlier: NDArray[np.bool_]
     misfit: float
+    channel_noise: Floats
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One data set, one train, one set of coordinates; outlier: (S, m) phasors left out."""
+    """One data set, one train, one set of coordinates.
+
+    outlier: (S, m) phasors left out. channel_noise: (m,) or (1,) how many times as noisy as the noise model each channel is.
+    """
 
     train: CondensedTrain
     measurement: Measurement
@@ -67,6 +71,7 @@ class Problem:
     noise: Noise
     outlier: NDArray[np.bool_]
     robust: bool = True
+    channel_noise: Floats = field(default_factory=lambda: np.ones(1))
     _scaled: dict[bytes, CondensedTrain] = field(default_factory=dict)
 
     @property
@@ -141,9 +146,14 @@ class Problem:
         residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
         return float(np.vdot(residual, residual).real)
 
+    def error(self, amplitude: Floats) -> Floats:
+        """Rms of the complex error (S, m) [m] of phasors of an amplitude (S, m) [m]."""
+        scatter = self.measurement.scatter
+        return error_size(self.noise, amplitude, scatter) * np.where(scatter > 0.0, 1.0, self.channel_noise)
+
     def weight(self, amplitude: Floats, misfit: float) -> Floats:
         """Weights (S, m) [1/m]: one over the error of each real part, with a relative misfit allowed beside it."""
-        error = error_size(self.noise, amplitude, self.measurement.scatter)
+        error = self.error(amplitude)
         whole = np.sqrt(error**2 + (misfit * amplitude) ** 2)
         # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
@@ -168,7 +178,11 @@ class Problem:
             return self
         model = self.model(theta)
         size = np.abs(self.measurement.phasor - model) * self.weight(np.abs(model), misfit) / np.sqrt(2.0)
-        return replace(self, outlier=outliers(size, self.measurement.usable))
+        if not self.noise.estimated:
+            return replace(self, outlier=outliers(size, self.measurement.usable))
+        # A channel may be noisier than the others as long as nobody has said how noisy it is.
+        each = [outliers(size[:, [c]], self.measurement.usable[:, [c]]) for c in range(size.shape[1])]
+        return replace(self, outlier=np.concatenate(each, axis=1))
 
     def with_estimated_noise(self, theta: Floats) -> "Problem":
         """The problem with the noise that the residuals at θ show, where the document asks for that."""
@@ -179,7 +193,9 @@ class Problem:
         spent = min(0.9, theta.size / (2 * np.count_nonzero(self.used)))
         misfit = np.abs(self.measurement.phasor - model)
         noise = estimated_noise(self.noise, amplitude=np.abs(model)[modelled], misfit=misfit[modelled], spent=spent)
-        return replace(self, noise=noise)
+        error = error_size(noise, np.abs(model), np.full(misfit.shape, np.nan))
+        size = np.divide(misfit, error, out=np.zeros_like(misfit), where=modelled & (error > 0.0))
+        return replace(self, noise=noise, channel_noise=channel_noise(size, modelled, spent=spent))
 
     def _as_measured(self, theta: Floats, phasor: Complexes, direction: Floats) -> Complexes:
         """Phasors through the channels' gains, with their run-out: a pattern on the shaft, so mirrored with the rotation."""
@@ -216,7 +232,13 @@ def fit(problem: Problem, start: Floats) -> Fit:
         noise=problem.noise,
         outlier=problem.outlier,
         misfit=_misfit(problem, chi_square, weight),
+        channel_noise=problem.channel_noise,
     )
+
+
+def settled(problem: Problem, found: Fit) -> Problem:
+    """The problem with the noise and the outliers of a fit."""
+    return replace(problem, outlier=found.outlier, noise=found.noise, channel_noise=found.channel_noise)
 
 
 def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
@@ -230,6 +252,7 @@ def _settled(before: Problem, after: Problem) -> bool:
     """Whether a pass has changed neither outliers nor noise."""
     return (
         np.array_equal(before.outlier, after.outlier)
+        and np.allclose(before.channel_noise, after.channel_noise, rtol=3 * SAME_NOISE)
         and abs(after.noise.relative - before.noise.relative) <= SAME_NOISE * before.noise.relative
         and abs(after.noise.floor - before.noise.floor) <= SAME_NOISE * before.noise.floor
     )

@@ -13,10 +13,14 @@ from estimator.machine import Machine, Noise
 from estimator.measurement import Measurement
 from estimator.profile import flat
 from estimator.starts import BestFit, best_fit
-from estimator.verdict import judge, remark
+from estimator.verdict import Remark, judge, remark
 
 LARGEST_SAMPLE_COUNT = 5000
 """Samples that one fit uses; more are thinned out."""
+LARGEST_AMPLITUDE = 1e6
+"""Amplitudes above this [m] are slips that arithmetic may not survive."""
+LARGEST_ECCENTRICITY = 0.05
+"""An unbalance that would put a disc's centre of mass farther out [m] is most likely a slip of the units."""
 SCALE_PASSES = 10
 """Most times the unbalances' scale is looked for; each can find one a thousand times larger."""
 LARGEST_CONDITION = 1e5
@@ -97,7 +101,8 @@ def identify(machine: Machine, measurement: Measurement, options: Options | None
     measurement = _thinned(_without_empty_samples(measurement))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
-    return identify_train(train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine))
+    found = identify_train(train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine))
+    return replace(found, verdict=found.verdict + _eccentric(machine, found))
 
 
 def identify_train(
@@ -124,6 +129,17 @@ def identify_train(
     problem = _problem(train, measurement, noise, robust=options.robust)
     best = best_fit(problem, starts=options.starts, seed=options.seed, good=lambda found: judge(problem, found).accepted)
     return _result(problem, best, reasons)
+
+
+def _eccentric(machine: Machine, found: Identification) -> str:
+    """A word on unbalances that no disc can have."""
+    for disc in machine.discs:
+        one = found.estimate(f"disc.{disc.id}.unbalance")
+        if one.value is not None and one.imaginary is not None:
+            eccentricity = abs(complex(one.value, one.imaginary)) / disc.mass
+            if eccentricity > LARGEST_ECCENTRICITY:
+                return f"; disc {disc.id} would be {1e3 * eccentricity:.0f} mm eccentric: are the amplitudes' units right?"
+    return ""
 
 
 def _independent_numbers(measurement: Measurement) -> int:
@@ -169,6 +185,9 @@ def _require_enough(machine: Machine, measurement: Measurement) -> None:
         )
     if measurement.speed.size == 0:
         raise NotEnoughData("no sample has a usable channel")
+    largest = float(np.max(np.abs(measurement.phasor), where=measurement.usable, initial=0.0))
+    if largest > LARGEST_AMPLITUDE:
+        raise ValueError(f"an amplitude of {largest:.3g} m: no shaft moves so far; are the units right?")
 
 
 def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, robust: bool) -> Problem:
@@ -200,6 +219,8 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))
     verdict = judge(problem, found)
+    beside = remark(problem, found) if verdict.accepted else Remark()
+    covariance *= beside.inflation
     speed = problem.measurement.speed
     physical = covariance * np.outer(coordinates.unit, coordinates.unit)
     left_out = np.count_nonzero(found.outlier, axis=0)
@@ -218,7 +239,7 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict=verdict.words + (remark(problem, found) if verdict.accepted else ""),
+        verdict=verdict.words + beside.words,
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,

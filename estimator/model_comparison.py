@@ -26,6 +26,8 @@ CLEAR = 10.0
 RUN_SCATTER = 0.01
 """Relative rms by which coefficients differ between runs of a machine to which nothing has happened, and by the baseline's
 own errors."""
+LEAST_UNBALANCE_CHANGE = 0.1
+"""Part of an unbalance below which its change is not mentioned."""
 FAR = 6.0
 """What should not have changed has when it moved by more than so many of these."""
 WIDE_LOAD = 100.0
@@ -49,9 +51,13 @@ class View:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Views of one run, the best first, and the verdict in words. preferred: name of the best view, None if not clear."""
+    """Views of one run, the best first, and the verdict in words.
+
+    elements: the coupling and the bearings beside it. preferred: name of the best view, None if not clear.
+    """
 
     coupling: str
+    elements: frozenset[str]
     views: tuple[View, ...]
     preferred: str | None
     verdict: str
@@ -62,8 +68,14 @@ def compare_misalignment(
 ) -> Comparison:
     """Compare "unchanged", "changed coefficients" and "equivalent load" at a coupling for a run after the baseline.
 
-    Raises KeyError for a coupling that the machine does not have, and what `identify` raises.
+    Raises KeyError for a coupling that the machine does not have, ValueError for a machine with coefficients that follow the
+    speed, which cannot be held, and what `identify` raises.
     """
+    following = sorted({name.split("@")[0] for name in baseline.coordinates if "@" in name})
+    if following:
+        raise ValueError(
+            f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
+        )
     found = next((one for one in machine.couplings if one.id == coupling), None)
     if found is None:
         raise KeyError(coupling)
@@ -77,7 +89,23 @@ def compare_misalignment(
     ]
     views.sort(key=lambda view: view.criterion)
     preferred, verdict = _verdict(views)
-    return Comparison(coupling, tuple(views), preferred, verdict)
+    return Comparison(
+        coupling, frozenset(suspects), tuple(views), preferred, verdict + _unbalances_moved(views[0].identification, baseline)
+    )
+
+
+def _unbalances_moved(found: Identification, baseline: Identification) -> str:
+    """Unbalances are free in every view, so that a change of theirs is told beside the verdict."""
+    moved = []
+    for one in found.estimates:
+        before = next((other for other in baseline.estimates if other.name == one.name), None)
+        if one.quantity != "unbalance" or one.value is None or before is None or before.value is None:
+            continue
+        old, new = complex(before.value, before.imaginary or 0.0), complex(one.value, one.imaginary or 0.0)
+        spread = math.hypot(one.standard_error or 0.0, before.standard_error or 0.0)
+        if abs(new - old) > max(FAR * spread, LEAST_UNBALANCE_CHANGE * abs(old)):
+            moved.append(f"{one.name} by {abs(new - old):.2g} kg m ({100 * abs(new - old) / abs(old):.0f} %)")
+    return f"; unbalance has changed: {', '.join(moved)}" if moved else ""
 
 
 def as_identified(machine: Machine, baseline: Identification) -> Machine:

@@ -11,6 +11,10 @@ from estimator.machine import Noise
 
 SMALLEST_RELATIVE, LARGEST_RELATIVE = 1e-6, 1.0
 """Bounds of an estimated relative error [-]."""
+CHANNEL_PRIOR = 20.0
+"""Samples that the expectation counts for that all channels are alike."""
+CLEARLY_NOISIER = 4.0
+"""Standard deviations by which a channel must differ from the others to be taken as noisier or less noisy."""
 OUTLIER_CHANCE = 0.01
 """Chance that among all phasors of a run one is called an outlier that is none."""
 
@@ -54,6 +58,19 @@ def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: f
     relative, part = np.exp(np.asarray(found[int(np.argmin(ends))], dtype=float)).tolist()
     floor = 0.0 if part <= 1.01 * SMALLEST_RELATIVE else part * typical
     return start.model_copy(update={"relative": relative, "floor": floor})
+
+
+def channel_noise(size: Floats, used: NDArray[np.bool_], *, spent: float) -> Floats:
+    """How many times as noisy as the noise model each channel is, (m,): 1 unless that is clear.
+
+    size: (S, m) residual over the rms of its error. used: (S, m) which count. spent: as in `estimated_noise`.
+    """
+    count = np.count_nonzero(used, axis=0)
+    square = np.sum(np.where(used, size**2, 0.0), axis=0) / max(1.0 - spent, 1e-3)
+    times = np.sqrt((CHANNEL_PRIOR + square) / (CHANNEL_PRIOR + count))
+    # The mean of n squared circular errors scatters by 1/√n, its root by half of that.
+    clear = np.abs(np.log(times)) > CLEARLY_NOISIER * 0.5 / np.sqrt(np.maximum(1, count))
+    return np.asarray(np.where(clear, times, 1.0))
 
 
 def outlier_limit(used: NDArray[np.bool_]) -> float:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.condensation import Floats
-from estimator.fit import Fit, Problem, descend
+from estimator.fit import Fit, Problem, descend, settled
 
 ENDS = 2.0
 """Standard errors to which a parameter is moved."""
@@ -29,14 +29,14 @@ def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]
 
     covariance: (n, n) of the fit coordinates.
     """
-    settled = replace(problem, outlier=found.outlier, noise=found.noise)
-    weight = settled.weight(np.abs(settled.model(found.theta)), 0.0)
-    lowest = _cost(settled, found.theta, weight)
+    final = settled(problem, found)
+    weight = final.weight(np.abs(final.model(found.theta)), 0.0)
+    lowest = _cost(final, found.theta, weight)
     wanted = SMALLEST_RISE * ENDS**2
     return frozenset(
         place
         for place in places
-        if any(_rise(settled, found, covariance, weight, place, side) - lowest < wanted for side in (-ENDS, ENDS))
+        if any(_rise(final, found, covariance, weight, place, side) - lowest < wanted for side in (-ENDS, ENDS))
     )
 
 

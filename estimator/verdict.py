@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from estimator.fit import Fit, Problem
-from estimator.noise import error_size
+from estimator.condensation import Floats
+from estimator.fit import Fit, Problem, settled
 
 CHI_SQUARE_LIMIT = 5.0
 """With stated noise, a fit is accepted when χ²/dof is at most 1 plus this many standard deviations √(2/dof)."""
@@ -18,8 +19,12 @@ LARGEST_ESTIMATED_NOISE = 0.2
 """An estimated relative noise above this is no noise but a model that does not fit."""
 SMALLEST_ESTIMATED_NOISE = 1e-5
 """An estimated relative noise below this is rounding: the data were computed."""
-LARGEST_SERIAL_CORRELATION = 0.3
+LARGEST_SERIAL_CORRELATION = 0.1
 """With estimated noise, residuals of neighbouring speeds may be as alike as this, plus five standard deviations."""
+LARGEST_ALIKENESS = 0.9
+"""Correlation from which on a larger one widens intervals no more."""
+MUCH_NOISIER = 1.5
+"""A channel this many times as noisy as the noise model is mentioned."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,7 @@ def judge(problem: Problem, found: Fit) -> Verdict:
     chi = f"χ²/dof {reduced:.3g}, expected 1 ± {spread:.2g}"
     if found.noise.estimated:
         chi = f"noise estimated as {100 * found.noise.relative:.2g} % and {found.noise.floor:.2g} m"
+        chi += _noisy_channels(problem, found)
     outlying = f"; {left_out} of {usable} phasors left out as outliers{_worst_channel(problem, found)}" if left_out else ""
     if not found.converged:
         return Verdict(False, f"not converged, {chi}{outlying}", freedom)
@@ -53,54 +59,101 @@ def judge(problem: Problem, found: Fit) -> Verdict:
     if found.noise.estimated:
         return _judge_by_order(problem, found, f"{chi}{outlying}", freedom)
     if not accepted(found.chi_square, freedom):
-        return Verdict(False, f"the model does not fit the data: {chi}{outlying}", freedom)
+        where = _misfitting_channel(problem, found)
+        return Verdict(False, f"the model does not fit the data: {chi}{where}{outlying}", freedom)
     if reduced < 1.0 - CHI_SQUARE_LIMIT * spread:
         return Verdict(True, f"accepted; the stated noise is too large: {chi}{outlying}", freedom)
     return Verdict(True, f"accepted: {chi}{outlying}", freedom)
 
 
-def remark(problem: Problem, found: Fit) -> str:
-    """What an accepted fit with stated noise should be told beside: a pattern that χ² is not sharp enough for, else nothing.
+@dataclass(frozen=True)
+class Remark:
+    """What an accepted fit should be told beside. inflation: factor on its covariance."""
 
-    Not a reason to refuse: the errors of overlapping measurements are alike as well.
+    words: str = ""
+    inflation: float = 1.0
+
+
+def remark(problem: Problem, found: Fit) -> Remark:
+    """Whether the residuals show a pattern over speed, which χ² is not sharp enough for.
+
+    Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
+    and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression.
     """
-    if found.noise.estimated:
-        return ""
+    usable = int(np.count_nonzero(problem.measurement.usable & ~found.outlier))
+    if found.noise.relative <= SMALLEST_ESTIMATED_NOISE or found.chi_square < usable:
+        return Remark()  # half of what the noise would leave, or less: the data were computed, and rounding has patterns
     correlation, pairs = serial_correlation(problem, found)
-    if correlation <= CHI_SQUARE_LIMIT / math.sqrt(2.0 * max(1, pairs)):
-        return ""
-    return (
-        f"; residuals of neighbouring speeds are alike (correlation {correlation:.2g}): the model may be slightly wrong, "
-        "or the samples overlap"
+    alike = float(np.sum(correlation * pairs) / max(1, pairs.sum()))
+    if alike <= CHI_SQUARE_LIMIT / math.sqrt(2.0 * max(1, pairs.sum())):
+        return Remark()
+    alike = min(alike, LARGEST_ALIKENESS)
+    words = (
+        f"; residuals of neighbouring speeds are alike (correlation {alike:.2g}): the model may be slightly wrong, or the "
+        "samples overlap; intervals are widened"
     )
+    return Remark(words, (1.0 + alike) / (1.0 - alike))
 
 
 def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
     """With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed."""
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE and found.noise.floor == 0.0:
         return Verdict(True, f"accepted; no noise to be seen: {words}", freedom)
-    if found.noise.relative > LARGEST_ESTIMATED_NOISE:
+    if found.noise.relative * float(np.max(found.channel_noise)) > LARGEST_ESTIMATED_NOISE:
         return Verdict(False, f"the model does not fit the data: {words}", freedom)
     correlation, pairs = serial_correlation(problem, found)
-    limit = LARGEST_SERIAL_CORRELATION + 5.0 / math.sqrt(2.0 * max(1, pairs))
-    if correlation > limit:
-        message = f"residuals of neighbouring speeds are alike, correlation {correlation:.2g}, at most {limit:.2g} is noise"
-        return Verdict(False, f"the model does not fit the data: {message}; {words}", freedom)
-    return Verdict(True, f"accepted: {words}", freedom)
+    whole = float(np.sum(correlation * pairs) / max(1, pairs.sum()))
+    limit = LARGEST_SERIAL_CORRELATION + 5.0 / math.sqrt(2.0 * max(1, pairs.sum()))
+    limits = LARGEST_SERIAL_CORRELATION + 5.0 / np.sqrt(2.0 * np.maximum(1, pairs))
+    worst = int(np.argmax(correlation - limits))
+    if whole <= limit and correlation[worst] <= limits[worst]:
+        return Verdict(True, f"accepted: {words}", freedom)
+    one = whole <= limit
+    at, most = (float(correlation[worst]), float(limits[worst])) if one else (whole, limit)
+    of = f"of {problem.train.channels[worst]} at" if one else "of"
+    message = f"residuals {of} neighbouring speeds are alike, correlation {at:.2g}, at most {most:.2g} is noise"
+    return Verdict(False, f"the model does not fit the data: {message}; {words}", freedom)
 
 
-def serial_correlation(problem: Problem, found: Fit) -> tuple[float, int]:
-    """Correlation of weighted residuals between neighbouring speeds of a channel, over all channels, and its pairs' number."""
-    model = problem.model(found.theta)
-    error = error_size(found.noise, np.abs(model), problem.measurement.scatter)
-    used = problem.measurement.usable & ~found.outlier & (error > 0.0)
-    size = np.divide(problem.measurement.phasor - model, error, out=np.zeros_like(model), where=used)
-    order = np.lexsort((problem.measurement.speed, problem.measurement.direction))
+def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np.intp]]:
+    """Correlation (m,) of weighted residuals between neighbouring speeds of each channel, and the number of pairs (m,)."""
+    final = settled(problem, found)
+    model = final.model(found.theta)
+    error = final.error(np.abs(model))
+    used = final.used & (error > 0.0)
+    size = np.divide(final.measurement.phasor - model, error, out=np.zeros_like(model), where=used)
+    order = np.lexsort((final.measurement.speed, final.measurement.direction))
     size, used = size[order], used[order]
     both = used[1:] & used[:-1]
-    power = float(np.sum(np.abs(size[1:][both]) ** 2 + np.abs(size[:-1][both]) ** 2)) / 2
-    pairs = int(np.count_nonzero(both))
-    return (float(np.sum((size[1:] * size[:-1].conj())[both].real)) / power if power > 0.0 else 0.0), pairs
+    first, second = np.where(both, size[1:], 0.0), np.where(both, size[:-1], 0.0)
+    power = np.sum(np.abs(first) ** 2 + np.abs(second) ** 2, axis=0) / 2
+    product = np.sum((first * second.conj()).real, axis=0)
+    return np.divide(product, power, out=np.zeros_like(power), where=power > 0.0), np.count_nonzero(both, axis=0)
+
+
+def _misfitting_channel(problem: Problem, found: Fit) -> str:
+    """The channel that holds more than half of what χ² is too large by."""
+    final = settled(problem, found)
+    model = final.model(found.theta)
+    error = final.error(np.abs(model))
+    used = final.used & (error > 0.0)
+    size = np.divide(final.measurement.phasor - model, error, out=np.zeros_like(model), where=used)
+    excess = 2.0 * (np.sum(np.abs(size) ** 2, axis=0) - np.count_nonzero(used, axis=0))
+    worst = int(np.argmax(excess))
+    if excess.size < 2 or excess[worst] <= np.maximum(excess, 0.0).sum() / 2:
+        return ""
+    return f", most of it at {problem.train.channels[worst]}"
+
+
+def _noisy_channels(problem: Problem, found: Fit) -> str:
+    noisy = [
+        f"{channel} {times:.1f} times that"
+        for channel, times in zip(
+            problem.train.channels, np.broadcast_to(found.channel_noise, len(problem.train.channels)), strict=True
+        )
+        if times > MUCH_NOISIER
+    ]
+    return f", at {', '.join(noisy)}" if noisy else ""
 
 
 def _worst_channel(problem: Problem, found: Fit) -> str:

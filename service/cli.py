@@ -182,6 +182,10 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
+    if method == "regression" and advice:
+        _fail("--advice goes with the likelihood: the regression has no information to read it from")
+    if method == "likelihood" and tikhonov is not None:
+        _fail("--tikhonov goes with --method regression: the likelihood has its own prior")
     if method == "regression":
         _regress(machine, files, sidecar, tikhonov)
         return
@@ -198,8 +202,10 @@ def model(
     machine: MachineFile,
     files: RunFiles,
     sidecar: OtherSidecar = None,
-    service_rpm: Annotated[float | None, typer.Option(help="speed at which it works; by default the range's end")] = None,
-    grade: Annotated[float, typer.Option(help="balance quality grade G asked for [mm/s]")] = 2.5,
+    service_rpm: Annotated[
+        float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
+    ] = None,
+    grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
 ) -> None:
     """Identify a machine from recorded runs and print what the updated model says.
 

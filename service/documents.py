@@ -16,8 +16,13 @@ def read_yaml(path: Path) -> Any:
     """The content of a YAML or JSON file. Raises UnreadableFile."""
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise UnreadableFile(f"{path}: {error}") from error
+    except yaml.MarkedYAMLError as error:
+        line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
+        raise UnreadableFile(f"{path}{line} is neither YAML nor JSON: {error.problem}") from error
+    except OSError as error:
+        raise UnreadableFile(f"{path}: {error.strerror}") from error
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        raise UnreadableFile(f"{path} is neither YAML nor JSON: {error}") from error
 
 
 def read_machine(path: Path) -> Machine:

@@ -19,7 +19,7 @@ BEYOND = 1.5
 def identification_text(result: Identification) -> str:
     """Verdict and estimates ± standard error, a line a parameter."""
     lines = [
-        result.verdict,
+        result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
         f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start(s), {result.iterations} iterations; "
         f"condition number {result.condition_number:.2g}",
@@ -64,7 +64,7 @@ def comparison_text(comparison: Comparison) -> str:
         for view in comparison.views
     ]
     best = comparison.views[0].identification
-    shown = [one for one in best.estimates if one.element == f"coupling.{comparison.coupling}" and one.estimable]
+    shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
     return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
 
 

@@ -60,7 +60,12 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     """All rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
     if path.is_dir():
         raise UnreadableFile(f"{path} is a folder, not a recording")
-    sidecar = read_sidecar(sidecar_path or path.with_suffix(".yaml"))
+    beside = sidecar_path or path.with_suffix(".yaml")
+    if not path.exists():
+        raise UnreadableFile(f"{path}: no such file")
+    if not beside.exists():
+        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
+    sidecar = read_sidecar(beside)
     if (sidecar.time is None) == (sidecar.interval_s is None):
         raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
     rows = _rows(path)

@@ -121,7 +121,7 @@ def test_noise_of_zero_is_no_noise_model() -> None:
         parse_machine(document)
 
 
-@pytest.mark.parametrize("size", [1e-9, 1e9])
+@pytest.mark.parametrize("size", [1e-9, 1e7])
 def test_the_size_of_the_response_does_not_matter(size: float) -> None:
     clean = computed(np.arange(2.0, 300.0, 4.0))
     found = identify(chapter_3(), Measurement.of(speed=clean.speed, phasor=size * clean.phasor))
@@ -138,3 +138,16 @@ def test_a_dead_channel_is_named() -> None:
     found = identify(chapter_3(), Measurement.of(speed=SPEED[::2], phasor=phasor))
     assert not found.accepted
     assert "most of them of B2Y" in found.verdict
+
+
+def test_amplitudes_beyond_all_machines_are_an_error() -> None:
+    clean = computed(np.arange(2.0, 300.0, 4.0))
+    with pytest.raises(ValueError, match="are the units right"):
+        identify(chapter_3(), Measurement.of(speed=clean.speed, phasor=1e200 * clean.phasor))
+
+
+def test_an_eccentricity_that_no_disc_can_have_is_remarked() -> None:
+    clean = computed(np.arange(2.0, 300.0, 4.0))
+    found = identify(chapter_3(), Measurement.of(speed=clean.speed, phasor=1e3 * clean.phasor))
+    assert found.accepted
+    assert "mm eccentric: are the amplitudes' units right" in found.verdict

@@ -104,3 +104,21 @@ def test_a_coupling_that_is_not_there(baseline: Identification) -> None:
         compare_misalignment(
             chapter_3(), measured(np.ones((SPEED.size, 8), dtype=complex), 0), baseline=baseline, coupling="C9"
         )
+
+
+def test_an_unbalance_that_changed_is_told_beside_the_verdict(baseline: Identification) -> None:
+    document = chapter_3_document()
+    document["discs"][0]["unbalance"] = {"magnitude": 0.0142, "angle_deg": 76}
+    found = compared(dense_response(parse_machine(document), SPEED, direction=1), baseline)
+    assert found.preferred == "unchanged"
+    assert "unbalance has changed: disc.D1.unbalance by" in found.verdict
+    assert "D2" not in found.verdict
+
+
+def test_coefficients_that_follow_the_speed_cannot_be_held() -> None:
+    document = chapter_3_document()
+    document["bearings"][1]["speed_dependence"] = {"form": "piecewise", "knots_rpm": [500, 2500], "coefficients": ["kxx"]}
+    machine = parse_machine(document)
+    run = measured(dense_response(chapter_3(), SPEED, direction=1), seed=1)
+    with pytest.raises(ValueError, match=r"bearing\.B2\.kxx follow the speed"):
+        compare_misalignment(machine, run, baseline=identify(machine, run), coupling="C1")

@@ -151,10 +151,11 @@ def test_a_column_that_is_not_there_is_said_with_those_that_are(tmp_path: Path) 
 def test_a_file_that_is_not_there_or_not_text_is_said(tmp_path: Path, recording: Path) -> None:
     recording.write_bytes(b"\xff\xfe\x00")
     assert "run.csv" in refused(recording)
-    recording.unlink()
-    assert "run.csv" in refused(recording)
     (tmp_path / "run.yaml").unlink()
+    assert "needs a sidecar" in refused(recording)
     assert "run.yaml" in refused(recording)
+    recording.unlink()
+    assert "run.csv: no such file" in refused(recording)
 
 
 # --- what is wrong with the sidecar ---------------------------------------------------------------------------------
