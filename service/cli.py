@@ -27,7 +27,7 @@ from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.model_report import model_text
 from service.offline import read_measurement
-from service.printing import advice_text, comparison_text, identification_text, regression_text
+from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text
 from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -253,7 +253,10 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
         for line in left_out:
             typer.echo(line, err=True)
         with threadpoolctl.threadpool_limits(1):
-            typer.echo(regression_text(regress(described, measurement, tikhonov=tikhonov)))
+            found = regress(described, measurement, tikhonov=tikhonov)
+        typer.echo(regression_text(found))
+        if found.reduced_chi_square > EXPLAINED or found.impossible:
+            raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
 

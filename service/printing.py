@@ -12,6 +12,8 @@ from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
+EXPLAINED = 2.0
+"""Largest χ²/dof with which the regression's values are said to explain a run."""
 BEYOND = 1.5
 """Candidate speeds reach to this part of the speed range's end."""
 
@@ -45,7 +47,12 @@ def regression_text(found: PublishedEstimate) -> str:
     """The values of the thesis's regression, which has no intervals."""
     solution = found.solution
     regularised = f", regularised with λ = {solution.parameter:.2g}" if solution.parameter else ""
+    explained = found.reduced_chi_square <= EXPLAINED and not found.impossible
+    verdict = f"χ²/dof of the machine with these values against the run {found.reduced_chi_square:.3g}"
+    if found.impossible:
+        verdict += f"; not positive, as they must be: {', '.join(found.impossible)}"
     lines = [
+        verdict if explained else f"NOT TO BE USED: these values do not explain the run, {verdict}",
         "Regression of the thesis, Chapter 4: no intervals, biased by noise; see the evidence page",
         f"condition number {solution.condition_number_before:.2g}, {solution.condition_number_after:.2g} after column scaling"
         + regularised,

@@ -9,8 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.condensation import Floats, condense
 from estimator.machine import Machine
 from estimator.measurement import Measurement
+from estimator.noise import error_size
+from estimator.parameters import is_direct
+from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS
 from estimator.thesis.flexible_train import Complexes, flexible_train
@@ -23,11 +27,17 @@ from estimator.thesis.tikhonov import Rule
 
 @dataclass(frozen=True)
 class PublishedEstimate:
-    """names and units: of the real unknowns (C,), real and imaginary part of each unbalance apart. solution: their values."""
+    """names and units: of the real unknowns (C,), real and imaginary part of each unbalance apart. solution: their values.
+
+    reduced_chi_square: of the measured phasors against the response of the machine with these values, by its noise model;
+    about 1 if they explain the run. impossible: direct terms that came out zero or negative.
+    """
 
     names: tuple[str, ...]
     units: tuple[str, ...]
     solution: Solution
+    reduced_chi_square: float
+    impossible: tuple[str, ...]
 
 
 class NotMeasuredAtBearings(ValueError):
@@ -57,7 +67,30 @@ def regress(
     expected = np.concatenate([[one.expected for one in coefficients], parts])
     units = [one.unit for one in coefficients] + [plane.unit for plane in planes for _ in (0, 1)]
     solution = solve(regression, scaling=scaling, tikhonov=tikhonov, expected=expected)
-    return PublishedEstimate(regression.names, tuple(units), solution)
+    count = len(coefficients)
+    impossible = tuple(n for n, value in zip(regression.names, solution.values, strict=True) if is_direct(n) and value <= 0.0)
+    return PublishedEstimate(
+        names=regression.names,
+        units=tuple(units),
+        solution=solution,
+        reduced_chi_square=_reduced_chi_square(machine, measurement, solution.values[:count], solution.values[count:]),
+        impossible=impossible,
+    )
+
+
+def _reduced_chi_square(machine: Machine, measurement: Measurement, coefficients: Floats, parts: Floats) -> float:
+    """How far the whole machine with these values is from the run, per measured number beyond the unknowns."""
+    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
+    own = parts.reshape(-1, 2) @ np.array([1.0, 1.0j])
+    excitations = np.zeros((measurement.speed.size, len(train.unknowns.excitations)), dtype=complex)
+    excitations[:, : own.size] = own
+    if measurement.added is not None:
+        excitations[:, : measurement.added.shape[1]] += measurement.added
+    modelled = response(train, coefficients=coefficients, excitations=excitations)
+    error = error_size(machine.noise, np.abs(measurement.phasor), measurement.scatter)
+    used = measurement.usable & (error > 0.0)
+    square = np.abs(measurement.phasor - modelled)[used] ** 2 / error[used] ** 2
+    return float(2.0 * square.sum() / max(1, 2 * square.size - coefficients.size - parts.size))
 
 
 def bearing_translations(machine: Machine, measurement: Measurement) -> tuple[Complexes, NDArray[np.bool_]]:

@@ -93,7 +93,8 @@ def test_a_trial_weight_on_no_disc(tmp_path: Path) -> None:
 
 
 def test_the_thesis_s_regression_is_selectable(healthy: str) -> None:
-    text = run("identify", DOCUMENT, healthy, "--method", "regression", "--tikhonov", "L-curve")
+    text = run("identify", DOCUMENT, healthy, "--method", "regression", "--tikhonov", "L-curve", status=1)
+    assert text.startswith("NOT TO BE USED: these values do not explain the run")
     assert "no intervals" in text
     assert "regularised with λ" in text
     assert sum(line.startswith("bearing.") for line in text.splitlines()) == 32
@@ -158,3 +159,13 @@ def test_the_same_seeds_sample_the_same_run(tmp_path: Path) -> None:
     run("sample", DOCUMENT, str(tmp_path / "other.csv"), "--samples", "20", "--run-seed", "2")
     one, two, other = ((tmp_path / f"{name}.csv").read_text() for name in ("one", "two", "other"))
     assert one == two != other
+
+
+def test_options_that_do_not_go_together(healthy: str) -> None:
+    assert "--tikhonov goes with" in run("identify", DOCUMENT, healthy, "--tikhonov", "L-curve", status=1)
+    assert "--advice goes with" in run("identify", DOCUMENT, healthy, "--method", "regression", "--advice", status=1)
+
+
+def test_files_that_are_not_there_or_something_else(healthy: str, tmp_path: Path) -> None:
+    assert "none.csv: no such file" in run("identify", DOCUMENT, str(tmp_path / "none.csv"), status=1)
+    assert "is neither YAML nor JSON" in run("identify", "README.md", healthy, status=1)

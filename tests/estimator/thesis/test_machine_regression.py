@@ -37,12 +37,15 @@ def test_data_of_its_own_model_give_the_truth(turn: int) -> None:
     assert found.solution.values[:42] == pytest.approx(coefficients, rel=1e-4)
     assert found.names[0] == "bearing.B1.kxx"
     assert found.units[-1] == "kg m"
+    assert not found.impossible
 
 
 def test_data_of_the_machine_do_not() -> None:
     found = regress(chapter_3(), Measurement.of(speed=SPEED, phasor=dense_response(chapter_3(), SPEED, direction=1)))
     coefficients, _ = truth(chapter_3())
     assert np.median(np.abs(found.solution.values[:42] / coefficients - 1)) > 1.0
+    assert found.reduced_chi_square > 100.0
+    assert "bearing.B1.kxx" in found.impossible
 
 
 def test_regularisation_draws_towards_the_nominal_values() -> None:
