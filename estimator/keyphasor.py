@@ -19,7 +19,8 @@ from estimator.condensation import Floats
 Edge = Literal["rising", "falling"]
 
 LEVEL_QUANTILE = 0.002
-"""Part of the samples beyond each of the two levels; leaves pulses of half a percent of a turn standing, and spikes out."""
+"""Part of the samples beyond the first guess at each of the two levels: rarer spikes do not move it, pulses of half a percent
+of a turn are still seen."""
 HYSTERESIS = 0.4
 """Hysteresis chosen from the signal, part of the distance between its two levels."""
 FEWEST_PULSES = 4
@@ -125,6 +126,9 @@ def threshold_of(signal: Floats) -> Threshold:
     low, high = (float(level) for level in np.quantile(signal, (LEVEL_QUANTILE, 1.0 - LEVEL_QUANTILE)))
     if not high > low:
         raise NoPulses(f"the keyphasor stays at {low:g}: no pulses")
+    # The outermost samples of the longer level reach farther into the noise; medians of the two parts do not.
+    above = signal >= (low + high) / 2.0
+    low, high = float(np.median(signal[~above])), float(np.median(signal[above]))
     return Threshold((low + high) / 2.0, HYSTERESIS * (high - low))
 
 

@@ -69,6 +69,15 @@ def test_noise_inside_the_hysteresis_makes_no_second_edge() -> None:
     assert without.size > 20
 
 
+def test_the_threshold_is_in_the_middle_whatever_the_noise_and_the_length_of_the_pulse() -> None:
+    """Levels -10 for 90 % and -2 for 10 % of the time, noise of 0.1: medians to 1.25 · 0.1/√5000, and spikes do nothing."""
+    signal = np.where(np.arange(50_000) % 100 < 10, -2.0, -10.0) + np.random.default_rng(5).normal(0.0, 0.1, 50_000)
+    signal[::1000] = 30.0
+    threshold = threshold_of(signal)
+    assert threshold.level == pytest.approx(-6.0, abs=0.008)
+    assert threshold.hysteresis == pytest.approx(0.4 * 8.0, abs=0.01)
+
+
 @pytest.mark.parametrize("acceleration", [0.0, 1.3, -20.0])
 def test_angle_and_speed_follow_constant_acceleration_exactly(acceleration: float) -> None:
     """Slowing down from 60 to 35 rad/s in eleven turns, by up to a tenth in a turn."""
