@@ -1,9 +1,10 @@
 """Phasors from waveforms: least squares over a block beside the thesis's band-pass and peak picking, both against the truth.
 
-Probe at 1 kHz, 3.2 s, blocks of 1 s of which the middle one is judged. The thesis's chain gets the whole record for its
-filter and reads one maximum and one minimum behind the first pulse past the middle of that block, where the truth is taken
-for it. Keyphasor: one pulse per turn with flanks of 2.5 % of a turn and noise of 1 % of its height, at 25.6 kHz unless the
-case says otherwise. Phase, place of the mark and noise are drawn anew in each run, from seeds 0, 1, 2 … for every case.
+Probe at 1 kHz unless the case says otherwise, 3.2 s, blocks of 1 s of which the middle one is judged. The thesis's chain gets
+the whole record for its filter and reads one maximum and one minimum behind the first pulse past the middle of that block,
+where the truth is taken for it. Keyphasor: one pulse per turn with flanks of 2.5 % of a turn and noise of 1 % of its height,
+at 25.6 kHz unless the case says otherwise. Phase, place of the mark and noise are drawn anew in each run, from seeds 0, 1,
+2 … for every case.
 
     python -m benchmarks.phasors [--runs N]
 """
@@ -53,7 +54,7 @@ class Case:
     """What a probe sees. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
 
     rpm: at the middle of the record. ramp: [rpm/s]. snr: of the 1× against white noise [dB]. second: 2×. hum: at hum_frequency
-    [Hz]. step: of the converter. keyphasor_rate: [Hz]. flank: of the keyphasor, part of a turn.
+    [Hz]. step: of the converter. probe_rate, keyphasor_rate: [Hz]. flank: of the keyphasor, part of a turn.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Case:
     hum: float = 0.0
     hum_frequency: float = 50.0
     step: float = 0.0
+    probe_rate: float = PROBE_RATE
     keyphasor_rate: float = KEYPHASOR_RATE
     flank: float = FLANK
 
@@ -78,8 +80,9 @@ RAMP = Case("ramp 100 rpm/s, no noise", ramp=100.0)
 CASES = (
     Case("nothing but 1×, 3000 rpm"),
     NOISE,
-    Case("noise 26 dB, off the grid: 2963.7 rpm", rpm=2963.7, snr=26.0),
-    Case("the same, keyphasor at 1 kHz too, steep", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6),
+    Case("noise 26 dB, 2963.7 rpm (off the grid)", rpm=2963.7, snr=26.0),
+    Case("26 dB, 2963.7 rpm, steep keyphasor at 1 kHz", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6),
+    Case("26 dB, 2963.7 rpm, probe at 25.6 kHz", rpm=2963.7, snr=26.0, probe_rate=KEYPHASOR_RATE),
     RAMP,
     Case("ramp 100 rpm/s, noise 26 dB", ramp=100.0, snr=26.0),
     Case("2× of 50 %, 2963.7 rpm", rpm=2963.7, second=0.5),
@@ -151,7 +154,7 @@ def drawn(case: Case, seed: int) -> Record:
         passed = at - SECONDS / 2.0
         return np.asarray(mark + speed * passed + acceleration * passed**2 / 2.0)
 
-    at = np.arange(round(SECONDS * PROBE_RATE)) / PROBE_RATE
+    at = np.arange(round(SECONDS * case.probe_rate)) / case.probe_rate
     angle = shaft(at)
     growth = (1.0 + acceleration * (at - SECONDS / 2.0) / speed) ** 2
     probe = growth * (np.cos(angle + phase) + case.second * np.cos(2.0 * angle + second_phase))
@@ -164,12 +167,12 @@ def drawn(case: Case, seed: int) -> Record:
     return Record(probe, keyphasor, cmath.exp(1j * phase), speed, acceleration)
 
 
-def thesis_reading(record: Record, angle: ShaftAngle, middle: float) -> tuple[complex, float]:
+def thesis_reading(record: Record, probe_rate: float, angle: ShaftAngle, middle: float) -> tuple[complex, float]:
     """The phasor of the thesis's chain and the instant of the pulse it was read at [s]."""
-    at = np.arange(record.probe.size) / PROBE_RATE
+    at = np.arange(record.probe.size) / probe_rate
     pulse = float(angle.edge_time[np.searchsorted(angle.edge_time, middle)])
     frequency = float(angle.speed(np.array(pulse))) / (2.0 * math.pi)
-    filtered = band_passed(record.probe, sampling_rate=PROBE_RATE, frequency=frequency)
+    filtered = band_passed(record.probe, sampling_rate=probe_rate, frequency=frequency)
     return extrema_phasor(filtered, time=at, pulse=pulse, frequency=frequency), pulse
 
 
@@ -180,11 +183,11 @@ def outcome(case: Case, runs: int) -> Outcome:
     for seed in range(runs):
         record = drawn(case, seed)
         angle = read_keyphasor(record.keyphasor, sampling_rate=case.keyphasor_rate)
-        block = track_orders(record.probe[None], sampling_rate=PROBE_RATE, angle=angle, seconds=BLOCK).blocks[1]
+        block = track_orders(record.probe[None], sampling_rate=case.probe_rate, angle=angle, seconds=BLOCK).blocks[1]
         samples = block.samples
         own.append(complex(block.phasors[0, 0]) / record.phasor(block.time))
         scatter.append(float(block.scatter[0, 0]))
-        found, pulse = thesis_reading(record, angle, block.time)
+        found, pulse = thesis_reading(record, case.probe_rate, angle, block.time)
         thesis.append(found / record.phasor(pulse))
     claimed = float(np.sqrt(np.mean(np.square(scatter))))
     return Outcome(case, Errors.of(own), Errors.of(thesis), 2.0 * case.noise / math.sqrt(samples), claimed)

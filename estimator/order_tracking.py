@@ -31,9 +31,10 @@ class Block:
     """Phasors of C channels from one block.
 
     time: its middle [s]. speed: there [rad/s]. turns: in the block. samples: used of each channel. phasors: (C, 2) 1× and 2×,
-    0-to-peak, unit of the waveform. scatter: (C, 2) rms of the complex error of each, from the block's own residual; right
-    where what the orders leave is white noise up to half the sampling rate. residual: (C,) rms of what is left. faults: (C,).
-    Channels with an unusable fault are not a number.
+    0-to-peak, unit of the waveform. scatter: (C, 2) rms of the complex error of each, from the block's own residual: right
+    where what the orders leave is white noise up to half the sampling rate, blind to lines near an order. Errors of the
+    keyphasor, which all channels share, come on top: in 1× phase about the angle's jitter over √turns. residual: (C,) rms of
+    what is left. faults: (C,). Channels with an unusable fault are not a number.
     """
 
     time: float

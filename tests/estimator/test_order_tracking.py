@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.condensation import Floats
-from estimator.keyphasor import ShaftAngle, shaft_angle
+from estimator.keyphasor import Edge, ShaftAngle, Threshold, read_keyphasor, shaft_angle
 from estimator.order_tracking import Block, track_orders
 
 TURN = 2.0 * math.pi
@@ -186,3 +186,18 @@ def test_a_gap_of_the_keyphasor_is_left_out_and_both_sides_are_read() -> None:
     for one in tracking.blocks:
         assert not instants[49] < one.time < instants[60]
         assert one.phasors[0] == pytest.approx(np.array([FIRST, SECOND]), abs=1e-9 * abs(FIRST))
+
+
+@pytest.mark.parametrize(("edge", "passed"), [("rising", 0.0), ("falling", 0.006 * 157.0)])
+def test_from_both_waveforms_to_the_phasor(edge: Edge, passed: float) -> None:
+    """Straight flanks of 2 ms, pulses of 6 ms, at 157 rad/s: counted from the falling edge the phase leads by that angle."""
+    speed, rate = 157.0, 5000.0
+    time = 40.0 + np.arange(11_000) / rate
+    turned = speed * (time - 40.03)
+    since = (turned + 1.0) % TURN - 1.0
+    keyphasor = np.clip(since / speed / 0.002 + 0.5, 0.0, 1.0) - np.clip((since / speed - 0.006) / 0.002 + 0.5, 0.0, 1.0)
+    angle = read_keyphasor(keyphasor, sampling_rate=rate, start=40.0, edge=edge, threshold=Threshold(0.5, 0.4))
+    (first, _) = track_orders(waveform(turned)[None], sampling_rate=rate, angle=angle, start=40.0, seconds=1.0).blocks
+    true = np.array([FIRST, SECOND]) * np.exp(1j * passed * np.array([1, 2]))
+    assert first.phasors[0] == pytest.approx(true, abs=1e-8 * abs(FIRST))
+    assert first.speed == pytest.approx(speed, rel=1e-9)
