@@ -36,7 +36,7 @@ EXTRA_IN_A_ROW = 2
 LARGEST_JITTER = 0.05
 """Random error of the edges [part of the interval] above which they are not those of a turning shaft."""
 LARGEST_REPAIRED_PART = 0.2
-"""Part of the pulses that may be missing or too many."""
+"""Pulses missing or too many, and gaps, beside the good pulses: more are no keyphasor."""
 
 
 class KeyphasorError(ValueError):
@@ -172,9 +172,10 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     known up to a multiple of 2π / pulses_per_turn only, and nothing behind a gap is used. A turn with twice the marks
     declared cannot be told from twice the speed.
 
-    Raises NoPulses for fewer than four edges, InconsistentIntervals when no two intervals in a row agree, when more than a
-    fifth of the pulses had to be repaired, when gaps take more than half of the time, or when the edges scatter by more than
-    5 % of the interval.
+    Raises NoPulses for fewer than four edges; InconsistentIntervals when no two intervals in a row agree, fewer than four
+    edges are good, repairs and gaps are more than a fifth of them, gaps take more than half of the time, or the edges
+    scatter by more than 5 % of the interval. Near standstill, where the speed changes by more than a tenth in a turn, a
+    longer turn may pass for a missing pulse.
     """
     if pulses_per_turn < 1:
         raise ValueError(f"pulses_per_turn is {pulses_per_turn}: it must be 1 or more")
@@ -217,8 +218,10 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     known = sum(end - begin for begin, end in whole.pieces)
     if known < 0.5 * (times[-1] - times[0]):
         raise InconsistentIntervals(f"the intervals fit together for {known:.3g} s of {times[-1] - times[0]:.3g} s only")
-    if len(repairs) > LARGEST_REPAIRED_PART * times.size:
-        raise InconsistentIntervals(f"{len(repairs)} pulses missing or too many beside {len(kept)} good ones")
+    if len(repairs) + len(gaps) > LARGEST_REPAIRED_PART * len(kept) or len(kept) < FEWEST_PULSES:
+        raise InconsistentIntervals(
+            f"{len(repairs)} pulses missing or too many and {len(gaps)} gaps beside {len(kept)} good pulses"
+        )
     if scatter > LARGEST_JITTER:
         raise InconsistentIntervals(f"the edges scatter by {100 * scatter:.1f} % of the interval between pulses")
     return ShaftAngle(edge_time, whole.edge_angle, scatter * spacing, whole.repairs, whole.gaps)

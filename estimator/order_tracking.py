@@ -107,7 +107,9 @@ def _bounds(angle: ShaftAngle, begin: float, end: float, seconds: float | None, 
     if end <= begin:
         return np.empty(0)
     if seconds is not None:
-        return np.asarray(begin + seconds * np.arange(math.floor((end - begin) / seconds * (1.0 + 1e-12)) + 1))
+        # A last block that ends with the waveform must not be lost by rounding.
+        count = math.floor((end - begin) / seconds * (1.0 + 1e-12))
+        return np.asarray(np.minimum(begin + seconds * np.arange(count + 1), end))
     inside = (angle.edge_time >= begin) & (angle.edge_time <= end)
     time, turned = angle.edge_time[inside], angle.edge_angle[inside] / (2.0 * math.pi)
     # A missing edge at a bound moves the bound to the next edge.
@@ -142,7 +144,7 @@ def _block(
 
     signals = np.asarray(waveforms[:, first : first + time.size], dtype=float)
     faults = tuple(waveform_fault(signal, samples_per_turn=per_turn, rails=rails) for signal in signals)
-    lost = np.array([fault in UNUSABLE for fault in faults])
+    lost = np.array([fault in UNUSABLE for fault in faults], dtype=bool)
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     signals = signals - signals.mean(axis=1, keepdims=True)
     inverse = np.linalg.inv(normal)

@@ -207,3 +207,11 @@ def test_several_pulses_per_turn_give_the_same_speed() -> None:
     angle = read_keyphasor(trapezoids(time, instants), sampling_rate=10_000.0, pulses_per_turn=3)
     assert angle.speed(np.array([0.5, 1.0, 1.5])) == pytest.approx(np.full(3, 60.0), rel=1e-9)
     assert angle.at(instants[:4]) == pytest.approx(TURN / 3.0 * np.arange(4), abs=1e-8)
+
+
+def test_too_many_repairs_are_no_keyphasor() -> None:
+    """Every fourth pulse missing: each one alone could be bridged."""
+    true = ramp_instants(100.0, 0.0, 200)
+    with pytest.raises(InconsistentIntervals, match="pulses missing or too many"):
+        shaft_angle(np.delete(true, np.arange(3, 197, 4)))
+    assert len(shaft_angle(np.delete(true, np.arange(3, 197, 8))).repairs) == 25

@@ -201,3 +201,16 @@ def test_from_both_waveforms_to_the_phasor(edge: Edge, passed: float) -> None:
     true = np.array([FIRST, SECOND]) * np.exp(1j * passed * np.array([1, 2]))
     assert first.phasors[0] == pytest.approx(true, abs=1e-8 * abs(FIRST))
     assert first.speed == pytest.approx(speed, rel=1e-9)
+
+
+def test_no_channels_give_blocks_without_phasors() -> None:
+    (found,) = track(np.empty((0, 1300)), steady(200.0), seconds=1.0)
+    assert found.phasors.shape == (0, 2)
+    assert found.speed == pytest.approx(200.0)
+
+
+def test_a_last_block_that_ends_with_the_waveform_is_not_lost() -> None:
+    angle = steady(200.0, first=0.0)
+    found = track(np.random.default_rng(1).normal(size=(1, 2100)), angle, seconds=0.7)
+    assert [one.time for one in found] == pytest.approx([0.35, 1.05, 1.75])
+    assert [one.samples for one in found] == [700] * 3
