@@ -1,10 +1,12 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import estimator, latency, updated_model
+from benchmarks import estimator, latency, phasors, updated_model
 
 if __name__ == "__main__":
     estimator.main([])
     print()
     updated_model.main([])
+    print()
+    phasors.main([])
     print()
     latency.main()

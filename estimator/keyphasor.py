@@ -1,0 +1,277 @@
+"""From a keyphasor's waveform to the angle of the shaft: edges, the turns between them, missing and double pulses.
+
+The angle counts from the edge: it is a multiple of 2π at each edge of a once-per-turn mark. Between edges it is a monotone
+piecewise cubic that follows constant acceleration exactly.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import scipy.interpolate
+import scipy.ndimage
+from numpy.typing import NDArray
+
+from estimator.condensation import Floats
+
+Edge = Literal["rising", "falling"]
+
+LEVEL_QUANTILE = 0.002
+"""Part of the samples beyond the first guess at each of the two levels: rarer spikes do not move it, pulses of half a percent
+of a turn are still seen."""
+HYSTERESIS = 0.4
+"""Hysteresis chosen from the signal, part of the distance between its two levels."""
+FEWEST_PULSES = 4
+"""Fewer have no intervals to compare."""
+NEIGHBOURS = 9
+"""Intervals whose median is the local interval. It follows speeds that change by up to a tenth or so in a turn."""
+TOLERANCE = 0.2
+"""How far an edge may lie from where it is due, part of the local interval."""
+MISSING_IN_A_ROW = 2
+"""So many missing pulses are bridged; more are a gap."""
+EXTRA_IN_A_ROW = 2
+"""So many pulses too many between two due ones are dropped; more are a gap."""
+LARGEST_JITTER = 0.05
+"""Random error of the edges [part of the interval] above which they are not those of a turning shaft."""
+LARGEST_REPAIRED_PART = 0.2
+"""Pulses missing or too many, and gaps, beside the good pulses: more are no keyphasor."""
+
+
+class KeyphasorError(ValueError):
+    """The keyphasor gives no angle, for the reason in words."""
+
+
+class NoPulses(KeyphasorError):
+    """The waveform has no pulses, or too few to compare the intervals between them."""
+
+
+class InconsistentIntervals(KeyphasorError):
+    """The intervals between the pulses are not those of a turning shaft."""
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A level and a hysteresis around it, in the unit of the waveform."""
+
+    level: float
+    hysteresis: float
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A pulse that was missing, with the time when it was due [s], or one too many, which was dropped."""
+
+    kind: Literal["missing", "extra"]
+    time: float
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A stretch from `start` to `end` [s] in which the angle is not known, for a reason in words."""
+
+    start: float
+    end: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class ShaftAngle:
+    """The angle of the shaft over time.
+
+    edge_time: (E,) instants of the edges that were kept [s]. edge_angle: (E,) angle at each [rad]; how many turns a gap took
+    is a guess in it. jitter: rms error of an edge, estimated from the edges themselves, as an angle [rad]. repairs: pulses
+    bridged or dropped, in order of time. gaps: stretches without an angle.
+    """
+
+    edge_time: Floats
+    edge_angle: Floats
+    jitter: float
+    repairs: tuple[Repair, ...]
+    gaps: tuple[Gap, ...]
+
+    @property
+    def pieces(self) -> tuple[tuple[float, float], ...]:
+        """Stretches [s] from first to last edge without a gap."""
+        begins = [float(self.edge_time[0]), *(gap.end for gap in self.gaps)]
+        ends = [*(gap.start for gap in self.gaps), float(self.edge_time[-1])]
+        return tuple((begin, end) for begin, end in zip(begins, ends, strict=True) if end > begin)
+
+    def at(self, time: Floats) -> Floats:
+        """Angle [rad] at instants [s], any shape; not a number before the first edge, behind the last and in gaps."""
+        return np.where(self._known(time), self._curve(time), math.nan)
+
+    def speed(self, time: Floats) -> Floats:
+        """Speed [rad/s] at instants [s], as `at`. One turn's value, as noisy as the edges are."""
+        return np.where(self._known(time), self._curve(time, 1), math.nan)
+
+    def _known(self, time: Floats) -> NDArray[np.bool_]:
+        known = (time >= self.edge_time[0]) & (time <= self.edge_time[-1])
+        for gap in self.gaps:
+            known &= (time <= gap.start) | (time >= gap.end)
+        return np.asarray(known)
+
+    @cached_property
+    def _curve(self) -> scipy.interpolate.CubicHermiteSpline:
+        slopes = np.empty_like(self.edge_time)
+        for begin, end in self.pieces:
+            piece = (self.edge_time >= begin) & (self.edge_time <= end)
+            slopes[piece] = monotone_slopes(self.edge_time[piece], self.edge_angle[piece])
+        return scipy.interpolate.CubicHermiteSpline(self.edge_time, self.edge_angle, slopes)
+
+
+def threshold_of(signal: Floats) -> Threshold:
+    """Halfway between the two levels of a pulse waveform (N,). Raises NoPulses where it has but one level."""
+    low, high = (float(level) for level in np.quantile(signal, (LEVEL_QUANTILE, 1.0 - LEVEL_QUANTILE)))
+    if not high > low:
+        raise NoPulses(f"the keyphasor stays at {low:g}: no pulses")
+    # The outermost samples of the longer level reach farther into the noise; medians of the two parts do not.
+    above = signal >= (low + high) / 2.0
+    low, high = float(np.median(signal[~above])), float(np.median(signal[above]))
+    return Threshold((low + high) / 2.0, HYSTERESIS * (high - low))
+
+
+def edges(signal: Floats, *, sampling_rate: float, threshold: Threshold, edge: Edge = "rising", start: float = 0.0) -> Floats:
+    """Instants [s] at which a waveform (N,) crosses the threshold's level, interpolated linearly between two samples.
+
+    A rising edge counts when the signal has been below level - hysteresis/2 before and goes above level + hysteresis/2
+    behind it; a falling edge is the mirror image. sampling_rate: [Hz]. start: instant of the first sample [s].
+    """
+    sign = 1.0 if edge == "rising" else -1.0
+    height = sign * (np.asarray(signal, dtype=float) - threshold.level)
+    state = (height > threshold.hysteresis / 2.0).astype(np.int8) - (height < -threshold.hysteresis / 2.0).astype(np.int8)
+    outside = np.flatnonzero(state)
+    fired = outside[1:][np.diff(state[outside]) > 0]
+    last_below = np.maximum.accumulate(np.where(height < 0.0, np.arange(height.size), 0))[fired]
+    below, above = height[last_below], height[last_below + 1]
+    return np.asarray(start + (last_below + below / (below - above)) / sampling_rate)
+
+
+def monotone_slopes(time: Floats, angle: Floats) -> Floats:
+    """Slope (E,) at each knot: that of the parabola through it and its neighbours, limited so that the cubic is monotone.
+
+    The limit of three times the smaller neighbouring slope is that of Fritsch and Carlson (1980, doi:10.1137/0717021).
+    """
+    secant = np.diff(angle) / np.diff(time)
+    if secant.size == 1:
+        return np.repeat(secant, 2)
+    before, after = np.diff(time)[:-1], np.diff(time)[1:]
+    inner = (after * secant[:-1] + before * secant[1:]) / (before + after)
+    first = 2.0 * secant[0] - inner[0]
+    last = 2.0 * secant[-1] - inner[-1]
+    slopes = np.concatenate([[first], inner, [last]])
+    limit = 3.0 * np.minimum(np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]]))
+    return np.asarray(np.clip(slopes, 0.0, limit))
+
+
+def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
+    """The angle from the instants of all edges (P,) [s], rising; missing and double pulses repaired or declared.
+
+    pulses_per_turn: evenly spaced marks; the first good edge is taken as angle zero, so that with more than one the phase is
+    known up to a multiple of 2π / pulses_per_turn only, and nothing behind a gap is used. A turn with twice the marks
+    declared cannot be told from twice the speed.
+
+    Raises NoPulses for fewer than four edges; InconsistentIntervals when no two intervals in a row agree, fewer than four
+    edges are good, repairs and gaps are more than a fifth of them, gaps take more than half of the time, or the edges
+    scatter by more than 5 % of the interval. Near standstill, where the speed changes by more than a tenth in a turn, a
+    longer turn may pass for a missing pulse.
+    """
+    if pulses_per_turn < 1:
+        raise ValueError(f"pulses_per_turn is {pulses_per_turn}: it must be 1 or more")
+    if times.size < FEWEST_PULSES:
+        raise NoPulses(f"{times.size} pulses: at least {FEWEST_PULSES} are needed")
+    interval = np.diff(times)
+    local = scipy.ndimage.median_filter(interval, size=NEIGHBOURS, mode="mirror")
+    good = np.abs(interval / local - 1.0) <= TOLERANCE
+    anchors = np.flatnonzero(good[:-1] & good[1:])
+    if not anchors.size:
+        raise InconsistentIntervals(f"no two intervals in a row of the {interval.size} between the pulses agree")
+
+    at = int(anchors[0])
+    kept, counts = [at], [0]
+    repairs: list[Repair] = []
+    gaps: list[Gap] = []
+    while at < times.size - 1:
+        found = _next_edge(times, at, float(local[at]))
+        if found is not None:
+            following, count = found
+            repairs += [Repair("extra", float(time)) for time in times[at + 1 : following]]
+            due = np.linspace(times[at], times[following], count + 1)[1:-1]
+            repairs += [Repair("missing", float(time)) for time in due]
+        else:
+            later = anchors[anchors > at]
+            if not later.size or pulses_per_turn > 1:
+                break
+            following = int(later[0])
+            # Only the phase goes on behind a gap; the count must not pass for one of neighbouring edges.
+            count = max(MISSING_IN_A_ROW + 2, round(float((times[following] - times[at]) / local[at])))
+            gaps.append(Gap(float(times[at]), float(times[following]), "the intervals between the pulses do not fit together"))
+        at = following
+        kept.append(at)
+        counts.append(counts[-1] + count)
+
+    spacing = 2.0 * math.pi / pulses_per_turn
+    edge_time, number = times[kept], np.array(counts)
+    whole = ShaftAngle(edge_time, spacing * number, 0.0, tuple(sorted(repairs, key=lambda one: one.time)), tuple(gaps))
+    scatter = _scatter(edge_time, number)
+    known = sum(end - begin for begin, end in whole.pieces)
+    if known < 0.5 * (times[-1] - times[0]):
+        raise InconsistentIntervals(f"the intervals fit together for {known:.3g} s of {times[-1] - times[0]:.3g} s only")
+    if len(repairs) + len(gaps) > LARGEST_REPAIRED_PART * len(kept) or len(kept) < FEWEST_PULSES:
+        raise InconsistentIntervals(
+            f"{len(repairs)} pulses missing or too many and {len(gaps)} gaps beside {len(kept)} good pulses"
+        )
+    if scatter > LARGEST_JITTER:
+        raise InconsistentIntervals(f"the edges scatter by {100 * scatter:.1f} % of the interval between pulses")
+    return ShaftAngle(edge_time, whole.edge_angle, scatter * spacing, whole.repairs, whole.gaps)
+
+
+def read_keyphasor(
+    signal: Floats,
+    *,
+    sampling_rate: float,
+    start: float = 0.0,
+    edge: Edge = "rising",
+    pulses_per_turn: int = 1,
+    threshold: Threshold | None = None,
+) -> ShaftAngle:
+    """The angle of the shaft from a keyphasor's waveform (N,); arguments as in `edges` and `shaft_angle`, errors too.
+
+    threshold: chosen from the signal unless given. An edge steeper than a sample is known to half a sample only: a keyphasor
+    wants the fastest sampling of all channels. Raises KeyphasorError for samples that are not finite.
+    """
+    if not np.all(np.isfinite(signal)):
+        raise KeyphasorError(f"{np.count_nonzero(~np.isfinite(signal))} samples of the keyphasor are not finite numbers")
+    if not signal.size:
+        raise NoPulses("the keyphasor has no samples")
+    chosen = threshold_of(signal) if threshold is None else threshold
+    times = edges(signal, sampling_rate=sampling_rate, threshold=chosen, edge=edge, start=start)
+    return shaft_angle(times, pulses_per_turn=pulses_per_turn)
+
+
+def _next_edge(times: Floats, at: int, local: float) -> tuple[int, int] | None:
+    """Index of the edge that follows edge `at`, and by how many intervals; None where none lies near enough to a due time."""
+    ahead = (times[at + 1 : at + 2 + EXTRA_IN_A_ROW] - times[at]) / local
+    for count in range(1, MISSING_IN_A_ROW + 2):
+        away = np.abs(ahead - count)
+        nearest = int(np.argmin(away))
+        if away[nearest] <= TOLERANCE:
+            return at + 1 + nearest, count
+    return None
+
+
+def _scatter(time: Floats, number: NDArray[np.int_]) -> float:
+    """Rms error of an edge, part of the interval, from third divided differences of four in a row.
+
+    They vanish for constant acceleration; independent errors add in them to √20/6.
+    """
+    together = (number[3:] - number[:-3]) == 3
+    if not np.any(together):
+        return 0.0
+    first = np.diff(number) / np.diff(time)
+    second = np.diff(first) / (time[2:] - time[:-2])
+    third = np.diff(second) / (time[3:] - time[:-3])
+    interval = (time[3:] - time[:-3]) / 3.0
+    error = (6.0 / math.sqrt(20.0)) * third * interval**3
+    return float(np.sqrt(np.mean(error[together] ** 2)))
