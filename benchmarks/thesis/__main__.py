@@ -11,13 +11,14 @@ from types import ModuleType
 
 from threadpoolctl import threadpool_limits
 
-from benchmarks.thesis import chapter_2, chapter_3, chapter_4, chapter_5
+from benchmarks.thesis import chapter_2, chapter_3, chapter_4, chapter_5, future_work
 
 CHAPTERS: dict[str, ModuleType] = {
     "chapter-2": chapter_2,
     "chapter-3": chapter_3,
     "chapter-4": chapter_4,
     "chapter-5": chapter_5,
+    "future-work": future_work,
 }
 PAGE = Path(__file__).parents[2] / "docs" / "evidence.md"
 INTRODUCTION = """\
