@@ -26,8 +26,9 @@ INTRODUCTION = """\
 
 M. Lal's thesis (*Identification of multiple fault parameters in rotor-bearing-coupling systems based on forced response
 measurements*, IIT Guwahati) is where this project comes from. This page runs its numerical experiments again with its own
-methods and sets beside them what the maximum-likelihood fit of this project finds in the same data. Where the page does not say otherwise, numbers are computed
-by `python -m benchmarks.thesis`, which writes the page; noise comes from stated seeds, so that the same numbers come again.
+methods and sets beside them what the maximum-likelihood fit of this project finds in the same data. Where the page does not
+say otherwise, numbers are computed by `python -m benchmarks.thesis`, which writes the page; noise comes from stated seeds, so
+that the same numbers come again.
 `python -m benchmarks.thesis chapter-2 --help` shows how to run one experiment alone, with other noise, seeds or scaling.
 
 ## How to read it
