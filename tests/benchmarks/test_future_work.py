@@ -8,7 +8,7 @@ import pytest
 from benchmarks.thesis import future_work
 from benchmarks.thesis.__main__ import main
 from benchmarks.thesis.future_trains import FEATURES, INTERNAL_DAMPING
-from benchmarks.thesis.future_work import identified, internal_damping, simulated, without_feature
+from benchmarks.thesis.future_work import bearing_errors, identified, internal_damping, simulated, without_feature
 
 
 @pytest.mark.parametrize("name", FEATURES)
@@ -31,6 +31,16 @@ def test_a_document_without_the_feature_is_refused(name: str) -> None:
     assert not without_feature(simulated(FEATURES[name]).measured(seed=1)).accepted
 
 
+def test_internal_damping_left_out_distorts_the_bearings() -> None:
+    feature = FEATURES["internal-damping"]
+    simulation = simulated(feature)
+    measurement = simulation.measured(seed=1)
+    _, with_it = bearing_errors(identified(feature, measurement), simulation, feature)
+    _, without_it = bearing_errors(without_feature(measurement), simulation, feature)
+    assert with_it < 4.0
+    assert without_it > 6.0
+
+
 def test_internal_damping_is_found_from_the_profile() -> None:
     simulation = simulated(FEATURES["internal-damping"])
     found = [internal_damping(simulation.measured(seed=seed)) for seed in range(3)]
@@ -48,7 +58,7 @@ def test_one_feature_from_the_command_line(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_the_section_has_every_feature(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(future_work, "part", lambda name, *, seed: f"### {FEATURES[name].title}")
+    monkeypatch.setattr(future_work, "part", lambda name, **_: f"### {FEATURES[name].title}")
     text = future_work.section()
     assert text.startswith("## §6.5: what the thesis leaves to future work\n\n")
     assert text.count("\n### ") == len(FEATURES)
