@@ -8,7 +8,7 @@ import numpy as np
 from estimator.condensation import Complexes, Floats, condense
 from estimator.machine import Machine, Noise
 from estimator.misalignment import neighbouring_bearings
-from estimator.parameters import Unknowns, unknowns
+from estimator.parameters import Quantity, Unknowns, unknowns
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.segmentation import RunKind
@@ -18,8 +18,10 @@ Story = Literal["healthy", "misalignment", "unbalance"]
 
 TRUTH_SPREAD = 0.08
 """A machine differs from its document: standard deviation of the logarithm of each coefficient."""
-RUN_SCATTER = {"stiffness": 0.005, "angular stiffness": 0.005, "damping": 0.02, "unbalance": 0.01}
-"""Relative run-to-run scatter of the true parameters."""
+RUN_SCATTER: dict[Quantity, float] = {"damping": 0.02, "angular damping": 0.02, "unbalance": 0.01}
+"""Relative run-to-run scatter of the true parameters, …"""
+OTHER_RUN_SCATTER = 0.005
+"""… and of those not named there: stiffnesses and inertias."""
 COUPLING_STIFFENING = 0.6
 """Relative growth of a coupling's coefficients at the end of the misalignment story."""
 BEARING_STIFFENING = 0.25
@@ -84,7 +86,7 @@ def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
 
 def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
     """The truth of one run: load and temperature are never quite the same."""
-    size = np.array([RUN_SCATTER[c.quantity] for c in truth.unknowns.coefficients])
+    size = np.array([RUN_SCATTER.get(c.quantity, OTHER_RUN_SCATTER) for c in truth.unknowns.coefficients])
     coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
     turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
     return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
@@ -112,7 +114,10 @@ def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.rand
     """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
     train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
-    clean = response(train, coefficients=truth.coefficients, excitations=truth.unbalances)
+    # A simulated machine has no bow and no misalignment load, even where its document allows for them.
+    excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
+    excitations[: truth.unbalances.size] = truth.unbalances
+    clean = response(train, coefficients=truth.coefficients, excitations=excitations)
     return clean + noise(machine.noise, clean, rng)
 
 

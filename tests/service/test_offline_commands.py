@@ -169,3 +169,12 @@ def test_options_that_do_not_go_together(healthy: str) -> None:
 def test_files_that_are_not_there_or_something_else(healthy: str, tmp_path: Path) -> None:
     assert "none.csv: no such file" in run("identify", DOCUMENT, str(tmp_path / "none.csv"), status=1)
     assert "is neither YAML nor JSON" in run("identify", "README.md", healthy, status=1)
+
+
+def test_a_machine_with_seals_bows_and_loads_is_sampled_and_identified(tmp_path: Path) -> None:
+    path = str(tmp_path / "run.csv")
+    run("sample", "examples/sealed-pump.yaml", path)
+    text = run("identify", "examples/sealed-pump.yaml", path)
+    assert text.startswith("accepted")
+    for name in ("seal.N1.mxx", "shaft.pump.bow", "coupling.C1.force_x", "coupling.C1.kx_phiy"):
+        assert any(line.startswith(name) for line in text.splitlines()), name
