@@ -148,6 +148,9 @@ def section() -> str:
                 The bound is that of the information matrix at the true values, all unknowns free, without any prior. Below
                 it stand the fit's own verdict, and that of the document without the feature on the same data, from one start;
                 and what each makes of the bearings (those that the feature itself changes left out).
+
+                Of the thesis's list these are not in the model: terms between translation and rotation in bearings,
+                coupling parameters that vary within a turn, cracks, and particular kinds of coupling.
                 """),
             summary(),
             *(part(name, seed=SEED) for name in FEATURES),
