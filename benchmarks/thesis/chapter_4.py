@@ -5,7 +5,7 @@ python -m benchmarks.thesis chapter-4 [--method I|II] [--case A|B|C_fb1|C_fb2|C_
 """
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -108,11 +108,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scaling", choices=("none", "thesis", "norm"), default="norm", help="of columns, default norm")
     parser.add_argument("--sharing", choices=get_args(Sharing), default="none", help="phasors that share a random number")
     parser.add_argument("--seed", type=int, default=0, help="of the noise, default 0")
+    parser.add_argument(
+        "--part",
+        choices=sorted(PARTS),
+        default=None,
+        help="a part of the page instead of one experiment; other options are then unused",
+    )
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One experiment, parameter by parameter. Raises SystemExit for a case that the thesis does not have."""
+    """One experiment, parameter by parameter, or a part of the page. Raises SystemExit for a case that is not there."""
     subject = load()
+    if arguments.part is not None:
+        return PARTS[arguments.part](subject)
     wanted = (arguments.method, arguments.case)
     cases = [case for case in (*CASES, *BANDS) if (case.method, case.name) == wanted]
     if not cases:
@@ -577,3 +585,7 @@ def _forces(subject: Subject) -> str:
         + table(["", *list(curves)[1:]], rows)
         + f"\n\n![Force along x over speed]({save('chapter-4-coupling-force', svg)})"
     )
+
+
+PARTS: dict[str, Callable[[Subject], str]] = {"bias": _bias, "speed-dependent": _speed_dependent}
+"""Parts that a command can print alone: E and density 5 % off, and Eq. 4.66-4.70."""
