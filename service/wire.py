@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.channel_status import ChannelStatus
 from estimator.machine import Machine
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rpm_to_rad_per_s
 from storage.blocks import Samples
@@ -35,9 +36,10 @@ EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
 FUTURE_TOLERANCE = 60_000_000_000
 """A sample may be ahead of this machine's clock by a minute [ns]; clocks that differ by more want mending."""
 
-STATUSES = ("good", "not_available", "bad", "out_of_range")
+STATUSES = {status.label: status for status in ChannelStatus}
 DIRECTIONS = {"positive": 1, "negative": -1}
 
+_NO_PHASOR = complex(np.nan, np.nan)
 _FRAME = re.compile(rb"rundown/1 (\d{1,10}) ([0-9a-f]{8})\n")
 _IDENTIFIER = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
 
@@ -78,7 +80,8 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     sample in this epoch, counted from 0; the others follow without a hole. time_ns: per sample, UTC since 1970.
     amplitude, phase, status, scatter: per sample a list over the channels; null where there is no value. status: `good`,
     `not_available`, `bad` or `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's
-    unit. direction: `positive` turns +x towards +y.
+    unit. amplitude_2x, phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive`
+    turns +x towards +y.
     """
 
     schema: int
@@ -100,6 +103,8 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     phase: list[list[float | None]]
     status: list[list[str]] | None = None
     scatter: list[list[float | None]] | None = None
+    amplitude_2x: list[list[float | None]] | None = None
+    phase_2x: list[list[float | None]] | None = None
 
 
 class _Version(msgspec.Struct):
@@ -215,7 +220,9 @@ def _check_shape(batch: SampleBatch) -> None:
         raise Rejected("wrong_shape", "epoch and sequence must not be negative and must fit 63 bits")
     if len(batch.speed) != count:
         raise Rejected("wrong_shape", f"speed has {len(batch.speed)} values for {count} samples")
-    for name in ("amplitude", "phase", "status", "scatter"):
+    if (batch.amplitude_2x is None) != (batch.phase_2x is None):
+        raise Rejected("wrong_shape", "amplitude_2x and phase_2x come together or not at all")
+    for name in ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x"):
         rows = getattr(batch, name)
         if rows is not None and (len(rows) != count or any(len(row) != channels for row in rows)):
             raise Rejected("wrong_shape", f"{name} must have {count} rows of {channels} values")
@@ -241,32 +248,42 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     turn = _factor(batch, "phase_convention", LEAD) * _factor(batch, "phase_unit", RADIANS)
     count = len(batch.time_ns)
     shape = (count, len(machine.probes))
-    phasor = np.full(shape, complex(np.nan, np.nan))
+    phasor = np.full(shape, _NO_PHASOR)
+    second = np.full(shape, _NO_PHASOR)
     scatter = np.full(shape, np.nan)
-    good = np.zeros(shape, dtype=bool)
+    status = np.full(shape, ChannelStatus.NOT_AVAILABLE, dtype=np.uint8)
     columns = [machine.channels.index(channel) for channel in batch.channels]
     with np.errstate(invalid="ignore", over="ignore"):
         speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
-        phasor[:, columns] = _table(batch.amplitude) * factors * np.exp(1j * turn * _table(batch.phase))
-        if batch.scatter is not None:
-            scatter[:, columns] = np.abs(_table(batch.scatter) * factors)
-        size = _table(batch.amplitude) * factors
-        sensible = (size >= 0.0) & (size <= LARGEST_AMPLITUDE) & (np.abs(_table(batch.phase)) <= LARGEST_PHASE)
-        if batch.scatter is not None:
-            told = _table(batch.scatter)
-            sensible &= ~np.isfinite(told) | ((told >= 0.0) & (scatter[:, columns] <= LARGEST_AMPLITUDE))
-    called_good = _called_good(batch)
-    good[:, columns] = called_good & sensible
-    faults = _channel_faults(batch, size, called_good & ~sensible)
-    phasor[~good] = complex(np.nan, np.nan)
+        size, phase = _table(batch.amplitude) * factors, _table(batch.phase)
+        number = _is_amplitude(size) & (np.abs(phase) <= LARGEST_PHASE)
+        told = np.full(size.shape, np.nan) if batch.scatter is None else _table(batch.scatter) * factors
+        sensible = number & (~np.isfinite(told) | _is_amplitude(told))
+        phasor[:, columns] = np.where(number, size * np.exp(1j * turn * phase), _NO_PHASOR)
+        if batch.amplitude_2x is not None and batch.phase_2x is not None:
+            twice, phase_2x = _table(batch.amplitude_2x) * factors, _table(batch.phase_2x)
+            number_2x = _is_amplitude(twice) & (np.abs(phase_2x) <= LARGEST_PHASE)
+            second[:, columns] = np.where(number_2x, twice * np.exp(1j * turn * phase_2x), _NO_PHASOR)
+    called = _called(batch)
+    wrong = (called == ChannelStatus.GOOD) & ~sensible
+    faults = _channel_faults(batch, size, wrong)
+    status[:, columns] = np.where(wrong, np.where(_is_too_large(size), ChannelStatus.OUT_OF_RANGE, ChannelStatus.BAD), called)
+    scatter[:, columns] = np.where(sensible & np.isfinite(told), told, np.nan)
     time = np.array([min(max(t, -(2**62)), 2**62) for t in batch.time_ns], dtype=np.int64)
     taken = np.ones(count, dtype=bool)
     for fault in _sample_faults(machine, time, speed, received_at):
         faults.append(fault)
         taken[fault.index] = False
     direction = np.full(count, _factor(batch, "direction", DIRECTIONS), dtype=np.int8)
-    scatter[~np.isfinite(scatter) | ~good] = np.nan
-    return Samples(time, speed, direction, phasor, good, scatter), taken, faults
+    return Samples(time, speed, direction, phasor, status, scatter, second), taken, faults
+
+
+def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.asarray((size >= 0.0) & (size <= LARGEST_AMPLITUDE))
+
+
+def _is_too_large(size: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.asarray(np.isfinite(size) & ~_is_amplitude(size))
 
 
 def _factor(batch: SampleBatch, name: str, table: Mapping[Any, float]) -> float:
@@ -298,8 +315,8 @@ def _table(rows: list[list[float | None]]) -> NDArray[np.float64]:
     return np.array([[np.nan if value is None else value for value in row] for row in rows], dtype=float)
 
 
-def _called_good(batch: SampleBatch) -> NDArray[np.bool_]:
-    """Where the source itself calls a value good: a null is as good as `not_available`."""
+def _called(batch: SampleBatch) -> NDArray[np.uint8]:
+    """What the source itself says of each value: a null is as good as `not_available`."""
     there = np.array(
         [
             [a is not None and p is not None for a, p in zip(amplitudes, phases, strict=True)]
@@ -307,12 +324,14 @@ def _called_good(batch: SampleBatch) -> NDArray[np.bool_]:
         ]
     )
     if batch.status is None:
-        return there
-    unknown = {status for row in batch.status for status in row} - set(STATUSES)
-    if unknown:
-        raise Rejected("wrong_unit", f"status '{min(unknown)[:40]}' is not one of {', '.join(STATUSES)}")
-    called_good = np.array([[status == "good" for status in row] for row in batch.status])
-    return np.asarray(there & called_good)
+        said = np.full(there.shape, ChannelStatus.GOOD)
+    else:
+        unknown = {status for row in batch.status for status in row} - set(STATUSES)
+        if unknown:
+            raise Rejected("wrong_unit", f"status '{min(unknown)[:40]}' is not one of {', '.join(STATUSES)}")
+        said = np.array([[STATUSES[status] for status in row] for row in batch.status])
+    missing = ~there & (said == ChannelStatus.GOOD)
+    return np.where(missing, ChannelStatus.NOT_AVAILABLE, said).astype(np.uint8)
 
 
 def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArray[np.bool_]) -> list[Fault]:
@@ -320,7 +339,7 @@ def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArra
     faults = []
     for index, column in np.argwhere(wrong):
         channel, amplitude = batch.channels[column], size[index, column]
-        if np.isfinite(amplitude) and not 0.0 <= amplitude <= LARGEST_AMPLITUDE:
+        if _is_too_large(amplitude):
             detail = f"channel {channel}: {amplitude:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
             faults.append(Fault(int(index), "amplitude_out_of_range", detail))
         else:

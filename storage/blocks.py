@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.channel_status import ChannelStatus
 from estimator.measurement import Measurement
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
 _MAGIC = b"RDSB"
-_FORMAT = 1
+_FORMAT = 2
+_OLDEST_FORMAT = 1  # without 2× and with one bit of status
 
 
 class DamagedBlock(ValueError):
@@ -23,16 +25,23 @@ class DamagedBlock(ValueError):
 class Samples:
     """S samples of one machine's m channels, SI.
 
-    time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 0-to-peak [m], NaN
-    where there is none. usable: (S, m). scatter: (S, m) [m], NaN where unknown.
+    time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 1× 0-to-peak [m], NaN
+    where there is none. status: (S, m) ChannelStatus. scatter: (S, m) rms of the complex error of the 1× [m], NaN where
+    unknown. second: (S, m) complex 2× 0-to-peak [m], NaN where there is none; it does not enter the fit.
     """
 
     time: NDArray[np.int64]
     speed: NDArray[np.float64]
     direction: NDArray[np.int8]
     phasor: NDArray[np.complex128]
-    usable: NDArray[np.bool_]
+    status: NDArray[np.uint8]
     scatter: NDArray[np.float64]
+    second: NDArray[np.complex128]
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(S, m) where the 1× phasor is good."""
+        return np.asarray(self.status == ChannelStatus.GOOD)
 
     def __len__(self) -> int:
         return int(self.time.size)
@@ -50,7 +59,7 @@ class Samples:
         return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
 
 
-_FIELDS = ("time", "speed", "direction", "phasor", "usable", "scatter")
+_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second")
 
 
 def join(parts: Sequence[Samples], *, channels: int) -> Samples:
@@ -61,8 +70,9 @@ def join(parts: Sequence[Samples], *, channels: int) -> Samples:
             np.empty(0),
             np.empty(0, np.int8),
             np.empty((0, channels), complex),
-            np.empty((0, channels), bool),
+            np.empty((0, channels), np.uint8),
             np.empty((0, channels)),
+            np.empty((0, channels), complex),
         )
     return Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS))
 
@@ -76,8 +86,9 @@ def encode(samples: Samples) -> bytes:
             samples.speed.astype("<f8").tobytes(),
             samples.direction.astype("i1").tobytes(),
             samples.phasor.astype("<c16").tobytes(),
-            np.packbits(samples.usable.reshape(-1)).tobytes(),
+            samples.status.astype("u1").tobytes(),
             samples.scatter.astype("<f8").tobytes(),
+            samples.second.astype("<c16").tobytes(),
         ]
     )
     packed = zlib.compress(body, 1)
@@ -88,8 +99,8 @@ def decode(data: bytes) -> Samples:
     """The samples of a block. Raises DamagedBlock."""
     try:
         magic, version, channels, count, checksum = _HEADER.unpack_from(data)
-        if magic != _MAGIC or version != _FORMAT:
-            raise DamagedBlock(f"not a sample block of format {_FORMAT}")
+        if magic != _MAGIC or not _OLDEST_FORMAT <= version <= _FORMAT:
+            raise DamagedBlock(f"not a sample block of format {_OLDEST_FORMAT} to {_FORMAT}")
         if checksum != _checksum(channels, count, data[_HEADER.size :]):
             raise DamagedBlock("sample block is damaged: its checksum does not fit")
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
@@ -102,18 +113,27 @@ def decode(data: bytes) -> Samples:
             at += taken.nbytes
             return taken
 
+        table = count, channels
         return Samples(
             time=take("<i8", count).astype(np.int64),
             speed=take("<f8", count).astype(np.float64),
             direction=take("i1", count).astype(np.int8),
-            phasor=take("<c16", values).astype(np.complex128).reshape(count, channels),
-            usable=np.unpackbits(take("u1", -(-values // 8)).astype(np.uint8), count=values)
-            .astype(bool)
-            .reshape(count, channels),
-            scatter=take("<f8", values).astype(np.float64).reshape(count, channels),
+            phasor=take("<c16", values).astype(np.complex128).reshape(table),
+            status=_status(take("u1", values if version > 1 else -(-values // 8)), values, version).reshape(table),
+            scatter=take("<f8", values).astype(np.float64).reshape(table),
+            second=(
+                take("<c16", values).astype(np.complex128) if version > 1 else np.full(values, complex(np.nan, np.nan))
+            ).reshape(table),
         )
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
+
+
+def _status(stored: NDArray[np.generic], values: int, version: int) -> NDArray[np.uint8]:
+    if version > 1:
+        return stored.astype(np.uint8)
+    usable = np.unpackbits(stored.astype(np.uint8), count=values).astype(bool)
+    return np.where(usable, ChannelStatus.GOOD, ChannelStatus.NOT_AVAILABLE).astype(np.uint8)
 
 
 def _checksum(channels: int, count: int, packed: bytes) -> int:

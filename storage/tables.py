@@ -33,7 +33,7 @@ class Base(DeclarativeBase):
     """Parent of all tables."""
 
     metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map = {int: BigInteger, dict[str, Any]: JSON, list[int]: JSON, list[str]: JSON}  # noqa: RUF012
+    type_annotation_map = {int: BigInteger, dict[str, Any]: JSON, list[int]: JSON, list[str]: JSON, list[list[int]]: JSON}  # noqa: RUF012
 
 
 class MachineRow(Base):
@@ -45,6 +45,27 @@ class MachineRow(Base):
     plant: Mapped[str] = mapped_column(String(64))
     revision: Mapped[int]
     created_at: Mapped[int]
+    slow_roll_version: Mapped[int | None]
+    """Slow-roll vectors that new identifications subtract."""
+
+
+class SlowRollRow(Base):
+    """Slow-roll vectors of a machine's channels; never changed. Samples and runs keep what was measured, without them."""
+
+    __tablename__ = "slow_roll_vectors"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    created_at: Mapped[int]
+    origin: Mapped[str] = mapped_column(String(16))
+    direction: Mapped[int]
+    vectors: Mapped[dict[str, Any]]
+    """Per channel real, imaginary and standard error of each [m]."""
+    speed_minimum: Mapped[float | None]
+    speed_maximum: Mapped[float | None]
+    time_first: Mapped[int | None]
+    time_last: Mapped[int | None]
+    comment: Mapped[str] = mapped_column(Text)
 
 
 class RevisionRow(Base):
@@ -72,6 +93,8 @@ class SourceRow(Base):
     lost: Mapped[int]
     late: Mapped[int]
     last_time: Mapped[int]
+    missing: Mapped[list[list[int]] | None]
+    """Sequence numbers that never came, as [first, last], while they may still come."""
 
 
 class SampleBlockRow(Base):
@@ -106,7 +129,7 @@ class CollectorRow(Base):
 
 
 class RunRow(Base):
-    """A run-up or run-down. Once closed it carries its own samples and never changes."""
+    """A run-up, a run-down, or a rolling collection. Once closed it carries its own samples; late ones change it once."""
 
     __tablename__ = "runs"
     __table_args__ = (
@@ -128,10 +151,17 @@ class RunRow(Base):
     speed_maximum: Mapped[float | None]
     count: Mapped[int | None]
     data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    # Null in runs that an older release collected.
+    reopened_at: Mapped[int | None]
+    """When late samples made it anew; it happens once."""
+    coverage: Mapped[dict[str, Any] | None]
+    quality: Mapped[dict[str, Any] | None]
+    flags: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    """What is wrong with each point of each channel, see `storage.runs`."""
 
 
 class JobRow(Base):
-    """An identification that is to be computed, is being computed, or was."""
+    """An identification that is to be computed, is being computed, or was. options: what differs from the usual."""
 
     __tablename__ = "identification_jobs"
     __table_args__ = (Index(None, "state"),)
@@ -146,6 +176,7 @@ class JobRow(Base):
     created_at: Mapped[int]
     finished_at: Mapped[int | None]
     error: Mapped[str | None] = mapped_column(Text)
+    options: Mapped[dict[str, Any] | None]
 
 
 class IdentificationRow(Base):
@@ -185,6 +216,7 @@ class IdentificationRow(Base):
     noise_floor: Mapped[float | None]
     outliers: Mapped[dict[str, Any] | None]
     point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    slow_roll_version: Mapped[int | None]
 
 
 class EstimateRow(Base):

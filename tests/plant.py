@@ -11,6 +11,7 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from sqlalchemy.orm import Session
 
+from estimator.channel_status import ChannelStatus
 from estimator.condensation import condense
 from estimator.identification import Estimate, Identification
 from estimator.machine import Machine, Noise, parse_machine
@@ -115,23 +116,24 @@ def arrived(one: SampleBatch, *, received_at: int = START + 86_400 * SECOND) -> 
 def samples(count: int = 3, *, start: int = START, step: int = SECOND, rpm: Sequence[float] | None = None) -> Samples:
     """Samples of the machine, the first channel unusable throughout."""
     phasor = np.full((count, len(CHANNELS)), 5e-5 * np.exp(-1j * np.radians(30.0)))
-    usable = np.ones((count, len(CHANNELS)), bool)
-    usable[:, 0] = False
-    phasor[~usable] = complex(np.nan, np.nan)
+    status = np.full((count, len(CHANNELS)), ChannelStatus.GOOD, np.uint8)
+    status[:, 0] = ChannelStatus.NOT_AVAILABLE
+    phasor[:, 0] = complex(np.nan, np.nan)
     speeds = np.linspace(1000.0, 2000.0, count) if rpm is None else np.asarray(rpm, dtype=float)
     return Samples(
         time=start + step * np.arange(count, dtype=np.int64),
         speed=rpm_to_rad_per_s(1.0) * speeds,
         direction=np.ones(count, np.int8),
         phasor=phasor,
-        usable=usable,
+        status=status,
         scatter=np.full(phasor.shape, np.nan),
+        second=np.full(phasor.shape, complex(np.nan, np.nan)),
     )
 
 
 def assert_same_samples(found: Samples, expected: Samples) -> None:
     """Equal to the bit, NaN with NaN."""
-    for name in ("time", "speed", "direction", "phasor", "usable", "scatter"):
+    for name in ("time", "speed", "direction", "phasor", "status", "scatter", "second"):
         one, other = getattr(found, name), getattr(expected, name)
         assert one.dtype == other.dtype, name
         assert one.shape == other.shape, name

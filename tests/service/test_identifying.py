@@ -11,6 +11,7 @@ import numpy as np
 import psutil
 import pytest
 
+from estimator.channel_status import ChannelStatus
 from estimator.machine import Machine
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
@@ -40,8 +41,9 @@ def close_run(database: Database, train: Machine, *, seed: int, start_s: int, as
         speed=speed,
         direction=np.ones(speed.size, np.int8),
         phasor=phasor,
-        usable=np.isfinite(phasor),
+        status=np.where(np.isfinite(phasor), ChannelStatus.GOOD, ChannelStatus.NOT_AVAILABLE).astype(np.uint8),
         scatter=np.full(phasor.shape, np.nan),
+        second=np.full(phasor.shape, complex(np.nan, np.nan)),
     )
     with database.transaction() as session:
         row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))

@@ -150,7 +150,7 @@ def test_only_good_values_are_used(status: str) -> None:
     found, taken, faults = converted(batch(status=[["good", status, "good", "good"]], scatter=[[1.0] * 4]))
     good = status == "good"
     assert found.usable.tolist() == [[True, good, True, True]]
-    assert np.isfinite(found.phasor[0, 1]) == good
+    assert np.isfinite(found.phasor).all()  # a value that is not good is kept for people to look at
     assert np.isfinite(found.scatter[0, 1]) == good
     assert taken.all()
     assert faults == []
@@ -538,7 +538,7 @@ def test_a_batch_of_any_numbers_is_taken_or_rejected(
     )
     found, taken, _ = to_samples(one, machine(), received_at=NOW)
     assert np.isfinite(found.phasor[found.usable]).all()
-    assert np.isnan(found.phasor[~found.usable]).all()
+    assert not np.isinf(found.phasor).any()
     assert np.isfinite(found.speed[taken]).all()
     assert not np.isinf(found.scatter).any()
 

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from estimator.channel_status import ChannelStatus
 from storage.blocks import DamagedBlock, Samples, decode, encode, join
 from tests.plant import START, assert_same_samples, few_examples, samples
 
@@ -27,8 +28,9 @@ def any_samples(draw: st.DrawFn) -> Samples:
         speed=draw(arrays.arrays(np.float64, count, elements=floats)),
         direction=draw(arrays.arrays(np.int8, count, elements=st.sampled_from([1, -1]))),
         phasor=draw(arrays.arrays(np.float64, (count, 2 * channels), elements=floats)).view(np.complex128),
-        usable=draw(arrays.arrays(np.bool_, table)),
+        status=draw(arrays.arrays(np.uint8, table, elements=st.sampled_from(list(map(int, ChannelStatus))))),
         scatter=draw(arrays.arrays(np.float64, table, elements=floats)),
+        second=draw(arrays.arrays(np.float64, (count, 2 * channels), elements=floats)).view(np.complex128),
     )
 
 
@@ -47,7 +49,7 @@ def test_round_trip_keeps_the_bits_of_nan() -> None:
 def test_decoded_arrays_can_be_written_to() -> None:
     found = decode(encode(samples(2)))
     found.speed[0] = 1.0
-    found.usable[0, 0] = True
+    found.status[0, 0] = ChannelStatus.GOOD
     assert found.usable[0, 0]
 
 
@@ -64,7 +66,7 @@ def test_a_block_of_usual_samples_is_smaller_than_its_numbers() -> None:
         pytest.param(lambda data: data[:12], id="only a header"),
         pytest.param(lambda data: data[:-5], id="cut off"),
         pytest.param(lambda data: b"XXXX" + data[4:], id="another file"),
-        pytest.param(lambda data: data[:4] + struct.pack("<H", 2) + data[6:], id="format of the future"),
+        pytest.param(lambda data: data[:4] + struct.pack("<H", 3) + data[6:], id="format of the future"),
         pytest.param(lambda data: data[:12] + bytes(len(data) - 12), id="zeros"),
         pytest.param(lambda data: data[:12] + zlib.compress(b"short"), id="too little inside"),
         pytest.param(lambda data: data[:8] + struct.pack("<I", 2**32 - 1) + data[12:], id="count too large"),
