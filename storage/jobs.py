@@ -1,6 +1,9 @@
 """Repository of identification jobs: a queue that survives restarts."""
 
+import hashlib
+import json
 from collections.abc import Sequence
+from typing import Any
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
@@ -20,9 +23,13 @@ class JobUnknown(KeyError):
     """No job of that id."""
 
 
-def ask(session: Session, machine_id: str, *, scope: str, run_ids: list[int]) -> JobRow | None:
-    """Queue an identification of these runs; None when the same was asked for before."""
+def ask(
+    session: Session, machine_id: str, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None
+) -> JobRow | None:
+    """Queue an identification of these runs; None when the same was asked for before, with the same options."""
     request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
+    if options:
+        request += ":" + hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:32]
     if session.scalars(select(JobRow.id).where(JobRow.request == request)).first() is not None:
         return None
     row = JobRow(
@@ -35,6 +42,7 @@ def ask(session: Session, machine_id: str, *, scope: str, run_ids: list[int]) ->
         created_at=now(),
         finished_at=None,
         error=None,
+        options=options or None,
     )
     session.add(row)
     session.flush()
