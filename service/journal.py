@@ -10,9 +10,11 @@ from collections.abc import Set
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
+from service import holes
 from service.collection import Collector
 from service.order import Order
 from service.wire import Fault, Rejected, SampleBatch, source_key, to_samples
@@ -81,11 +83,14 @@ class Journal:
             raise
 
     def close_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
-        """Close the runs of machines that have fallen silent. alive: machines of which a source is connected."""
+        """Close the runs of machines that have fallen silent, and sort in what came late.
+
+        alive: machines of which a source is connected.
+        """
         with self._database.transaction() as session:
             for row in machines.every(session):
-                machine = machines.document(session, row.id)
-                self._collector.close_silent(session, machine, silence_s=silence_s, alive=row.id in alive)
+                self._collector.close_silent(session, row.id, silence_s=silence_s, alive=row.id in alive)
+                self._collector.settle_late(session, row.id)
 
     def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> None:
         pending = _Pending(rejections=list(rejections))
@@ -116,36 +121,69 @@ class Journal:
             quarantine.add(session, pending.rejections)
 
     def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> None:
-        """Number, convert and check one batch; what is left of it joins `pending`."""
+        """Number, convert and check one batch; what is left of it joins `pending`.
+
+        Its samples are known already, fill holes that were counted as lost, or follow what came so far.
+        """
         batch, key = one.batch, source_key(one.batch)
         row = samples.source(session, key)
         count = len(batch.time_ns)
-        known = min(max(row.next_sequence - batch.sequence, 0), count)
-        row.duplicates += known
-        if known == count:
-            return
         gap = max(batch.sequence - row.next_sequence, 0)
         if gap > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
             return
-        row.lost += gap
-        row.next_sequence = batch.sequence + count
+        missing = list(row.missing or ())
+        filling = holes.pieces(missing, first=batch.sequence, count=count)
+        following = min(max(row.next_sequence - batch.sequence, 0), count)
+        fresh = np.zeros(count, dtype=bool)
+        fresh[following:] = True
+        for piece in filling:
+            fresh[piece.start : piece.stop] = True
+        row.duplicates += int(np.count_nonzero(~fresh))
+        if not fresh.any():
+            return
+        row.lost += gap - sum(piece.stop - piece.start for piece in filling)
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
         except Rejected as rejected:
             pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
-            return
-        taken[:known] = False
-        order = self._orders.setdefault(key, Order(time=row.last_time))
-        faults += order.check(machine, converted, taken)
-        pending.rejections += [_sample_rejection(one, fault) for fault in faults if fault.index >= known]
-        if taken.any():
+            converted, taken, faults = None, np.zeros(count, dtype=bool), []
+        taken &= fresh
+        for piece in filling:
+            times = np.empty(0, np.int64)
+            if converted is not None:
+                here = _only(taken, piece.start, piece.stop)
+                order = Order(time=piece.hole[2], before=piece.hole[3])
+                faults += order.check(machine, converted, here)
+                taken[piece.start : piece.stop] = here[piece.start : piece.stop]
+                times = converted.time[here]
+            missing = holes.filled(missing, piece, first=batch.sequence, times=times)
+        before, newest = row.last_time, holes.NEVER
+        if converted is not None:
+            here = _only(taken, following, count)
+            faults += self._orders.setdefault(key, Order(time=row.last_time)).check(machine, converted, here)
+            taken[following:] = here[following:]
+            if here.any():
+                newest = int(converted.time[here][0])
+                row.last_time = int(converted.time[here][-1])
+        if gap:
+            missing = holes.noted(missing, [row.next_sequence, batch.sequence - 1, before, newest])
+        row.missing = missing or None
+        row.next_sequence = max(row.next_sequence, batch.sequence + count)
+        pending.rejections += [_sample_rejection(one, fault) for fault in faults if fresh[fault.index]]
+        if converted is not None and taken.any():
             kept = converted.pick(taken)
             pending.parts[key].append(kept)
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
-            row.last_time = int(kept.time[-1])
+
+
+def _only(taken: NDArray[np.bool_], start: int, stop: int) -> NDArray[np.bool_]:
+    """Those taken among samples start to before stop."""
+    here = np.zeros_like(taken)
+    here[start:stop] = taken[start:stop]
+    return here
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:
