@@ -174,6 +174,11 @@ def release_over(session: Session) -> int:
     return len(over)
 
 
+def any_over(session: Session) -> bool:
+    """Whether the time of any suppression is over."""
+    return bool(suppressions.over(session, now()))
+
+
 def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
     return [
         row

@@ -20,6 +20,10 @@ class SubscriptionExists(ValueError):
     """A subscription of that name is there already."""
 
 
+class SubscriptionDisabled(ValueError):
+    """Nothing is sent to this subscription."""
+
+
 class DeliveryUnknown(KeyError):
     """No delivery of that id."""
 
@@ -63,6 +67,12 @@ def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
 def enable(row: SubscriptionRow) -> None:
     """Tell it of what happens from now on."""
     row.state, row.reason = ACTIVE, None
+
+
+def require_active(row: SubscriptionRow) -> None:
+    """Raises SubscriptionDisabled."""
+    if row.state != ACTIVE:
+        raise SubscriptionDisabled(f"subscription '{row.name}' is disabled ({row.reason}): enable it first")
 
 
 def queue(session: Session, event: AlertEventRow) -> None:
