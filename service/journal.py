@@ -23,6 +23,7 @@ from storage.blocks import Samples, join
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
+from storage.tables import SourceRow
 
 logger = logging.getLogger(__name__)
 
@@ -40,6 +41,17 @@ class Arrived:
     received_at: int
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a batch: samples stored, stored before, missing just before it; what of it was not taken and why."""
+
+    received: int = 0
+    duplicates: int = 0
+    lost: int = 0
+    faults: tuple[Fault, ...] = ()
+    rejected: Rejected | None = None
+
+
 @dataclass
 class _Pending:
     """What one transaction has gathered before it writes blocks."""
@@ -47,6 +59,7 @@ class _Pending:
     parts: dict[SourceKey, list[Samples]] = field(default_factory=lambda: defaultdict(list))
     first: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
+    outcomes: list[Outcome] = field(default_factory=list)
 
 
 class Journal:
@@ -73,11 +86,13 @@ class Journal:
                     return None
         return self._plants[machine_id]
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> None:
-        """Store batches and rejections. Raises what the database raises; then nothing was stored."""
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        """Store batches and rejections; returns what became of each batch. Raises what the database raises; then nothing was
+        stored.
+        """
         try:
             with self._database.transaction() as session:
-                self._store(session, arrived, rejections)
+                return self._store(session, arrived, rejections)
         except BaseException:
             self._orders.clear()  # they may know of samples that were not stored
             raise
@@ -92,7 +107,7 @@ class Journal:
                 self._collector.close_silent(session, row.id, silence_s=silence_s, alive=row.id in alive)
                 self._collector.settle_late(session, row.id)
 
-    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> None:
+    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
         pending = _Pending(rejections=list(rejections))
         documents: dict[str, tuple[int, Machine]] = {}
         for one in arrived:
@@ -100,7 +115,7 @@ class Journal:
             if machine_id not in documents:
                 revision = machines.get(session, machine_id).revision
                 documents[machine_id] = revision, machines.document(session, machine_id, revision)
-            self._take(session, pending, one, documents[machine_id][1])
+            pending.outcomes.append(self._take(session, pending, one, documents[machine_id][1]))
         fresh: dict[str, list[Samples]] = defaultdict(list)
         for key, parts in pending.parts.items():
             revision, machine = documents[key.machine_id]
@@ -119,8 +134,9 @@ class Journal:
             self._collector.feed(session, machine, revision, in_time)
         if pending.rejections:
             quarantine.add(session, pending.rejections)
+        return pending.outcomes
 
-    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> None:
+    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> Outcome:
         """Number, convert and check one batch; what is left of it joins `pending`.
 
         Its samples are known already, fill holes that were counted as lost, or follow what came so far.
@@ -132,58 +148,70 @@ class Journal:
         if gap > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
-            return
-        missing = list(row.missing or ())
-        filling = holes.pieces(missing, first=batch.sequence, count=count)
+            return Outcome(rejected=Rejected("sequence_out_of_range", detail))
+        filling = holes.pieces(row.missing or (), first=batch.sequence, count=count)
         following = min(max(row.next_sequence - batch.sequence, 0), count)
-        fresh = np.zeros(count, dtype=bool)
-        fresh[following:] = True
+        fresh = np.arange(count) >= following
         for piece in filling:
             fresh[piece.start : piece.stop] = True
-        row.duplicates += int(np.count_nonzero(~fresh))
-        if not fresh.any():
-            return
+        known = int(np.count_nonzero(~fresh))
+        row.duplicates += known
+        if known == count:
+            return Outcome(duplicates=known)
         row.lost += gap - sum(piece.stop - piece.start for piece in filling)
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
         except Rejected as rejected:
             pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
-            converted, taken, faults = None, np.zeros(count, dtype=bool), []
+            _advance(row, batch, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
+            return Outcome(duplicates=known, lost=gap, rejected=rejected)
         taken &= fresh
         for piece in filling:
-            times = np.empty(0, np.int64)
-            if converted is not None:
-                here = _only(taken, piece.start, piece.stop)
-                order = Order(time=piece.hole[2], before=piece.hole[3])
-                faults += order.check(machine, converted, here)
-                taken[piece.start : piece.stop] = here[piece.start : piece.stop]
-                times = converted.time[here]
-            missing = holes.filled(missing, piece, first=batch.sequence, times=times)
-        before, newest = row.last_time, holes.NEVER
-        if converted is not None:
-            here = _only(taken, following, count)
-            faults += self._orders.setdefault(key, Order(time=row.last_time)).check(machine, converted, here)
-            taken[following:] = here[following:]
-            if here.any():
-                newest = int(converted.time[here][0])
-                row.last_time = int(converted.time[here][-1])
-        if gap:
-            missing = holes.noted(missing, [row.next_sequence, batch.sequence - 1, before, newest])
-        row.missing = missing or None
-        row.next_sequence = max(row.next_sequence, batch.sequence + count)
-        pending.rejections += [_sample_rejection(one, fault) for fault in faults if fresh[fault.index]]
-        if converted is not None and taken.any():
+            order = Order(time=piece.hole[2], before=piece.hole[3])
+            faults += _check(order, machine, converted, taken, piece.start, piece.stop)
+        latest = self._orders.setdefault(key, Order(time=row.last_time))
+        faults += _check(latest, machine, converted, taken, following, count)
+        _advance(row, batch, filling, converted.time, taken, following)
+        new = tuple(fault for fault in faults if fresh[fault.index])
+        pending.rejections += [_sample_rejection(one, fault) for fault in new]
+        if taken.any():
             kept = converted.pick(taken)
             pending.parts[key].append(kept)
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
+        return Outcome(int(np.count_nonzero(taken)), known, gap, new)
 
 
-def _only(taken: NDArray[np.bool_], start: int, stop: int) -> NDArray[np.bool_]:
-    """Those taken among samples start to before stop."""
+def _check(order: Order, machine: Machine, converted: Samples, taken: NDArray[np.bool_], start: int, stop: int) -> list[Fault]:
+    """Clear `taken` where samples start to before stop of a batch are not in order; returns why."""
     here = np.zeros_like(taken)
     here[start:stop] = taken[start:stop]
-    return here
+    faults = order.check(machine, converted, here)
+    taken[start:stop] = here[start:stop]
+    return faults
+
+
+def _advance(
+    row: SourceRow,
+    batch: SampleBatch,
+    filling: list[holes.Piece],
+    time: NDArray[np.int64],
+    taken: NDArray[np.bool_],
+    following: int,
+) -> None:
+    """Note how far a source has come with a batch: holes filled, a new one before it, its newest number and time."""
+    missing = list(row.missing or ())
+    for piece in filling:
+        inside = slice(piece.start, piece.stop)
+        missing = holes.filled(missing, piece, first=batch.sequence, times=time[inside][taken[inside]])
+    new = time[following:][taken[following:]]
+    if batch.sequence > row.next_sequence:
+        before = int(new[0]) if new.size else holes.NEVER
+        missing = holes.noted(missing, [row.next_sequence, batch.sequence - 1, row.last_time, before])
+    row.missing = missing or None
+    row.next_sequence = max(row.next_sequence, batch.sequence + taken.size)
+    if new.size:
+        row.last_time = int(new[-1])
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:
