@@ -1,11 +1,13 @@
 """Samples that come late: holes filled, runs reopened once, whole runs found afterwards, and what comes too late counted."""
 
 import random
+import shutil
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from service import collection
@@ -19,7 +21,7 @@ from storage.blocks import Samples
 from storage.database import Database
 from storage.samples import SourceKey
 from storage.tables import JobRow, RunRow, SourceRow
-from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, machine, sweep_rpm
+from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, machine, sqlite_url, sweep_rpm
 
 MONITOR = SourceKey(KEY.machine, "monitor", 1)
 DOWN = sweep_rpm(2990.0, 310.0, 80)
@@ -119,10 +121,10 @@ def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, jour
     assert (source(plant).received, source(plant).lost) == (4, 0)
 
 
-@settings(few_examples, max_examples=20)
+@few_examples
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3), st.floats(0.0, 0.3))
 def test_any_order_of_arrival_stores_the_same_samples(
-    tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
+    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
 ) -> None:
     """Batches of all sizes, lost, doubled and shuffled: what came is stored, once, and the counters are exact."""
     rng = random.Random(seed)
@@ -131,9 +133,7 @@ def test_any_order_of_arrival_stores_the_same_samples(
     sent = [piece for piece in whole if rng.random() >= lost] or whole[:1]
     sent += [piece for piece in sent if rng.random() < twice]
     rng.shuffle(sent)
-    database = Database(f"sqlite:///{tmp_path_factory.mktemp('late') / 'rundown.db'}")
-    with database.transaction() as session:
-        machines.create(session, machine())
+    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("late"))))
     journal = Journal(database, Collector())
     speeds = sweep_rpm(2900.0, 400.0, 60)
     for first, last in sent:
