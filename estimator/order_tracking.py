@@ -80,7 +80,8 @@ def track_orders(
     """Phasors of waveforms (C, N), in blocks of some seconds or of some turns that begin at the first edge.
 
     sampling_rate: [Hz]. start: instant of the first sample on the clock of `angle` [s]. rails: measuring range of all
-    channels, or of each, unit of the waveforms. Raises ValueError unless exactly one of seconds and turns is given, and positive.
+    channels, or of each, unit of the waveforms. Raises ValueError unless exactly one of seconds and turns is given, and
+    positive.
     """
     if waveforms.ndim != 2:
         raise ValueError(f"waveforms have the shape {waveforms.shape}: (channels, samples) is needed")

@@ -241,8 +241,10 @@ def test_several_pulses_per_turn_give_the_same_speed() -> None:
 
 
 def test_too_many_repairs_are_no_keyphasor() -> None:
-    """About every fourth pulse missing: each one alone could be bridged."""
+    """Every fourth or fifth pulse missing: each one alone could be bridged."""
     true = ramp_instants(100.0, 0.0, 200)
     with pytest.raises(InconsistentIntervals, match="pulses missing or too many"):
-        shaft_angle(np.delete(true, np.arange(3, 195, 4) + np.random.default_rng(8).integers(-1, 2, 48)))
-    assert len(shaft_angle(np.delete(true, np.arange(3, 197, 8))).repairs) == 25
+        shaft_angle(np.delete(true, np.random.default_rng(8).choice(np.arange(3, 197), 45, replace=False)))
+    # Pulses missing at even distances would be a pattern of several marks.
+    some = np.random.default_rng(9).choice(np.arange(3, 197), 25, replace=False)
+    assert len(shaft_angle(np.delete(true, some)).repairs) >= 20
