@@ -1,21 +1,26 @@
 """The web application: all routers over one database."""
 
+from collections.abc import Callable
 from importlib.metadata import version
 
 from fastapi import APIRouter, FastAPI
 from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
-from service.api import alerts, identifications, machines, measurements, operations
+from service.api import alerts, identifications, ingestion, machines, measurements, metrics, operations
 from service.api.operations import Parts
 from service.api.problems import add_handlers
+from service.submissions import Submissions
 from storage.database import Database
 
 PREFIX = "/api/v1"
 
 
-def application(database: Database, parts: Parts) -> FastAPI:
-    """The application over a database. `parts` tells how each part of the service is doing.
+def application(
+    database: Database, parts: Parts, *, submissions: Submissions | None = None, depth: Callable[[], int] | None = None
+) -> FastAPI:
+    """The application over a database. `parts` tells how each part of the service is doing, `depth` how many messages wait;
+    `submissions` takes samples.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -30,11 +35,14 @@ def application(database: Database, parts: Parts) -> FastAPI:
     )
     app.state.database = database
     app.state.parts = parts
+    app.state.submissions = submissions
+    app.state.depth = depth
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
-    for part in (machines, measurements, identifications, alerts, operations):
+    for part in (machines, measurements, ingestion, identifications, alerts, operations):
         router.include_router(part.router)
     app.include_router(router)
+    app.include_router(metrics.router)
 
     @app.get("/", include_in_schema=False)
     def root() -> RedirectResponse:
