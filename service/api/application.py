@@ -7,9 +7,22 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
-from service.api import alerts, identifications, ingestion, machines, measurements, metrics, operations
+from service.api import (
+    alerts,
+    event_stream,
+    identifications,
+    ingestion,
+    machines,
+    measurements,
+    metrics,
+    operations,
+    subscriptions,
+    suppressions,
+)
+from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
+from service.api.subscriptions import TryOut
 from service.submissions import Submissions
 from storage.database import Database
 
@@ -17,10 +30,16 @@ PREFIX = "/api/v1"
 
 
 def application(
-    database: Database, parts: Parts, *, submissions: Submissions | None = None, depth: Callable[[], int] | None = None
+    database: Database,
+    parts: Parts,
+    *,
+    try_out: TryOut | None = None,
+    submissions: Submissions | None = None,
+    depth: Callable[[], int] | None = None,
 ) -> FastAPI:
-    """The application over a database. `parts` tells how each part of the service is doing, `depth` how many messages wait;
-    `submissions` takes samples.
+    """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
+    to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
+    this process stores.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -35,11 +54,23 @@ def application(
     )
     app.state.database = database
     app.state.parts = parts
+    app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
-    for part in (machines, measurements, ingestion, identifications, alerts, operations):
+    for part in (
+        machines,
+        measurements,
+        ingestion,
+        identifications,
+        event_stream,
+        alerts,
+        suppressions,
+        subscriptions,
+        operations,
+    ):
         router.include_router(part.router)
     app.include_router(router)
     app.include_router(metrics.router)
