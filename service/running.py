@@ -32,7 +32,7 @@ def serve(settings: Settings) -> None:
     database = Database(settings.database)
     database.claim()
     listener = _listen(settings.host, settings.port)
-    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
+    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True)
     submissions = Submissions()
     ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s, submissions=submissions)
     identifying = Identifying(database, settings)
