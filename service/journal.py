@@ -38,6 +38,17 @@ class Arrived:
     received_at: int
 
 
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a batch: samples stored, stored before, missing just before it; what of it was not taken and why."""
+
+    received: int = 0
+    duplicates: int = 0
+    lost: int = 0
+    faults: tuple[Fault, ...] = ()
+    rejected: Rejected | None = None
+
+
 @dataclass
 class _Pending:
     """What one transaction has gathered before it writes blocks."""
@@ -45,6 +56,7 @@ class _Pending:
     parts: dict[SourceKey, list[Samples]] = field(default_factory=lambda: defaultdict(list))
     first: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
+    outcomes: list[Outcome] = field(default_factory=list)
 
 
 class Journal:
@@ -71,11 +83,13 @@ class Journal:
                     return None
         return self._plants[machine_id]
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> None:
-        """Store batches and rejections. Raises what the database raises; then nothing was stored."""
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        """Store batches and rejections; returns what became of each batch. Raises what the database raises; then nothing was
+        stored.
+        """
         try:
             with self._database.transaction() as session:
-                self._store(session, arrived, rejections)
+                return self._store(session, arrived, rejections)
         except BaseException:
             self._orders.clear()  # they may know of samples that were not stored
             raise
@@ -87,7 +101,7 @@ class Journal:
                 machine = machines.document(session, row.id)
                 self._collector.close_silent(session, machine, silence_s=silence_s, alive=row.id in alive)
 
-    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> None:
+    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
         pending = _Pending(rejections=list(rejections))
         documents: dict[str, tuple[int, Machine]] = {}
         for one in arrived:
@@ -95,7 +109,7 @@ class Journal:
             if machine_id not in documents:
                 revision = machines.get(session, machine_id).revision
                 documents[machine_id] = revision, machines.document(session, machine_id, revision)
-            self._take(session, pending, one, documents[machine_id][1])
+            pending.outcomes.append(self._take(session, pending, one, documents[machine_id][1]))
         fresh: dict[str, list[Samples]] = defaultdict(list)
         for key, parts in pending.parts.items():
             revision, machine = documents[key.machine_id]
@@ -114,8 +128,9 @@ class Journal:
             self._collector.feed(session, machine, revision, in_time)
         if pending.rejections:
             quarantine.add(session, pending.rejections)
+        return pending.outcomes
 
-    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> None:
+    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> Outcome:
         """Number, convert and check one batch; what is left of it joins `pending`."""
         batch, key = one.batch, source_key(one.batch)
         row = samples.source(session, key)
@@ -123,29 +138,31 @@ class Journal:
         known = min(max(row.next_sequence - batch.sequence, 0), count)
         row.duplicates += known
         if known == count:
-            return
+            return Outcome(duplicates=known)
         gap = max(batch.sequence - row.next_sequence, 0)
         if gap > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
-            return
+            return Outcome(rejected=Rejected("sequence_out_of_range", detail))
         row.lost += gap
         row.next_sequence = batch.sequence + count
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
         except Rejected as rejected:
             pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
-            return
+            return Outcome(duplicates=known, lost=gap, rejected=rejected)
         taken[:known] = False
         order = self._orders.setdefault(key, Order(time=row.last_time))
         faults += order.check(machine, converted, taken)
-        pending.rejections += [_sample_rejection(one, fault) for fault in faults if fault.index >= known]
+        new = tuple(fault for fault in faults if fault.index >= known)
+        pending.rejections += [_sample_rejection(one, fault) for fault in new]
         if taken.any():
             kept = converted.pick(taken)
             pending.parts[key].append(kept)
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
             row.last_time = int(kept.time[-1])
+        return Outcome(int(np.count_nonzero(taken)), known, gap, new)
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:

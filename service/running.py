@@ -9,6 +9,8 @@ import uvicorn
 
 from service.api.application import application
 from service.collection import Collector
+from service.delivery.dispatcher import Dispatcher
+from service.delivery.network import LastStates
 from service.identifying import Identifying
 from service.ingest import Ingest
 from service.journal import Journal
@@ -32,21 +34,29 @@ def serve(settings: Settings) -> None:
     session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
     ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s)
     identifying = Identifying(database, settings)
+    dispatcher = Dispatcher(database, session, settings)
+    last_states = LastStates(session, database)
 
     def parts() -> dict[str, str]:
         return {
             "ingest": _state(alive=ingest.alive, trouble=ingest.trouble),
             "identifying": _state(alive=identifying.alive, trouble=identifying.trouble),
+            "delivery": _state(alive=dispatcher.alive, trouble=dispatcher.trouble),
             "stream": "ok" if settings.zenoh_listen or connected(session) else _waiting(settings),
         }
 
     try:
         identifying.start()
         ingest.start()
+        dispatcher.start()
         if not settings.zenoh_listen and not connected(session):
             logger.warning(_waiting(settings))
         config = uvicorn.Config(
-            application(database, parts), log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5
+            application(database, parts, try_out=dispatcher.try_out),
+            log_config=None,
+            access_log=False,
+            lifespan="off",
+            timeout_graceful_shutdown=5,
         )
         host, port = listener.getsockname()[:2]
         logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
@@ -55,6 +65,8 @@ def serve(settings: Settings) -> None:
     finally:
         logger.info("stopping: no more samples")
         ingest.stop()
+        dispatcher.stop()
+        last_states.close()
         session.close()
         logger.info("stopping: identifications under way are left for the next start")
         identifying.stop()

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, IPvAnyNetwork, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -36,6 +36,17 @@ class Settings(BaseSettings):
     silence_s: Annotated[float, Field(gt=0)] = Field(
         default=120.0, description="an open run is closed when its machine has sent nothing for this long"
     )
+    delivery_networks: list[IPvAnyNetwork] = Field(
+        default=[],
+        description='private networks, such as "10.1.0.0/16", on which webhooks and Alertmanagers may be; others are refused',
+    )
+    public_url: str = Field(default="", description="where people reach this service, for links in alert messages")
+    smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
+    smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")
+    smtp_security: Literal["none", "starttls", "tls"] = Field(default="starttls", description="none, starttls or tls")
+    smtp_user: str = Field(default="", description="user at the mail server, if it wants one")
+    smtp_password: SecretStr = Field(default=SecretStr(""), description="the user's password")
+    smtp_sender: str = Field(default="rundown@localhost", description="whom the mails are from")
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = Field(
         default="INFO", description="DEBUG, INFO, WARNING or ERROR"
     )

@@ -8,6 +8,8 @@ from sqlalchemy.orm import Session
 
 from estimator.baseline import CommonShift
 from estimator.misalignment import MisalignmentEvidence, determines, misalignment_evidence, watched
+from service import alerting
+from service.alerting import Finding
 from storage import alerts, identifications, jobs, machines
 from storage.tables import IdentificationRow
 
@@ -67,22 +69,14 @@ def _act(session: Session, judgement: Judgement) -> None:
     element = f"coupling.{newest.coupling}"
     row = judgement.identification
     if all(evidence.found for evidence in judgement.evidence):
-        alerts.raise_alert(
-            session,
-            row.machine_id,
-            rule=MISALIGNMENT,
-            element=element,
-            message=_message(newest),
-            evidence=_evidence(newest, row),
-            identification_id=row.id,
-            measured_at=row.measured_at,
-        )
+        finding = Finding(_message(newest), _evidence(newest, row), row.id, row.measured_at)
+        alerting.raise_alert(session, row.machine_id, rule=MISALIGNMENT, element=element, finding=finding)
         return
     open_alert = alerts.open_alert(session, row.machine_id, rule=MISALIGNMENT, element=element)
     # A hot run-down may show what a cold run-up does not: only the kind of run that showed it can take it back.
     same_kind = open_alert is not None and open_alert.evidence.get("run_kind") == row.run_kind
     if open_alert is not None and same_kind and not any(evidence.found for evidence in judgement.evidence):
-        alerts.close_alert(open_alert)
+        alerting.clear_alert(session, open_alert)
 
 
 def _message(evidence: MisalignmentEvidence) -> str:

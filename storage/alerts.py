@@ -1,15 +1,13 @@
-"""Repository of alerts."""
+"""Repository of alerts and of everything that ever happened to them."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import AlertRow
-
-UNACKNOWLEDGED, RETURNED = "unacknowledged", "returned"
+from storage.tables import AlertEventRow, AlertRow
 
 
 class AlertUnknown(KeyError):
@@ -24,10 +22,16 @@ def open_alert(session: Session, machine_id: str, *, rule: str, element: str) ->
         AlertRow.element == element,
         AlertRow.closed_at.is_(None),
     )
-    return session.scalars(query).one_or_none()
+    return session.scalars(query.with_for_update()).one_or_none()
 
 
-def raise_alert(
+def open_alerts(session: Session, machine_id: str) -> Sequence[AlertRow]:
+    """All open alerts of a machine."""
+    query = select(AlertRow).where(AlertRow.machine_id == machine_id, AlertRow.closed_at.is_(None)).order_by(AlertRow.id)
+    return session.scalars(query.with_for_update()).all()
+
+
+def add(
     session: Session,
     machine_id: str,
     *,
@@ -37,41 +41,63 @@ def raise_alert(
     evidence: dict[str, Any],
     identification_id: int,
     measured_at: int,
+    latching: bool,
 ) -> AlertRow:
-    """Open an alert, or bring the open one up to date."""
-    row = open_alert(session, machine_id, rule=rule, element=element)
+    """A new episode, still in the normal condition: its first event is yet to come."""
     moment = now()
-    if row is None:
-        row = AlertRow(
-            machine_id=machine_id,
-            rule=rule,
-            element=element,
-            state=UNACKNOWLEDGED,
-            message=message,
-            evidence=evidence,
-            identification_id=identification_id,
-            measured_at=measured_at,
-            opened_at=moment,
-            updated_at=moment,
-            closed_at=None,
-        )
-        session.add(row)
-        session.flush()
-        return row
-    row.message, row.evidence, row.updated_at = message, evidence, moment
-    row.identification_id, row.measured_at = identification_id, measured_at
+    row = AlertRow(
+        machine_id=machine_id,
+        rule=rule,
+        element=element,
+        state="normal",
+        condition="normal",
+        severity=1,
+        latching=latching,
+        suppressions=[],
+        event_count=0,
+        message=message,
+        evidence=evidence,
+        identification_id=identification_id,
+        measured_at=measured_at,
+        opened_at=moment,
+        updated_at=moment,
+        closed_at=None,
+    )
+    session.add(row)
+    session.flush()
     return row
 
 
-def close_alert(row: AlertRow) -> None:
-    """The statement no longer holds."""
-    row.state, row.closed_at = RETURNED, now()
-    row.updated_at = row.closed_at
+def add_event(
+    session: Session, row: AlertRow, *, kind: str, state_before: str, by: str, comment: str, at: int
+) -> AlertEventRow:
+    """Write down what has just happened to an alert, with the alert as it is now."""
+    row.event_count += 1
+    event = AlertEventRow(
+        alert_id=row.id,
+        number=row.event_count,
+        machine_id=row.machine_id,
+        rule=row.rule,
+        element=row.element,
+        at=at,
+        kind=kind,
+        state_before=state_before,
+        state=row.state,
+        severity=row.severity,
+        message=row.message,
+        by=by,
+        comment=comment,
+        opened_at=row.opened_at,
+        identification_id=row.identification_id,
+    )
+    session.add(event)
+    session.flush()
+    return event
 
 
-def get(session: Session, alert_id: int) -> AlertRow:
+def get(session: Session, alert_id: int, *, to_change: bool = False) -> AlertRow:
     """Raises AlertUnknown."""
-    row = session.get(AlertRow, alert_id)
+    row = session.get(AlertRow, alert_id, with_for_update=to_change or None)
     if row is None:
         raise AlertUnknown(alert_id)
     return row
@@ -85,3 +111,21 @@ def find(session: Session, *, machine_id: str | None, only_open: bool, limit: in
     if only_open:
         query = query.where(AlertRow.closed_at.is_(None))
     return session.scalars(query.limit(limit)).all()
+
+
+def history(session: Session, alert_id: int) -> Sequence[AlertEventRow]:
+    """What happened to an alert, oldest first."""
+    return session.scalars(
+        select(AlertEventRow).where(AlertEventRow.alert_id == alert_id).order_by(AlertEventRow.number)
+    ).all()
+
+
+def events_after(session: Session, event_id: int, *, limit: int) -> Sequence[AlertEventRow]:
+    """Events of all alerts behind a given one, oldest first."""
+    query = select(AlertEventRow).where(AlertEventRow.id > event_id).order_by(AlertEventRow.id).limit(limit)
+    return session.scalars(query).all()
+
+
+def newest_event(session: Session) -> int:
+    """Number of the newest event; 0 before the first."""
+    return session.scalar(select(func.max(AlertEventRow.id))) or 0

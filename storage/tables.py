@@ -14,6 +14,7 @@ from sqlalchemy import (
     String,
     Text,
     UniqueConstraint,
+    false,
     text,
 )
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
@@ -242,7 +243,10 @@ class EstimateRow(Base):
 
 
 class AlertRow(Base):
-    """A statement about a machine that wants a person's attention; one open per machine, rule and element."""
+    """A statement about a machine that wants a person's attention: one episode, one open per machine, rule and element.
+
+    condition, severity, latching, suppressions: see `service.alert_life`; state: what is to be seen of them.
+    """
 
     __tablename__ = "alerts"
     __table_args__ = (
@@ -269,6 +273,105 @@ class AlertRow(Base):
     opened_at: Mapped[int]
     updated_at: Mapped[int]
     closed_at: Mapped[int | None]
+    condition: Mapped[str] = mapped_column(String(32), server_default="unacknowledged")
+    severity: Mapped[int] = mapped_column(server_default="1")
+    latching: Mapped[bool] = mapped_column(server_default=false())
+    suppressions: Mapped[list[str]] = mapped_column(server_default="[]")
+    event_count: Mapped[int] = mapped_column(server_default="0")
+
+
+class AlertEventRow(Base):
+    """One transition of an alert, or a comment on it: who, when, why. Only ever added to."""
+
+    __tablename__ = "alert_events"
+    __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"))
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    alert_id: Mapped[int] = mapped_column(ForeignKey("alerts.id"))
+    number: Mapped[int]
+    machine_id: Mapped[str] = mapped_column(String(64))
+    rule: Mapped[str] = mapped_column(String(64))
+    element: Mapped[str] = mapped_column(String(80))
+    at: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(32))
+    state_before: Mapped[str] = mapped_column(String(32))
+    state: Mapped[str] = mapped_column(String(32))
+    severity: Mapped[int]
+    message: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    comment: Mapped[str] = mapped_column(Text)
+    opened_at: Mapped[int]
+    identification_id: Mapped[int]
+
+
+class SuppressionRow(Base):
+    """A shelving, a suppression by design or a removal from service, of all that its fields match; null matches anything."""
+
+    __tablename__ = "suppressions"
+    __table_args__ = (Index(None, "machine_id", "ended_at"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    rule: Mapped[str | None] = mapped_column(String(64))
+    element: Mapped[str | None] = mapped_column(String(80))
+    kind: Mapped[str] = mapped_column(String(32))
+    since: Mapped[int]
+    until: Mapped[int | None]
+    by: Mapped[str] = mapped_column(String(120))
+    comment: Mapped[str] = mapped_column(Text)
+    ended_at: Mapped[int | None]
+    ended_by: Mapped[str | None] = mapped_column(String(120))
+
+
+class TimelineRow(Base):
+    """A note or a marker, such as a maintenance, on a machine's timeline."""
+
+    __tablename__ = "timeline"
+    __table_args__ = (Index(None, "machine_id", "at"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    at: Mapped[int]
+    kind: Mapped[str] = mapped_column(String(32))
+    text: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_at: Mapped[int]
+
+
+class SubscriptionRow(Base):
+    """Who is told of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
+
+    __tablename__ = "subscriptions"
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    kind: Mapped[str] = mapped_column(String(32))
+    name: Mapped[str] = mapped_column(String(120), unique=True)
+    target: Mapped[str] = mapped_column(Text)
+    secret: Mapped[str | None] = mapped_column(Text)
+    state: Mapped[str] = mapped_column(String(16))
+    reason: Mapped[str | None] = mapped_column(Text)
+    created_at: Mapped[int]
+
+
+class DeliveryRow(Base):
+    """One event on its way to one subscription: the outbox, written with the event itself."""
+
+    __tablename__ = "deliveries"
+    __table_args__ = (
+        UniqueConstraint("subscription_id", "event_id"),
+        Index(None, "state", "next_try_at"),
+        Index(None, "subscription_id", "state", "alert_id"),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    subscription_id: Mapped[int] = mapped_column(ForeignKey("subscriptions.id"))
+    event_id: Mapped[int] = mapped_column(ForeignKey("alert_events.id"))
+    alert_id: Mapped[int]
+    state: Mapped[str] = mapped_column(String(16))
+    attempts: Mapped[int]
+    next_try_at: Mapped[int]
+    last_try_at: Mapped[int | None]
+    answer: Mapped[str | None] = mapped_column(Text)
 
 
 class QuarantineRow(Base):

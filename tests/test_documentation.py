@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
+from pydantic import SecretStr
 
 from service.cli import app
 from service.settings import Settings
@@ -19,7 +20,7 @@ def test_every_setting_is_documented_with_its_default() -> None:
     for name, field in Settings.model_fields.items():
         row = next((line for line in page.splitlines() if line.startswith(f"| `{name}`")), None)
         assert row is not None, f"setting {name} is not in docs/operators.md"
-        default = field.default
+        default = field.default.get_secret_value() if isinstance(field.default, SecretStr) else field.default
         shown = (
             str(default).replace("'", '"')
             if isinstance(default, list)

@@ -1,17 +1,26 @@
-"""Alerts."""
+"""Alerts, what people do to them, and what ever happened to them."""
 
+from collections.abc import Callable
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
+from sqlalchemy.orm import Session
 
-from service.api import rendering, schemas
-from service.api.access import Limit, MachineId, Number, Reading
-from service.api.problems import RESPONSES
+from service import alerting
+from service.alert_messages import AlertEvent, alert_event
+from service.alerting import Person
+from service.api import alert_rendering as rendering
+from service.api import alert_schemas as schemas
+from service.api.access import Limit, MachineId, Number, Reading, database
+from service.api.problems import CHANGES, RESPONSES
 from storage import alerts, machines
+from storage.clock import from_datetime
+from storage.tables import AlertRow
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES)
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
+After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
 
 
 @router.get("/alerts", operation_id="list_alerts")
@@ -21,10 +30,23 @@ def list_alerts(session: Reading, only_open: OnlyOpen = False, limit: Limit = 10
     return [rendering.alert(row) for row in rows]
 
 
+@router.get("/alert-events", operation_id="list_alert_events")
+def list_alert_events(session: Reading, after: After = 0, limit: Limit = 100) -> list[AlertEvent]:
+    """What happened to all alerts, oldest first: ask again with the last id for what came then."""
+    return [alert_event(row) for row in alerts.events_after(session, after, limit=limit)]
+
+
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
 def read_alert(session: Reading, alert_id: Number) -> schemas.AlertOut:
     """One alert with its evidence."""
     return rendering.alert(alerts.get(session, alert_id))
+
+
+@router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
+def list_events_of_alert(session: Reading, alert_id: Number) -> list[AlertEvent]:
+    """What happened to one alert, oldest first."""
+    alerts.get(session, alert_id)
+    return [alert_event(row) for row in alerts.history(session, alert_id)]
 
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts")
@@ -35,3 +57,46 @@ def list_machine_alerts(
     machines.get(session, machine_id)
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=limit)
     return [rendering.alert(row) for row in rows]
+
+
+@router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", responses=CHANGES)
+def acknowledge_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+    """A person has seen it."""
+    return _change(request, alert_id, lambda session, row: alerting.acknowledge(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", responses=CHANGES)
+def reset_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+    """Unlatch an acknowledged alert whose cause is gone."""
+    return _change(request, alert_id, lambda session, row: alerting.reset(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", responses=CHANGES)
+def shelve_alert(request: Request, alert_id: Number, said: schemas.Shelving) -> schemas.AlertOut:
+    """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
+    until = from_datetime(said.until)
+    return _change(request, alert_id, lambda session, row: alerting.shelve(session, row, _person(said), until=until))
+
+
+@router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", responses=CHANGES)
+def unshelve_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+    """End a shelving before its time."""
+    return _change(request, alert_id, lambda session, row: alerting.unshelve(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/comments", operation_id="comment_alert")
+def comment_alert(request: Request, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
+    """Note something on an alert, open or closed."""
+    person = Person(said.by, said.comment)
+    return _change(request, alert_id, lambda session, row: alerting.comment(session, row, person))
+
+
+def _change(request: Request, alert_id: int, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
+    with database(request).transaction() as session:
+        row = alerts.get(session, alert_id, to_change=True)
+        change(session, row)
+        return rendering.alert(row)
+
+
+def _person(said: schemas.By) -> Person:
+    return Person(said.by, said.comment)

@@ -6,16 +6,19 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
-from service.api import alerts, identifications, machines, measurements, operations
+from service.api import alerts, event_stream, identifications, machines, measurements, operations, subscriptions, suppressions
+from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
+from service.api.subscriptions import TryOut
 from storage.database import Database
 
 PREFIX = "/api/v1"
 
 
-def application(database: Database, parts: Parts) -> FastAPI:
-    """The application over a database. `parts` tells how each part of the service is doing.
+def application(database: Database, parts: Parts, *, try_out: TryOut | None = None) -> FastAPI:
+    """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
+    to a subscription, where this process delivers.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -30,9 +33,11 @@ def application(database: Database, parts: Parts) -> FastAPI:
     )
     app.state.database = database
     app.state.parts = parts
+    app.state.try_out = try_out
+    app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
-    for part in (machines, measurements, identifications, alerts, operations):
+    for part in (machines, measurements, identifications, event_stream, alerts, suppressions, subscriptions, operations):
         router.include_router(part.router)
     app.include_router(router)
 

@@ -12,11 +12,15 @@ from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.machine import DocumentError, problems_of
+from service.alert_life import Forbidden
+from service.delivery.addresses import TargetRefused
 from storage.alerts import AlertUnknown
 from storage.database import DatabaseUnusable
+from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
 from storage.machines import MachineExists, MachineUnknown, PlantChanged
 from storage.runs import RunUnknown
+from storage.suppressions import SuppressionUnknown
 
 
 class FieldProblem(BaseModel):
@@ -41,6 +45,13 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     RunUnknown: (HTTPStatus.NOT_FOUND, "no run {0}"),
     IdentificationUnknown: (HTTPStatus.NOT_FOUND, "no identification {0}"),
     AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}"),
+    SuppressionUnknown: (HTTPStatus.NOT_FOUND, "no suppression {0}"),
+    SubscriptionUnknown: (HTTPStatus.NOT_FOUND, "no subscription {0}"),
+    DeliveryUnknown: (HTTPStatus.NOT_FOUND, "no delivery {0}"),
+    Forbidden: (HTTPStatus.CONFLICT, "{0}"),
+    SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
+    SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
+    TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
     MachineExists: (HTTPStatus.CONFLICT, "{0}"),
     PlantChanged: (HTTPStatus.CONFLICT, "{0}"),
     DatabaseUnusable: (HTTPStatus.SERVICE_UNAVAILABLE, "{0}"),
@@ -93,3 +104,8 @@ RESPONSES: dict[int | str, dict[str, Any]] = {
     for code in (404, 422)
 }
 """For the OpenAPI document of routers."""
+
+CHANGES: dict[int | str, dict[str, Any]] = {
+    409: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus.CONFLICT.phrase}
+}
+"""The same for operations that what is there may forbid."""

@@ -11,7 +11,6 @@ from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.tables import (
-    AlertRow,
     EstimateRow,
     IdentificationRow,
     JobRow,
@@ -161,23 +160,6 @@ def series(parameter: str, rows: list[tuple[EstimateRow, IdentificationRow]]) ->
         accepted=[i.accepted for _, i in rows],
         run_kind=[i.run_kind for _, i in rows],
         identification=[i.id for _, i in rows],
-    )
-
-
-def alert(row: AlertRow) -> schemas.AlertOut:
-    return schemas.AlertOut(
-        id=row.id,
-        machine=row.machine_id,
-        rule=row.rule,
-        element=row.element,
-        state=row.state,
-        message=row.message,
-        evidence=row.evidence,
-        identification=row.identification_id,
-        measured_at=to_datetime(row.measured_at),
-        opened_at=to_datetime(row.opened_at),
-        updated_at=to_datetime(row.updated_at),
-        closed_at=_time(row.closed_at),
     )
 
 

@@ -147,23 +147,6 @@ class Trends(BaseModel):
     series: list[Series]
 
 
-class AlertOut(BaseModel):
-    """A statement about a machine with its evidence."""
-
-    id: int
-    machine: str
-    rule: str
-    element: str
-    state: str
-    message: str
-    evidence: dict[str, Any]
-    identification: int
-    measured_at: datetime
-    opened_at: datetime
-    updated_at: datetime
-    closed_at: datetime | None
-
-
 class SourceOut(BaseModel):
     """How far one start of a source has been received."""
 

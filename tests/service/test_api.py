@@ -15,10 +15,11 @@ import pytest
 from fastapi import FastAPI
 from sqlalchemy import text
 
+from service.alerting import Finding, Person, acknowledge, clear_alert, raise_alert
 from service.api.application import application
 from service.collection import Collector
 from service.journal import Journal
-from storage import alerts, jobs
+from storage import jobs
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.tables import AlertRow
@@ -140,16 +141,10 @@ def tell(database: Database) -> None:
         failed = jobs.ask(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
         assert failed is not None
         jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
-        alerts.raise_alert(
-            session,
-            "pump-7",
-            rule="misalignment",
-            element="coupling.C1",
-            message="Coupling C1 is going out of alignment",
-            evidence={"shift": math.nan, "parts": [math.inf, 1.0]},
-            identification_id=row.id,
-            measured_at=row.measured_at,
+        finding = Finding(
+            "Coupling C1 is going out of alignment", {"shift": math.nan, "parts": [math.inf, 1.0]}, row.id, row.measured_at
         )
+        raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
 
 
 # --- machines -------------------------------------------------------------------------------------------------------
@@ -427,11 +422,12 @@ def test_only_open_alerts_when_asked_for(changing: Api) -> None:
     with changing.database.transaction() as session:
         row = session.get(AlertRow, changing.value("/alerts")[0]["id"])
         assert row is not None
-        alerts.close_alert(row)
+        acknowledge(session, row, Person("anna"))
+        clear_alert(session, row)
     for path in ("/alerts", "/machines/pump-7/alerts"):
         assert changing.value(path, open=True) == []
         (one,) = changing.value(path)
-        assert one["state"] == "returned"
+        assert one["state"] == "normal"
         assert one["closed_at"] is not None
 
 

@@ -15,6 +15,7 @@ from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Journal
 from service.source import Source
+from service.source_log import MemoryLog
 from service.wire import ALL_SAMPLES, LARGEST_MESSAGE, MESSAGEPACK, Key, SampleBatch, encode_batch
 from storage import machines, quarantine, runs
 from storage import samples as sample_store
@@ -224,14 +225,12 @@ def test_a_restarted_source_is_another_one(plant: Database, client: zenoh.Sessio
     assert [(row.next_sequence, row.lost) for row in rows(plant)] == [(5, 0), (5, 0)]
 
 
-def test_only_what_the_log_no_longer_holds_is_lost(
-    router: zenoh.Session, plant: Database, edge: Edge, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("service.source.LOG_SAMPLES", 6)
-    edge.publish(*[2] * 10)
-    time.sleep(0.5)  # what is still on its way would reach the service after all
-    with ingesting(router, plant):
-        wait_until(lambda: received(plant) == 6)
+def test_only_what_the_log_no_longer_holds_is_lost(router: zenoh.Session, plant: Database, client: zenoh.Session) -> None:
+    with Source(client, KEY, name="edge", log=MemoryLog(samples=6)) as source:
+        Edge(source).publish(*[2] * 10)
+        time.sleep(0.5)  # what is still on its way would reach the service after all
+        with ingesting(router, plant):
+            wait_until(lambda: received(plant) == 6)
     assert counts(plant) == (20, 6, 14)
 
 

@@ -7,6 +7,7 @@ import zenoh
 
 from service import source as source_module
 from service.source import Source
+from service.source_log import MemoryLog
 from service.wire import JSON, MESSAGEPACK, SampleBatch, decode_batch
 from tests.plant import KEY, batch, wait_until
 
@@ -89,9 +90,8 @@ def test_a_digit_that_is_none_does_not_silence_the_log(router: zenoh.Session, cl
         assert numbers(replayed(router)) == [0]
 
 
-def test_the_log_is_bounded(router: zenoh.Session, client: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(source_module, "LOG_SAMPLES", 10)
-    with Source(client, KEY, name="edge") as source:
+def test_the_log_is_bounded(router: zenoh.Session, client: zenoh.Session) -> None:
+    with Source(client, KEY, name="edge", log=MemoryLog(samples=10)) as source:
         publish(source, *[3] * 20)
         wait_until_asked(router)
         assert numbers(replayed(router)) == [51, 54, 57]

@@ -61,8 +61,7 @@ def test_misalignment_is_called_after_two_in_a_row_and_taken_back_after_two(plan
         weeks.file()
         assert weeks.open() == ["coupling.C1"]
         weeks.file()
-        assert weeks.open() == []
-        assert [row.state for row in weeks.alerts()] == ["returned"]
+        assert [row.state for row in weeks.alerts()] == ["returned"]  # open until a person has seen it
 
 
 def test_a_run_that_does_not_determine_the_coupling_blinds_nothing(plant: Database) -> None:

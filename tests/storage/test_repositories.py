@@ -9,13 +9,13 @@ from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from storage import alerts, identifications, jobs, machines, quarantine, runs
+from storage import identifications, jobs, machines, quarantine, runs
 from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
-from storage.tables import AlertRow, IdentificationRow, QuarantineRow, RunRow
+from storage.tables import QuarantineRow, RunRow
 from tests.plant import (
     START,
     assert_same_samples,
@@ -469,85 +469,6 @@ def test_history_of_parameters_over_a_time_range_oldest_first(plant: Database) -
             session, "pump-7", ["coupling.C1.kxx", "disc.D1.unbalance", "nothing"], scope=jobs.RUN, first=None, last=None
         )
         assert len(both) == 6
-
-
-# --- alerts ---------------------------------------------------------------------------------------------------------
-
-
-def raise_alert(session: Session, identification_row: IdentificationRow, *, element: str = "coupling.C1") -> AlertRow:
-    return alerts.raise_alert(
-        session,
-        "pump-7",
-        rule="misalignment",
-        element=element,
-        message=f"from identification {identification_row.id}",
-        evidence={"identification": identification_row.id},
-        identification_id=identification_row.id,
-        measured_at=identification_row.measured_at,
-    )
-
-
-def two_identifications(session: Session) -> list[IdentificationRow]:
-    return [store_identification(session, identification(), run_id=i, measured_at=START + i) for i in (1, 2)]
-
-
-def test_an_open_alert_is_brought_up_to_date(plant: Database) -> None:
-    with plant.transaction() as session:
-        first, second = two_identifications(session)
-        opened = raise_alert(session, first)
-        updated = raise_alert(session, second)
-        assert updated.id == opened.id
-        assert updated.message == f"from identification {second.id}"
-        assert updated.evidence == {"identification": second.id}
-        assert updated.identification_id == second.id
-        assert updated.measured_at == second.measured_at
-        assert updated.updated_at >= updated.opened_at
-        assert updated.closed_at is None
-
-
-def test_a_closed_alert_stays_and_the_next_is_a_new_one(plant: Database) -> None:
-    with plant.transaction() as session:
-        first, second = two_identifications(session)
-        closed = raise_alert(session, first)
-        alerts.close_alert(closed)
-        session.flush()
-        assert alerts.open_alert(session, "pump-7", rule="misalignment", element="coupling.C1") is None
-        again = raise_alert(session, second)
-        assert again.id != closed.id
-        assert (closed.state, again.state) == (alerts.RETURNED, alerts.UNACKNOWLEDGED)
-        assert [row.id for row in alerts.find(session, machine_id=None, only_open=False, limit=9)] == [again.id, closed.id]
-        assert [row.id for row in alerts.find(session, machine_id="pump-7", only_open=True, limit=9)] == [again.id]
-        assert len(alerts.find(session, machine_id=None, only_open=False, limit=1)) == 1
-        assert alerts.find(session, machine_id="other", only_open=False, limit=9) == []
-
-
-def test_elements_have_alerts_of_their_own(plant: Database) -> None:
-    with plant.transaction() as session:
-        first, _ = two_identifications(session)
-        assert raise_alert(session, first).id != raise_alert(session, first, element="coupling.C2").id
-
-
-def copy_of(row: AlertRow, **changes: Any) -> AlertRow:
-    values = {name: getattr(row, name) for name in AlertRow.__table__.columns.keys() if name != "id"}  # noqa: SIM118
-    return AlertRow(**(values | changes))
-
-
-def test_the_database_itself_allows_one_open_alert(plant: Database) -> None:
-    with plant.transaction() as session:
-        first, _ = two_identifications(session)
-        row = raise_alert(session, first)
-        for closed_at in (START, START):
-            session.add(copy_of(row, closed_at=closed_at))
-        session.flush()
-        session.add(copy_of(row))
-        with pytest.raises(IntegrityError, match="UNIQUE"):
-            session.flush()
-        session.rollback()
-
-
-def test_unknown_alerts_are_said(plant: Database) -> None:
-    with plant.reading() as session, pytest.raises(alerts.AlertUnknown):
-        alerts.get(session, 5)
 
 
 # --- quarantine -----------------------------------------------------------------------------------------------------

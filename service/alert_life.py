@@ -1,0 +1,186 @@
+"""The life of an alert, after ISA-18.2: a pure state machine.
+
+An alert's condition follows what identifications find and what people do. Beneath a suppression it goes on following, without
+calling anybody. `advance` takes a standing and an event and gives the next standing, or says why the event is not allowed.
+
+Source: ANSI/ISA-18.2-2016, the alarm state transition diagram (here as retold in public descriptions of it).
+"""
+
+from dataclasses import dataclass, replace
+from enum import IntEnum, StrEnum
+
+
+class Severity(IntEnum):
+    """How much an alert matters."""
+
+    ALERT = 1
+    DANGER = 2
+
+    @property
+    def label(self) -> str:
+        """As in answers and messages."""
+        return self.name.lower()
+
+
+class Condition(StrEnum):
+    """Where an alert stands as to its cause and to the people who answer for it."""
+
+    NORMAL = "normal"
+    UNACKNOWLEDGED = "unacknowledged"
+    ACKNOWLEDGED = "acknowledged"
+    RETURNED = "returned"
+    """The cause is gone, nobody has acknowledged."""
+    LATCHED_UNACKNOWLEDGED = "latched_unacknowledged"
+    """The cause is gone; a person must acknowledge and reset."""
+    LATCHED_ACKNOWLEDGED = "latched_acknowledged"
+    """The cause is gone, acknowledged; a person must reset."""
+
+
+class Suppression(StrEnum):
+    """Why an alert calls nobody although it may have a cause; the first that holds gives the visible state."""
+
+    OUT_OF_SERVICE = "out_of_service"
+    SUPPRESSED_BY_DESIGN = "suppressed_by_design"
+    SHELVED = "shelved"
+
+
+ACTIVE = frozenset({Condition.UNACKNOWLEDGED, Condition.ACKNOWLEDGED})
+"""Conditions in which the cause is there."""
+LATCHED = frozenset({Condition.LATCHED_UNACKNOWLEDGED, Condition.LATCHED_ACKNOWLEDGED})
+CALLING = frozenset({Condition.UNACKNOWLEDGED, Condition.RETURNED, Condition.LATCHED_UNACKNOWLEDGED})
+"""Conditions that wait for an acknowledgement."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where an alert stands. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
+
+    condition: Condition = Condition.NORMAL
+    severity: Severity = Severity.ALERT
+    latching: bool = False
+    suppressions: frozenset[Suppression] = frozenset()
+
+    @property
+    def state(self) -> str:
+        """The visible state: a suppression, or the condition."""
+        for suppression in Suppression:
+            if suppression in self.suppressions:
+                return suppression.value
+        return self.condition.value
+
+    @property
+    def closed(self) -> bool:
+        """Whether the episode is over. A suppression lives on without it."""
+        return self.condition is Condition.NORMAL
+
+
+@dataclass(frozen=True)
+class Raised:
+    """The cause is there, as severe as that."""
+
+    severity: Severity = Severity.ALERT
+
+
+@dataclass(frozen=True)
+class Cleared:
+    """The cause is gone."""
+
+
+@dataclass(frozen=True)
+class Acknowledged:
+    """A person has seen it."""
+
+
+@dataclass(frozen=True)
+class Reset:
+    """A person unlatches it."""
+
+
+@dataclass(frozen=True)
+class Suppressed:
+    """From now on it calls nobody."""
+
+    suppression: Suppression
+
+
+@dataclass(frozen=True)
+class Released:
+    """A suppression is over."""
+
+    suppression: Suppression
+
+
+Event = Raised | Cleared | Acknowledged | Reset | Suppressed | Released
+
+
+class Forbidden(ValueError):
+    """The event is not allowed where the alert stands; the message says why and what would be right."""
+
+
+def advance(standing: Standing, event: Event) -> Standing:
+    """The next standing; an equal one when the event changes nothing. Raises Forbidden."""
+    match event:
+        case Raised(severity):
+            return _raised(standing, severity)
+        case Cleared():
+            return _cleared(standing)
+        case Acknowledged():
+            return _acknowledged(standing)
+        case Reset():
+            return _reset(standing)
+        case Suppressed(suppression):
+            return replace(standing, suppressions=standing.suppressions | {suppression})
+        case Released(suppression):
+            return _released(standing, suppression)
+
+
+def _raised(standing: Standing, severity: Severity) -> Standing:
+    worse = severity > standing.severity
+    if standing.condition is Condition.ACKNOWLEDGED and not worse:
+        return replace(standing, severity=severity)
+    return replace(standing, condition=Condition.UNACKNOWLEDGED, severity=severity)
+
+
+def _cleared(standing: Standing) -> Standing:
+    if standing.condition not in ACTIVE:
+        return standing
+    seen = standing.condition is Condition.ACKNOWLEDGED
+    if standing.latching:
+        latched = Condition.LATCHED_ACKNOWLEDGED if seen else Condition.LATCHED_UNACKNOWLEDGED
+        return replace(standing, condition=latched)
+    # Nobody was called while it was suppressed, so nobody need answer.
+    gone = seen or bool(standing.suppressions)
+    return replace(standing, condition=Condition.NORMAL if gone else Condition.RETURNED)
+
+
+def _acknowledged(standing: Standing) -> Standing:
+    if standing.closed:
+        raise Forbidden("the alert is closed: there is nothing to acknowledge")
+    if standing.suppressions:
+        raise Forbidden(f"the alert is {standing.state}: end that first")
+    following = {
+        Condition.UNACKNOWLEDGED: Condition.ACKNOWLEDGED,
+        Condition.RETURNED: Condition.NORMAL,
+        Condition.LATCHED_UNACKNOWLEDGED: Condition.LATCHED_ACKNOWLEDGED,
+    }
+    if standing.condition not in following:
+        raise Forbidden("the alert is acknowledged already")
+    return replace(standing, condition=following[standing.condition])
+
+
+def _reset(standing: Standing) -> Standing:
+    if standing.condition not in LATCHED:
+        raise Forbidden(f"the alert is {standing.condition}, not latched: only a latched alert is reset")
+    if standing.condition is Condition.LATCHED_UNACKNOWLEDGED:
+        raise Forbidden("the alert is not acknowledged yet: acknowledge it, then reset it")
+    return replace(standing, condition=Condition.NORMAL)
+
+
+def _released(standing: Standing, suppression: Suppression) -> Standing:
+    if suppression not in standing.suppressions:
+        raise Forbidden(f"the alert is not {suppression}")
+    left = standing.suppressions - {suppression}
+    condition = standing.condition
+    if not left and condition is Condition.ACKNOWLEDGED:
+        condition = Condition.UNACKNOWLEDGED  # it calls again: who acknowledged it may long be gone
+    return replace(standing, condition=condition, suppressions=left)

@@ -1,0 +1,166 @@
+"""What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
+
+from datetime import datetime
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, Field, model_validator
+
+Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
+Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
+
+
+def _aware(moment: datetime) -> datetime:
+    if moment.tzinfo is None:
+        raise ValueError("a moment needs its zone, such as 2026-11-21T12:00:00Z")
+    return moment
+
+
+Moment = Annotated[datetime, AfterValidator(_aware)]
+
+
+class AlertOut(BaseModel):
+    """A statement about a machine with its evidence."""
+
+    id: int
+    machine: str
+    rule: str
+    element: str
+    state: str = Field(
+        description="unacknowledged, acknowledged, returned, latched_unacknowledged, latched_acknowledged, shelved, "
+        "suppressed_by_design, out_of_service; normal once it is closed"
+    )
+    condition: str = Field(description="the state without its suppressions")
+    severity: str = Field(description="alert or danger")
+    latching: bool = Field(description="whether a person must reset it after its cause is gone")
+    suppressions: list[str]
+    message: str
+    evidence: dict[str, Any]
+    identification: int
+    measured_at: datetime
+    opened_at: datetime
+    updated_at: datetime
+    closed_at: datetime | None
+    events: int = Field(description="how many events it has had")
+
+
+class By(BaseModel):
+    """Who does it, and why."""
+
+    by: Name
+    comment: Comment = ""
+
+
+class Remark(BaseModel):
+    """A comment and who makes it."""
+
+    by: Name
+    comment: Annotated[Comment, Field(min_length=1)]
+
+
+class Shelving(By):
+    """Until when: at most 30 days ahead. There is no shelving for ever."""
+
+    until: Moment
+
+
+class SuppressionIn(By):
+    """Suppress a machine's alerts, or only those of a rule or an element."""
+
+    kind: Literal["suppressed_by_design", "out_of_service"]
+    rule: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    element: Annotated[str, Field(min_length=1, max_length=80)] | None = None
+    until: Moment | None = Field(default=None, description="ends by itself; by default a person ends it")
+
+
+class SuppressionOut(BaseModel):
+    """A suppression in force; shelvings among them."""
+
+    id: int
+    machine: str
+    kind: str
+    rule: str | None
+    element: str | None
+    since: datetime
+    until: datetime | None
+    by: str
+    comment: str
+    ended_at: datetime | None
+    ended_by: str | None
+
+
+class TimelineIn(BaseModel):
+    """A note or a marker."""
+
+    at: Moment
+    kind: Literal["note", "maintenance", "marker"] = "note"
+    text: Annotated[Comment, Field(min_length=1)]
+    by: Name
+
+
+class TimelineOut(BaseModel):
+    """An entry on a machine's timeline."""
+
+    id: int
+    machine: str
+    at: datetime
+    kind: str
+    text: str
+    by: str
+    created_at: datetime
+
+
+class SubscriptionIn(BaseModel):
+    """Who is told of every alert event.
+
+    webhook: target is an http or https URL; the answer gives its secret, once. alertmanager: the URL of a Prometheus
+    Alertmanager. email: `smtp://host:port/from@example.org/to@example.org`. zenoh: the plant's own network, no target.
+    """
+
+    kind: Literal["webhook", "alertmanager", "email", "zenoh"]
+    name: Name
+    target: Annotated[str, Field(max_length=2000)] = ""
+
+    @model_validator(mode="after")
+    def _target(self) -> "SubscriptionIn":
+        if (self.kind == "zenoh") == bool(self.target):
+            raise ValueError("target: zenoh needs none, every other kind needs one")
+        return self
+
+
+class SubscriptionOut(BaseModel):
+    """A subscription, without its secret."""
+
+    id: int
+    kind: str
+    name: str
+    target: str
+    state: str = Field(description="active or disabled")
+    reason: str | None = Field(description="why it is disabled")
+    created_at: datetime
+
+
+class SubscriptionCreated(SubscriptionOut):
+    """A new subscription with the secret that signs its messages; it is not shown again."""
+
+    secret: str | None
+
+
+class DeliveryOut(BaseModel):
+    """One event on its way to one subscription."""
+
+    id: int
+    subscription: int
+    event: int
+    alert: int
+    state: str = Field(description="pending, delivered or given_up")
+    attempts: int
+    next_try_at: datetime | None
+    last_try_at: datetime | None
+    answer: str | None = Field(description="what the last try met with")
+
+
+class TestOut(BaseModel):
+    """How a test message was met with."""
+
+    result: str = Field(description="delivered, failed or gone")
+    answer: str

@@ -1,0 +1,91 @@
+"""Who is told of alert events, and how each delivery went."""
+
+from collections.abc import Awaitable, Callable
+
+from fastapi import APIRouter, Request, status
+
+from service.alert_life import Forbidden
+from service.api import alert_rendering as rendering
+from service.api import alert_schemas as schemas
+from service.api.access import Limit, Number, Reading, database
+from service.api.problems import CHANGES, RESPONSES
+from service.delivery.addresses import parsed
+from service.delivery.channel import Outcome
+from service.delivery.signing import new_secret
+from storage import deliveries
+
+TryOut = Callable[[int], Awaitable[Outcome]]
+"""Sends a test message to a subscription."""
+
+router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES)
+
+
+@router.get("", operation_id="list_subscriptions")
+def list_subscriptions(session: Reading) -> list[schemas.SubscriptionOut]:
+    """All subscriptions, without their secrets."""
+    return [rendering.subscription(row) for row in deliveries.every(session)]
+
+
+@router.post("", operation_id="subscribe", status_code=status.HTTP_201_CREATED, responses=CHANGES)
+def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
+    """Be told of every event from now on. A webhook's secret is shown here, once."""
+    if said.kind in ("webhook", "alertmanager"):
+        parsed(said.target)
+    secret = new_secret() if said.kind == "webhook" else None
+    with database(request).transaction() as session:
+        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=secret)
+        return schemas.SubscriptionCreated(**rendering.subscription(row).model_dump(), secret=secret)
+
+
+@router.get("/{subscription_id}", operation_id="read_subscription")
+def read_subscription(session: Reading, subscription_id: Number) -> schemas.SubscriptionOut:
+    """One subscription."""
+    return rendering.subscription(deliveries.get(session, subscription_id))
+
+
+@router.post("/{subscription_id}/disable", operation_id="disable_subscription")
+def disable_subscription(request: Request, subscription_id: Number) -> schemas.SubscriptionOut:
+    """Send it nothing more; what was on its way is given up, and can be delivered again."""
+    with database(request).transaction() as session:
+        row = deliveries.get(session, subscription_id)
+        deliveries.disable(session, row, "by request")
+        return rendering.subscription(row)
+
+
+@router.post("/{subscription_id}/enable", operation_id="enable_subscription")
+def enable_subscription(request: Request, subscription_id: Number) -> schemas.SubscriptionOut:
+    """Tell it of what happens from now on."""
+    with database(request).transaction() as session:
+        row = deliveries.get(session, subscription_id)
+        deliveries.enable(row)
+        return rendering.subscription(row)
+
+
+@router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")
+def list_deliveries(session: Reading, subscription_id: Number, limit: Limit = 100) -> list[schemas.DeliveryOut]:
+    """The delivery log, newest first."""
+    deliveries.get(session, subscription_id)
+    return [rendering.delivery(row) for row in deliveries.of_subscription(session, subscription_id, limit=limit)]
+
+
+@router.post("/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", responses=CHANGES)
+def redeliver(request: Request, subscription_id: Number, delivery_id: Number) -> schemas.DeliveryOut:
+    """Deliver an event once more, now, whatever became of it."""
+    with database(request).transaction() as session:
+        subscription = deliveries.get(session, subscription_id)
+        row = deliveries.delivery(session, delivery_id)
+        if row.subscription_id != subscription_id:
+            raise deliveries.DeliveryUnknown(f"{delivery_id} of subscription {subscription_id}")
+        deliveries.require_active(subscription)
+        deliveries.again(row)
+        return rendering.delivery(row)
+
+
+@router.post("/{subscription_id}/test", operation_id="test_subscription", responses=CHANGES)
+async def test_subscription(request: Request, subscription_id: Number) -> schemas.TestOut:
+    """Send it a message that says it is a test, now, and answer how that went. It is not in the delivery log."""
+    try_out: TryOut | None = request.app.state.try_out
+    if try_out is None:
+        raise Forbidden("this process delivers nothing: ask the one that does")
+    outcome = await try_out(subscription_id)
+    return schemas.TestOut(result=outcome.result, answer=outcome.answer)

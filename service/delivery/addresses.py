@@ -1,0 +1,71 @@
+"""Where deliveries may go: to public addresses, and to the private networks that the operator names.
+
+A receiver's URL is given by a person over the API; without this guard it could make the service talk to machines that only
+the service can reach. The address is looked up once and the connection goes to what was looked up, so that a name that
+changes between check and use gains nothing.
+"""
+
+import asyncio
+import ipaddress
+import socket
+from dataclasses import dataclass
+
+import httpx
+
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
+Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+
+
+class TargetRefused(ValueError):
+    """Nothing is sent there; the message says why and what would be right."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A checked URL: `url` with the looked-up address in the place of the name, which goes into `host`."""
+
+    url: httpx.URL
+    host: str
+
+
+def parsed(text: str) -> httpx.URL:
+    """A URL that something can be sent to. Raises TargetRefused."""
+    try:
+        url = httpx.URL(text)
+    except (httpx.InvalidURL, TypeError) as error:
+        raise TargetRefused(f"'{text[:200]}' is no URL: {error}") from error
+    if url.scheme not in ("http", "https") or not url.host:
+        raise TargetRefused(f"'{text[:200]}' is not a URL that begins with http:// or https:// and names a host")
+    if url.userinfo:
+        raise TargetRefused("a URL with a user or a password in it is not taken: it would be shown to everybody")
+    return url
+
+
+async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
+    """Look a URL's host up and check every address it has. Raises TargetRefused."""
+    url = parsed(text)
+    port = url.port or (443 if url.scheme == "https" else 80)
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(url.host, port, type=socket.SOCK_STREAM)
+    except (OSError, UnicodeError) as error:
+        raise TargetRefused(f"the host {url.host} is not known: {error}") from error
+    addresses = [_address(str(one[4][0])) for one in found]
+    for address in addresses:
+        _require(url.host, address, allowed)
+    return Target(url.copy_with(host=str(addresses[0])), url.netloc.decode("ascii"))
+
+
+def _address(text: str) -> Address:
+    address = ipaddress.ip_address(text.split("%")[0])
+    mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
+    return mapped or address
+
+
+def _require(host: str, address: Address, allowed: tuple[Network, ...]) -> None:
+    if address.is_global and not address.is_multicast:
+        return
+    if any(address.version == network.version and address in network for network in allowed):
+        return
+    raise TargetRefused(
+        f"{host} is at {address}, which is no public address: an operator allows private ones by RUNDOWN_DELIVERY_NETWORKS"
+    )

@@ -1,0 +1,65 @@
+"""Prometheus Alertmanager: alerts pushed to its API v2, again and again while they last, and once more when they end."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+import httpx
+
+from service.alert_life import Severity
+from service.alert_messages import AlertEvent
+from service.delivery.addresses import Network
+from service.delivery.channel import Message, Outcome
+from service.delivery.webhook import post
+
+RESEND_S = 60.0
+"""Alertmanager takes an alert that it has not heard of for `resolve_timeout` (5 minutes) for resolved."""
+FIRING = frozenset({"unacknowledged", "acknowledged"})
+
+
+@dataclass(frozen=True)
+class Alertmanager:
+    """One Alertmanager."""
+
+    client: httpx.AsyncClient
+    target: str
+    allowed: tuple[Network, ...]
+    public_url: str
+
+    async def send(self, message: Message) -> Outcome:
+        """Tell it of an event."""
+        return await self.push([message])
+
+    async def push(self, messages: Sequence[Message]) -> Outcome:
+        """Tell it how alerts stand after their events."""
+        body = json.dumps([alert for message in messages for alert in self._alerts(message)]).encode()
+        url = self.target.rstrip("/") + "/api/v2/alerts"
+        return await post(self.client, url, body, {"content-type": "application/json"}, self.allowed)
+
+    def _alerts(self, message: Message) -> list[dict[str, object]]:
+        """The alert, and the same of any other severity as ended: the severity is a label and labels make the identity."""
+        event = message.event
+        ended = None if event.state in FIRING else event.at
+        return [
+            self._alert(message, severity.label, ended if severity.label == event.severity else event.at)
+            for severity in Severity
+            if severity.label == event.severity or event.number > 1
+        ]
+
+    def _alert(self, message: Message, severity: str, ended: datetime | None) -> dict[str, object]:
+        event: AlertEvent = message.event
+        alert: dict[str, object] = {
+            "labels": {
+                "alertname": f"Rundown_{event.rule}",
+                "plant": message.plant,
+                "machine": event.machine,
+                "rule": event.rule,
+                "element": event.element,
+                "severity": severity,
+            },
+            "annotations": {"summary": event.message, "state": event.state, "alert": str(event.alert)},
+            "startsAt": event.opened_at.isoformat(),
+            "generatorURL": f"{self.public_url}/api/v1/alerts/{event.alert}",
+        }
+        return alert if ended is None else alert | {"endsAt": ended.isoformat()}

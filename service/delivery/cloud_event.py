@@ -1,0 +1,30 @@
+"""An alert event as a CloudEvent 1.0 in structured mode (CloudEvents specification 1.0.2, JSON format)."""
+
+import json
+
+from service.delivery.channel import Message
+
+CONTENT_TYPE = "application/cloudevents+json"
+
+
+def event_id(message: Message) -> str:
+    """The same for every try: what a receiver knows repeats by."""
+    return f"alert-{message.event.alert}-{message.event.number}"
+
+
+def cloud_event(message: Message) -> bytes:
+    """The JSON body. `sequence` counts the alert's events from 1: a receiver can bring them into order."""
+    event = message.event
+    return json.dumps(
+        {
+            "specversion": "1.0",
+            "id": event_id(message),
+            "source": f"/rundown/{message.plant}/{event.machine}",
+            "type": f"rundown.alert.{event.kind}",
+            "subject": f"{event.rule}/{event.element}",
+            "time": event.at.isoformat().replace("+00:00", "Z"),
+            "datacontenttype": "application/json",
+            "sequence": f"{event.number:010d}",
+            "data": event.model_dump(mode="json"),
+        }
+    ).encode()

@@ -1,0 +1,266 @@
+"""The thread that empties the outbox: what is due is sent, what failed is tried again later, by Standard Webhooks' schedule.
+
+The database is asked often and cheaply instead of being rung for: an event that another process wrote is found as well.
+"""
+
+import asyncio
+import logging
+import threading
+import time
+from collections import Counter
+from dataclasses import dataclass
+
+import httpx
+import zenoh
+from sqlalchemy.exc import DBAPIError
+
+from service import alerting
+from service.alert_life import Severity
+from service.alert_messages import AlertEvent, alert_event
+from service.delivery.alertmanager import FIRING, RESEND_S, Alertmanager
+from service.delivery.channel import Channel, Message, Outcome
+from service.delivery.mail import Mail
+from service.delivery.network import Network
+from service.delivery.webhook import TIMEOUT_S, Webhook
+from service.settings import Settings
+from storage import alerts, deliveries, machines
+from storage.clock import now, to_datetime
+from storage.database import Database
+from storage.tables import AlertEventRow, SubscriptionRow
+
+logger = logging.getLogger(__name__)
+
+POLL_S = 0.05
+AT_ONCE = 4
+"""Deliveries under way to one subscription: a receiver that hangs holds up as many and no more."""
+LARGEST_TAKE = 500
+"""Deliveries begun in one look."""
+RETRIES_S = (5.0, 300.0, 1800.0, 7200.0, 18_000.0, 36_000.0, 50_400.0, 72_000.0, 86_400.0)
+"""Pauses before the second try and each later one; then it is given up."""
+LONGEST_WISH_S = 86_400.0
+RETRY_S = 1.0
+"""Pause after the database did not answer."""
+EXPIRY_S = 1.0
+"""How often suppressions whose time is over are looked for."""
+SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Task:
+    """A delivery under way."""
+
+    delivery_id: int
+    subscription_id: int
+    message: Message
+    channel: Channel
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Makes the channel of a subscription."""
+
+    client: httpx.AsyncClient
+    session: zenoh.Session
+    settings: Settings
+
+    def of(self, row: SubscriptionRow) -> Channel:
+        """The channel of a subscription."""
+        allowed = tuple(self.settings.delivery_networks)
+        if row.kind == "webhook":
+            return Webhook(self.client, row.target, row.secret or "", allowed)
+        if row.kind == "alertmanager":
+            return Alertmanager(self.client, row.target, allowed, self.settings.public_url)
+        if row.kind == "email":
+            return Mail(self.settings, row.target)
+        return Network(self.session)
+
+
+def new_client() -> httpx.AsyncClient:
+    """For all receivers: no proxies from the environment, no connection kept by those who hang."""
+    limits = httpx.Limits(max_connections=None, max_keepalive_connections=100)
+    return httpx.AsyncClient(timeout=httpx.Timeout(TIMEOUT_S, pool=None), limits=limits, trust_env=False)
+
+
+class Dispatcher:
+    """Delivers until it is stopped; what is then under way is delivered again after the next start."""
+
+    def __init__(self, database: Database, session: zenoh.Session, settings: Settings) -> None:
+        self._database = database
+        self._session = session
+        self._settings = settings
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="delivery", daemon=True)
+        self._under_way: dict[int, asyncio.Task[Outcome]] = {}
+        self._tasks: dict[int, Task] = {}
+        self._resending: asyncio.Task[None] | None = None
+        self._expire_at = 0.0
+        self._resend_at = 0.0
+        self.trouble: str | None = None
+        """Why nothing can be delivered at the moment."""
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Deliver no more."""
+        self._stop.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    async def _run(self) -> None:
+        async with new_client() as client:
+            channels = Channels(client, self._session, self._settings)
+            while not self._stop.is_set():
+                pause = POLL_S
+                try:
+                    await self._look(channels)
+                    self.trouble = None
+                except DBAPIError as error:
+                    self.trouble = str(error.orig)
+                    logger.error("alert deliveries cannot be read or recorded, trying again: %s", error.orig)
+                    pause = RETRY_S
+                except Exception:
+                    logger.exception("unexpected error in the delivery thread")
+                    pause = RETRY_S
+                await asyncio.sleep(pause)
+            left = [*self._under_way.values(), *([self._resending] if self._resending else [])]
+            for one in left:
+                one.cancel()
+            await asyncio.gather(*left, return_exceptions=True)
+
+    async def _look(self, channels: Channels) -> None:
+        """Record what has finished, then begin what is due."""
+        finished = {number: one.result() for number, one in self._under_way.items() if one.done()}
+        if finished:
+            await asyncio.to_thread(self._record, finished)
+            for number in finished:
+                del self._under_way[number], self._tasks[number]
+        moment = time.monotonic()
+        if moment >= self._expire_at:
+            self._expire_at = moment + EXPIRY_S
+            await asyncio.to_thread(self._expire)
+        for task in await asyncio.to_thread(self._due, channels):
+            self._tasks[task.delivery_id] = task
+            self._under_way[task.delivery_id] = asyncio.create_task(_sent(task))
+        if moment >= self._resend_at and (self._resending is None or self._resending.done()):
+            self._resend_at = moment + RESEND_S
+            self._resending = asyncio.create_task(self._resend(channels))
+
+    def _due(self, channels: Channels) -> list[Task]:
+        load = Counter(task.subscription_id for task in self._tasks.values())
+        busy = [subscription for subscription, count in load.items() if count >= AT_ONCE]
+        found = []
+        with self._database.reading() as session:
+            for row in deliveries.due(session, now(), busy=busy, limit=LARGEST_TAKE):
+                if row.id in self._tasks or load[row.subscription_id] >= AT_ONCE:
+                    continue
+                load[row.subscription_id] += 1
+                subscription = deliveries.get(session, row.subscription_id)
+                event = session.get_one(AlertEventRow, row.event_id)
+                message = Message(alert_event(event), machines.get(session, event.machine_id).plant)
+                found.append(Task(row.id, row.subscription_id, message, channels.of(subscription)))
+        return found
+
+    def _record(self, finished: dict[int, Outcome]) -> None:
+        with self._database.transaction() as session:
+            for number, outcome in finished.items():
+                row = deliveries.delivery(session, number)
+                row.attempts += 1
+                row.last_try_at = now()
+                row.answer = outcome.answer[:2000]
+                if outcome.result == "delivered":
+                    row.state = deliveries.DELIVERED
+                elif outcome.result == "gone":
+                    row.state = deliveries.GIVEN_UP
+                    subscription = deliveries.get(session, row.subscription_id)
+                    deliveries.disable(session, subscription, f"the receiver answered {outcome.answer[:200]}")
+                    logger.warning("subscription '%s' is disabled: its receiver is gone", subscription.name)
+                elif row.attempts > len(RETRIES_S):
+                    row.state = deliveries.GIVEN_UP
+                    logger.warning("delivery %d is given up after %d tries: %s", number, row.attempts, outcome.answer[:200])
+                elif row.state == deliveries.PENDING:
+                    wish = min(outcome.retry_after or 0.0, LONGEST_WISH_S)
+                    row.next_try_at = now() + int(max(RETRIES_S[row.attempts - 1], wish) * SECOND)
+
+    def _expire(self) -> None:
+        with self._database.reading() as session:
+            if not alerting.any_over(session):
+                return
+        with self._database.transaction() as session:
+            alerting.release_over(session)
+
+    async def _resend(self, channels: Channels) -> None:
+        """Tell every Alertmanager of all alerts that last."""
+        try:
+            targets, messages = await asyncio.to_thread(self._lasting)
+        except DBAPIError as error:
+            logger.error("lasting alerts cannot be read: %s", error.orig)
+            return
+        for row in targets:
+            channel = channels.of(row)
+            if messages and isinstance(channel, Alertmanager):
+                outcome = await channel.push(messages)
+                if outcome.result != "delivered":
+                    logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
+
+    def _lasting(self) -> tuple[list[SubscriptionRow], list[Message]]:
+        with self._database.reading() as session:
+            rows = [row for row in deliveries.every(session) if row.kind == "alertmanager" and row.state == deliveries.ACTIVE]
+            if not rows:
+                return [], []
+            found = []
+            for alert in alerts.find(session, machine_id=None, only_open=True, limit=10_000):
+                if alert.state not in FIRING:
+                    continue
+                event = alerts.history(session, alert.id)[-1]
+                found.append(Message(alert_event(event), machines.get(session, alert.machine_id).plant))
+            return rows, found
+
+    async def try_out(self, subscription_id: int) -> Outcome:
+        """Send a test message to a subscription, from whatever loop. Raises SubscriptionUnknown."""
+
+        def found() -> SubscriptionRow:
+            with self._database.reading() as session:
+                return deliveries.get(session, subscription_id)
+
+        row = await asyncio.to_thread(found)
+        async with new_client() as client:
+            channel = Channels(client, self._session, self._settings).of(row)
+            return await _sent(Task(0, row.id, test_message(), channel))
+
+
+def test_message() -> Message:
+    """A message that says that it is none."""
+    moment = to_datetime(now())
+    event = AlertEvent(
+        id=0,
+        alert=0,
+        number=1,
+        machine="test",
+        rule="test",
+        element="test",
+        at=moment,
+        kind="test",
+        state_before="normal",
+        state="normal",
+        severity=Severity.ALERT.label,
+        message="This is a test of Rundown's alert delivery; no machine is meant.",
+        by=alerting.SERVICE,
+        comment="",
+        opened_at=moment,
+        identification=0,
+    )
+    return Message(event, "test")
+
+
+async def _sent(task: Task) -> Outcome:
+    try:
+        return await task.channel.send(task.message)
+    except Exception as error:  # noqa: BLE001 - whatever a channel meets becomes the delivery's recorded failure
+        return Outcome("failed", f"{type(error).__name__}: {error}")

@@ -1,0 +1,76 @@
+"""E-mail over SMTP."""
+
+import asyncio
+import smtplib
+import ssl
+from dataclasses import dataclass
+from email.message import EmailMessage
+
+from service.delivery.channel import Message, Outcome
+from service.delivery.cloud_event import event_id
+from service.settings import Settings
+
+TIMEOUT_S = 15.0
+
+
+class NoMailServer(ValueError):
+    """No mail server is set."""
+
+
+@dataclass(frozen=True)
+class Mail:
+    """One address, or several with commas between."""
+
+    settings: Settings
+    target: str
+
+    async def send(self, message: Message) -> Outcome:
+        """Send a mail."""
+        try:
+            await asyncio.to_thread(self._send, letter(self.settings, self.target, message))
+        except (OSError, smtplib.SMTPException, NoMailServer) as error:
+            return Outcome("failed", f"{type(error).__name__}: {error}")
+        return Outcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
+
+    def _send(self, mail: EmailMessage) -> None:
+        settings = self.settings
+        if not settings.smtp_host:
+            raise NoMailServer("no mail server is set: RUNDOWN_SMTP_HOST")
+        where = (settings.smtp_host, settings.smtp_port)
+        context = ssl.create_default_context()
+        tls = settings.smtp_security == "tls"
+        with (
+            smtplib.SMTP_SSL(*where, timeout=TIMEOUT_S, context=context) if tls else smtplib.SMTP(*where, timeout=TIMEOUT_S)
+        ) as server:
+            if settings.smtp_security == "starttls":
+                server.starttls(context=context)
+            if settings.smtp_user:
+                server.login(settings.smtp_user, settings.smtp_password.get_secret_value())
+            server.send_message(mail)
+
+
+def letter(settings: Settings, target: str, message: Message) -> EmailMessage:
+    """The mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
+    event = message.event
+    domain = settings.smtp_sender.rpartition("@")[2]
+    mail = EmailMessage()
+    mail["From"] = settings.smtp_sender
+    mail["To"] = target
+    mail["Subject"] = f"[{event.severity}] {event.machine} {event.element}: {event.rule} {event.state.replace('_', ' ')}"
+    mail["Message-ID"] = f"<{event_id(message)}@{domain}>"
+    mail["In-Reply-To"] = mail["References"] = f"<alert-{event.alert}@{domain}>"
+    lines = [
+        event.message,
+        "",
+        f"machine    {message.plant}/{event.machine}",
+        f"element    {event.element}",
+        f"state      {event.state_before} -> {event.state} ({event.kind} by {event.by}, {event.at:%Y-%m-%d %H:%M:%S} UTC)",
+        f"severity   {event.severity}",
+        f"open since {event.opened_at:%Y-%m-%d %H:%M:%S} UTC",
+    ]
+    if event.comment:
+        lines.append(f"comment    {event.comment}")
+    if settings.public_url:
+        lines += ["", f"{settings.public_url}/api/v1/alerts/{event.alert}"]
+    mail.set_content("\n".join(lines) + "\n")
+    return mail

@@ -1,0 +1,57 @@
+"""Alert events on the zenoh network: each published when it happens, the last of each open alert answered to queries."""
+
+import asyncio
+import threading
+from dataclasses import dataclass
+
+import zenoh
+
+from service.alert_messages import AlertEvent, alert_event
+from service.delivery.channel import Message, Outcome
+from storage import alerts, machines
+from storage.database import Database
+
+ENCODING = "application/json"
+ALL_ALERTS = "rundown/v1/*/*/alerts/*"
+
+
+def alert_key(plant: str, event: AlertEvent) -> str:
+    """Where an alert's events are published."""
+    return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
+
+
+@dataclass(frozen=True)
+class Network:
+    """The plant's network."""
+
+    session: zenoh.Session
+
+    async def send(self, message: Message) -> Outcome:
+        """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
+        key = alert_key(message.plant, message.event)
+        try:
+            await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
+        except zenoh.ZError as error:
+            return Outcome("failed", str(error))
+        return Outcome("delivered", f"published on {key}")
+
+
+class LastStates:
+    """Answers queries on the alerts' keys with the last event of each open alert."""
+
+    def __init__(self, session: zenoh.Session, database: Database) -> None:
+        self._database = database
+        self._lock = threading.Lock()
+        self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._queryable.undeclare()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query, self._lock, self._database.reading() as reading:
+            plants = {row.id: row.plant for row in machines.every(reading)}
+            for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
+                key = alert_key(plants[row.machine_id], event := alert_event(alerts.history(reading, row.id)[-1]))
+                if query.key_expr.intersects(zenoh.KeyExpr(key)):
+                    query.reply(key, event.model_dump_json().encode(), encoding=ENCODING)

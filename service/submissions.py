@@ -1,0 +1,64 @@
+"""What comes over HTTP on its way to the ingest thread: a bounded queue, each entry with a promise of what became of it."""
+
+import queue
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+
+from service.journal import Outcome
+
+QUEUE_SIZE = 1_000
+"""Batches that wait; whoever comes then is asked to come again."""
+
+
+class Busy(RuntimeError):
+    """Too many batches wait to be stored."""
+
+
+class NotStoring(RuntimeError):
+    """The database does not take samples at present; the message says why."""
+
+
+@dataclass(frozen=True)
+class Submission:
+    """A body as it came, for one machine, and the promise of its outcome.
+
+    The promise ends in an Outcome once everything is durable, in Rejected, or in NotStoring.
+    """
+
+    machine: str
+    body: bytes
+    encoding: str
+    promise: Future[Outcome] = field(default_factory=Future)
+
+
+class Submissions:
+    """Between the API's threads, which offer, and the ingest thread, which takes."""
+
+    def __init__(self, size: int = QUEUE_SIZE) -> None:
+        self._queue: queue.Queue[Submission] = queue.Queue(size)
+        self.trouble: str | None = None
+        """Why nothing can be stored at present."""
+
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+        """Queue a body. Raises Busy or NotStoring."""
+        if self.trouble is not None:
+            raise NotStoring(self.trouble)
+        one = Submission(machine, body, encoding)
+        try:
+            self._queue.put_nowait(one)
+        except queue.Full:
+            raise Busy(f"{self._queue.maxsize} batches wait to be stored") from None
+        return one.promise
+
+    def take(self) -> Submission | None:
+        """The one that has waited longest and that somebody still waits for."""
+        while True:
+            try:
+                one = self._queue.get_nowait()
+            except queue.Empty:
+                return None
+            if one.promise.set_running_or_notify_cancel():
+                return one
+
+    def __len__(self) -> int:
+        return self._queue.qsize()

@@ -1,0 +1,60 @@
+"""The contract with sources, defined here and nowhere else: where messages travel, their frame, their schema, its three
+encodings and the conversion to SI. `docs/integrators.md` describes it for those who write sources.
+"""
+
+from service.wire.conversion import (
+    EARLIEST_TIME,
+    FUTURE_TOLERANCE,
+    LARGEST_AMPLITUDE,
+    LARGEST_PHASE,
+    OVERSPEED,
+    to_samples,
+)
+from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
+from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
+from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
+from service.wire.rejection import Fault, Reason, Rejected
+from service.wire.schema import (
+    DIRECTIONS,
+    LARGEST_BATCH,
+    LARGEST_CHANNEL_COUNT,
+    STATUSES,
+    WIRE_SCHEMA,
+    SampleBatch,
+    source_key,
+)
+
+__all__ = [
+    "ALL_LIVE",
+    "ALL_RECEIVED",
+    "ALL_SAMPLES",
+    "BINARY",
+    "DIRECTIONS",
+    "EARLIEST_TIME",
+    "ENCODINGS",
+    "FUTURE_TOLERANCE",
+    "JSON",
+    "LARGEST_AMPLITUDE",
+    "LARGEST_BATCH",
+    "LARGEST_CHANNEL_COUNT",
+    "LARGEST_MESSAGE",
+    "LARGEST_PHASE",
+    "MESSAGEPACK",
+    "OVERSPEED",
+    "STATUSES",
+    "WIRE_SCHEMA",
+    "Fault",
+    "Key",
+    "Reason",
+    "Rejected",
+    "SampleBatch",
+    "decode_batch",
+    "decode_body",
+    "encode_batch",
+    "encode_body",
+    "frame",
+    "require_size",
+    "source_key",
+    "to_samples",
+    "unframed",
+]

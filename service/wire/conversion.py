@@ -1,0 +1,148 @@
+"""From a batch in its source's units to samples in SI: the one place where that happens."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.channel_status import ChannelStatus
+from estimator.machine import Machine
+from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rpm_to_rad_per_s
+from service.wire.rejection import Fault, Rejected
+from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
+from storage.blocks import Samples
+
+LARGEST_AMPLITUDE = 0.02
+"""No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
+LARGEST_PHASE = 1e5
+"""No source counts a phase to hundreds of turns [° or rad]."""
+OVERSPEED = 1.3
+"""A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
+EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
+FUTURE_TOLERANCE = 60_000_000_000
+"""A sample may be ahead of this machine's clock by a minute [ns]; clocks that differ by more want mending."""
+
+_NO_PHASOR = complex(np.nan, np.nan)
+
+
+def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tuple[Samples, NDArray[np.bool_], list[Fault]]:
+    """Convert a batch to SI in the document's channel order.
+
+    Returns all samples, which of them can be taken at all (S,), and every fault. A channel's bad value makes that channel
+    unusable in that sample; a bad time or speed the whole sample. Raises Rejected for what is wrong with all of it.
+    """
+    _check_channels(batch, machine)
+    factors = _metres(batch, machine) * _factor(batch, "amplitude_kind", PEAK)
+    turn = _factor(batch, "phase_convention", LEAD) * _factor(batch, "phase_unit", RADIANS)
+    count = len(batch.time_ns)
+    shape = (count, len(machine.probes))
+    phasor = np.full(shape, _NO_PHASOR)
+    second = np.full(shape, _NO_PHASOR)
+    scatter = np.full(shape, np.nan)
+    status = np.full(shape, ChannelStatus.NOT_AVAILABLE, dtype=np.uint8)
+    columns = [machine.channels.index(channel) for channel in batch.channels]
+    with np.errstate(invalid="ignore", over="ignore"):
+        speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
+        size, phase = _table(batch.amplitude) * factors, _table(batch.phase)
+        number = _is_amplitude(size) & (np.abs(phase) <= LARGEST_PHASE)
+        told = np.full(size.shape, np.nan) if batch.scatter is None else _table(batch.scatter) * factors
+        sensible = number & (~np.isfinite(told) | _is_amplitude(told))
+        phasor[:, columns] = np.where(number, size * np.exp(1j * turn * phase), _NO_PHASOR)
+        if batch.amplitude_2x is not None and batch.phase_2x is not None:
+            twice, phase_2x = _table(batch.amplitude_2x) * factors, _table(batch.phase_2x)
+            number_2x = _is_amplitude(twice) & (np.abs(phase_2x) <= LARGEST_PHASE)
+            second[:, columns] = np.where(number_2x, twice * np.exp(1j * turn * phase_2x), _NO_PHASOR)
+    called = _called(batch, np.isnan(size) | np.isnan(phase))
+    wrong = (called == ChannelStatus.GOOD) & ~sensible
+    faults = _channel_faults(batch, size, wrong)
+    status[:, columns] = np.where(wrong, np.where(_is_too_large(size), ChannelStatus.OUT_OF_RANGE, ChannelStatus.BAD), called)
+    scatter[:, columns] = np.where(sensible & np.isfinite(told), told, np.nan)
+    time = np.array([min(max(t, -(2**62)), 2**62) for t in batch.time_ns], dtype=np.int64)
+    taken = np.ones(count, dtype=bool)
+    for fault in _sample_faults(machine, time, speed, received_at):
+        faults.append(fault)
+        taken[fault.index] = False
+    direction = np.full(count, _factor(batch, "direction", DIRECTIONS), dtype=np.int8)
+    return Samples(time, speed, direction, phasor, status, scatter, second), taken, faults
+
+
+def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.asarray((size >= 0.0) & (size <= LARGEST_AMPLITUDE))
+
+
+def _is_too_large(size: NDArray[np.float64]) -> NDArray[np.bool_]:
+    return np.asarray(np.isfinite(size) & ~_is_amplitude(size))
+
+
+def _factor(batch: SampleBatch, name: str, table: Mapping[Any, float]) -> float:
+    value = getattr(batch, name)
+    if value not in table:
+        raise Rejected("wrong_unit", f"{name} '{value[:40]}' is not one of {', '.join(table)}")
+    return table[value]
+
+
+def _check_channels(batch: SampleBatch, machine: Machine) -> None:
+    unknown = [channel[:64] for channel in batch.channels if channel not in machine.channels]
+    if unknown:
+        known = ", ".join(machine.channels)
+        raise Rejected("unknown_channel", f"machine '{machine.id}' has no channel {', '.join(unknown)}; it has {known}")
+
+
+def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
+    """Factor to metres per channel of the batch."""
+    if batch.amplitude_unit != "V":
+        return np.full(len(batch.channels), _factor(batch, "amplitude_unit", METRES))
+    sensitivity = {probe.id: probe.sensitivity for probe in machine.probes}
+    missing = [channel for channel in batch.channels if sensitivity[channel] is None]
+    if missing:
+        raise Rejected("wrong_unit", f"amplitudes in V need a sensitivity [V/m] in the document for {', '.join(missing)}")
+    return np.array([1.0 / (sensitivity[channel] or np.nan) for channel in batch.channels])
+
+
+def _table(rows: Table) -> NDArray[np.float64]:
+    return np.array(rows, dtype=float)  # null becomes NaN
+
+
+def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """What the source itself says of each value: a null is as good as `not_available`. blank: where one may be null."""
+    if batch.status is None:
+        said = np.full(blank.shape, ChannelStatus.GOOD, dtype=np.uint8)
+    else:
+        unknown = {status for row in batch.status for status in row} - set(STATUSES)
+        if unknown:
+            raise Rejected("wrong_unit", f"status '{min(unknown)[:40]}' is not one of {', '.join(STATUSES)}")
+        said = np.array([[STATUSES[status] for status in row] for row in batch.status], dtype=np.uint8)
+    for index, column in np.argwhere(blank & (said == ChannelStatus.GOOD)).tolist():
+        if batch.amplitude[index][column] is None or batch.phase[index][column] is None:
+            said[index, column] = ChannelStatus.NOT_AVAILABLE
+    return said
+
+
+def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArray[np.bool_]) -> list[Fault]:
+    """Why values that the source calls good are not taken; size: amplitudes 0-to-peak [m]."""
+    faults = []
+    for index, column in np.argwhere(wrong):
+        channel, amplitude = batch.channels[column], size[index, column]
+        if _is_too_large(amplitude):
+            detail = f"channel {channel}: {amplitude:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
+            faults.append(Fault(int(index), "amplitude_out_of_range", detail))
+        else:
+            detail = f"channel {channel}: amplitude, phase and scatter must be sensible finite numbers"
+            faults.append(Fault(int(index), "not_finite", detail))
+    return faults
+
+
+def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.float64], received_at: int) -> Iterator[Fault]:
+    fastest = OVERSPEED * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    latest = received_at + FUTURE_TOLERANCE
+    fine = (speed >= 0.0) & (speed <= fastest) & (time >= EARLIEST_TIME) & (time <= latest)
+    for index in np.flatnonzero(~fine).tolist():
+        if not np.isfinite(speed[index]):
+            yield Fault(index, "not_finite", "speed is not a finite number")
+        elif not 0.0 <= speed[index] <= fastest:
+            detail = f"speed {speed[index]:.6g} rad/s is not between 0 and {fastest:.6g} rad/s"
+            yield Fault(index, "speed_out_of_range", detail)
+        else:
+            detail = f"time {time[index]} ns is before 2000 or more than a minute ahead"
+            yield Fault(index, "time_out_of_range", detail)

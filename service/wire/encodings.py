@@ -1,0 +1,66 @@
+"""The three encodings of one schema, told apart by the message's zenoh encoding or its Content-Type."""
+
+from typing import TypeVar
+
+import msgspec
+
+from service.wire.binary import decode_binary, encode_binary
+from service.wire.frame import frame, unframed
+from service.wire.keys import Key
+from service.wire.rejection import Rejected
+from service.wire.schema import SampleBatch, require_schema, require_shape
+
+BINARY, MESSAGEPACK, JSON = "application/x-rundown-batch", "application/msgpack", "application/json"
+ENCODINGS = (BINARY, MESSAGEPACK, JSON)
+
+UNSAID = ("", "zenoh/bytes")
+"""A message that does not say its encoding is taken for MessagePack."""
+
+_T = TypeVar("_T")
+
+
+class _Version(msgspec.Struct):
+    schema: int
+
+
+def encode_body(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
+    """A batch without its frame, as HTTP carries it."""
+    if encoding == BINARY:
+        return encode_binary(batch)
+    return msgspec.json.encode(batch) if encoding == JSON else msgspec.msgpack.encode(batch)
+
+
+def encode_batch(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
+    """The payload that carries a batch."""
+    return frame(encode_body(batch, encoding))
+
+
+def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
+    """Take a payload apart and check everything that does not need the machine's document. Raises Rejected."""
+    batch = decode_body(unframed(payload), encoding)
+    if (batch.plant, batch.machine) != (key.plant, key.machine):
+        raise Rejected("key_mismatch", f"body says {batch.plant}/{batch.machine}, key says {key.plant}/{key.machine}")
+    return batch
+
+
+def decode_body(body: bytes, encoding: str) -> SampleBatch:
+    """The batch in a body, checked in itself. Raises Rejected."""
+    kind = encoding.split(";")[0].strip().lower()
+    if kind in UNSAID:
+        kind = MESSAGEPACK
+    if kind not in ENCODINGS:
+        raise Rejected("undecodable", f"encoding '{encoding[:80]}' is not one of {', '.join(ENCODINGS)}")
+    if kind == BINARY:
+        batch = decode_binary(body)
+    else:
+        try:
+            require_schema(_decoded(_Version, body, kind).schema)
+            batch = _decoded(SampleBatch, body, kind)
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+            raise Rejected("undecodable", f"body is not a sample batch in {kind}: {error}") from None
+    require_shape(batch)
+    return batch
+
+
+def _decoded(kind: type[_T], body: bytes, encoding: str) -> _T:
+    return msgspec.json.decode(body, type=kind) if encoding == JSON else msgspec.msgpack.decode(body, type=kind)

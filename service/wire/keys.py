@@ -1,0 +1,54 @@
+"""Where messages travel: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
+
+import re
+from dataclasses import dataclass
+
+from service.wire.rejection import Rejected
+
+IDENTIFIER = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
+"""Plants, machines, sources: zenoh itself would take spaces and newlines."""
+
+ALL_SAMPLES = "rundown/v1/*/*/samples"
+ALL_LIVE = "rundown/v1/live/*/*"
+ALL_RECEIVED = "rundown/v1/*/*/received"
+
+
+@dataclass(frozen=True)
+class Key:
+    """One machine's place on the network."""
+
+    plant: str
+    machine: str
+
+    @classmethod
+    def parse(cls, key: str) -> "Key":
+        """From a full key expression. Raises Rejected."""
+        parts = key.split("/")
+        if len(parts) != 5 or parts[:2] != ["rundown", "v1"] or not all(IDENTIFIER.match(p) for p in parts[2:4]):
+            raise Rejected("key_mismatch", f"'{key[:200]}' is not rundown/v1/<plant>/<machine>/samples")
+        return cls(parts[2], parts[3])
+
+    @property
+    def samples(self) -> str:
+        """Where batches are published."""
+        return f"rundown/v1/{self.plant}/{self.machine}/samples"
+
+    @property
+    def log(self) -> str:
+        """Where a source answers replay queries."""
+        return f"rundown/v1/{self.plant}/{self.machine}/log"
+
+    @property
+    def status(self) -> str:
+        """Where a source says how it is doing."""
+        return f"rundown/v1/{self.plant}/{self.machine}/status"
+
+    @property
+    def received(self) -> str:
+        """Where the service says how far it has received the machine's sources."""
+        return f"rundown/v1/{self.plant}/{self.machine}/received"
+
+    @property
+    def live(self) -> str:
+        """Liveliness token of the machine's source."""
+        return f"rundown/v1/live/{self.plant}/{self.machine}"

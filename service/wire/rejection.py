@@ -1,0 +1,42 @@
+"""Why input is not taken: every reason has a name, which the quarantine, the metrics and the documentation share."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Reason = Literal[
+    "too_large",
+    "bad_frame",
+    "undecodable",
+    "future_schema",
+    "key_mismatch",
+    "unknown_machine",
+    "unknown_channel",
+    "wrong_unit",
+    "wrong_shape",
+    "not_finite",
+    "speed_out_of_range",
+    "speed_out_of_order",
+    "amplitude_out_of_range",
+    "sequence_out_of_range",
+    "time_out_of_range",
+    "time_out_of_order",
+]
+"""Why a message, a sample or a channel's value is rejected."""
+
+
+class Rejected(ValueError):
+    """A message or a sample cannot be taken."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(detail)
+        self.reason = reason
+        self.detail = detail
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A sample, or one channel of it, that is not taken: its place in the batch and the reason."""
+
+    index: int
+    reason: Reason
+    detail: str

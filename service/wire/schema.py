@@ -1,0 +1,88 @@
+"""What a message says: one schema for all encodings, with its version and limits."""
+
+import msgspec
+
+from estimator.channel_status import ChannelStatus
+from service.wire.keys import IDENTIFIER
+from service.wire.rejection import Rejected
+from storage.samples import SourceKey
+
+WIRE_SCHEMA = 1
+LARGEST_BATCH = 5_000
+LARGEST_CHANNEL_COUNT = 128
+
+STATUSES = {status.label: status for status in ChannelStatus}
+DIRECTIONS = {"positive": 1, "negative": -1}
+
+TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x")
+"""Fields with a row per sample and a column per channel."""
+
+Table = list[list[float | None]]
+
+
+class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
+    """Consecutive samples of one machine from one source.
+
+    epoch: any number that grows with each start of the source, such as its start time; sequence: number of the first
+    sample in this epoch, counted from 0; the others follow without a hole. time_ns: per sample, UTC since 1970.
+    amplitude, phase, status, scatter: per sample a list over the channels; null where there is no value. status: `good`,
+    `not_available`, `bad` or `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's
+    unit. amplitude_2x, phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive`
+    turns +x towards +y.
+    """
+
+    schema: int
+    plant: str
+    machine: str
+    source: str
+    epoch: int
+    sequence: int
+    channels: list[str]
+    speed_unit: str
+    amplitude_unit: str
+    amplitude_kind: str
+    phase_convention: str
+    phase_unit: str
+    direction: str
+    time_ns: list[int]
+    speed: list[float]
+    amplitude: Table
+    phase: Table
+    status: list[list[str]] | None = None
+    scatter: Table | None = None
+    amplitude_2x: Table | None = None
+    phase_2x: Table | None = None
+
+
+def source_key(batch: SampleBatch) -> SourceKey:
+    """Whose samples these are."""
+    return SourceKey(batch.machine, batch.source, batch.epoch)
+
+
+def require_schema(version: int) -> None:
+    """Raises Rejected for a schema that this service does not know."""
+    if version < 1:
+        raise Rejected("undecodable", f"there is no schema {version}; this service knows 1 to {WIRE_SCHEMA}")
+    if version > WIRE_SCHEMA:
+        raise Rejected("future_schema", f"schema {version} is newer than this service's {WIRE_SCHEMA}: upgrade it first")
+
+
+def require_shape(batch: SampleBatch) -> None:
+    """Raises Rejected for a batch whose parts do not fit together or are beyond the limits."""
+    count, channels = len(batch.time_ns), len(batch.channels)
+    if not 1 <= count <= LARGEST_BATCH:
+        raise Rejected("wrong_shape", f"{count} samples; a batch has 1 to {LARGEST_BATCH}")
+    if not 1 <= channels <= LARGEST_CHANNEL_COUNT or len(set(batch.channels)) != channels:
+        raise Rejected("wrong_shape", f"{channels} channels; a batch has 1 to {LARGEST_CHANNEL_COUNT}, each once")
+    if not IDENTIFIER.match(batch.source):
+        raise Rejected("wrong_shape", "source must be letters, digits, '_' and '-', up to 64")
+    if not (0 <= batch.epoch < 2**63 and 0 <= batch.sequence < 2**62):
+        raise Rejected("wrong_shape", "epoch and sequence must not be negative and must fit 63 bits")
+    if len(batch.speed) != count:
+        raise Rejected("wrong_shape", f"speed has {len(batch.speed)} values for {count} samples")
+    if (batch.amplitude_2x is None) != (batch.phase_2x is None):
+        raise Rejected("wrong_shape", "amplitude_2x and phase_2x come together or not at all")
+    for name in TABLES:
+        rows = getattr(batch, name)
+        if rows is not None and (len(rows) != count or any(len(row) != channels for row in rows)):
+            raise Rejected("wrong_shape", f"{name} must have {count} rows of {channels} values")

@@ -1,0 +1,137 @@
+"""Repository of subscriptions and of the outbox: which event still has to reach whom."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import func, select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
+
+ACTIVE, DISABLED = "active", "disabled"
+PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
+
+
+class SubscriptionUnknown(KeyError):
+    """No subscription of that id."""
+
+
+class SubscriptionExists(ValueError):
+    """A subscription of that name is there already."""
+
+
+class SubscriptionDisabled(ValueError):
+    """Nothing is sent to this subscription."""
+
+
+class DeliveryUnknown(KeyError):
+    """No delivery of that id."""
+
+
+def subscribe(session: Session, *, kind: str, name: str, target: str, secret: str | None) -> SubscriptionRow:
+    """Who is told from now on. Raises SubscriptionExists."""
+    if by_name(session, name) is not None:
+        raise SubscriptionExists(f"subscription '{name}' exists already")
+    row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=now())
+    session.add(row)
+    session.flush()
+    return row
+
+
+def by_name(session: Session, name: str) -> SubscriptionRow | None:
+    """The subscription of a name."""
+    return session.scalars(select(SubscriptionRow).where(SubscriptionRow.name == name)).one_or_none()
+
+
+def get(session: Session, subscription_id: int) -> SubscriptionRow:
+    """Raises SubscriptionUnknown."""
+    row = session.get(SubscriptionRow, subscription_id)
+    if row is None:
+        raise SubscriptionUnknown(subscription_id)
+    return row
+
+
+def every(session: Session) -> Sequence[SubscriptionRow]:
+    """All subscriptions, by id."""
+    return session.scalars(select(SubscriptionRow).order_by(SubscriptionRow.id)).all()
+
+
+def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
+    """Send it nothing more; what was on its way is given up, and can be delivered again later."""
+    row.state, row.reason = DISABLED, reason
+    waiting = select(DeliveryRow).where(DeliveryRow.subscription_id == row.id, DeliveryRow.state == PENDING)
+    for delivery in session.scalars(waiting):
+        delivery.state, delivery.answer = GIVEN_UP, f"subscription disabled: {reason}"
+
+
+def enable(row: SubscriptionRow) -> None:
+    """Tell it of what happens from now on."""
+    row.state, row.reason = ACTIVE, None
+
+
+def require_active(row: SubscriptionRow) -> None:
+    """Raises SubscriptionDisabled."""
+    if row.state != ACTIVE:
+        raise SubscriptionDisabled(f"subscription '{row.name}' is disabled ({row.reason}): enable it first")
+
+
+def queue(session: Session, event: AlertEventRow) -> None:
+    """Put an event into the outbox of every active subscription."""
+    for row in session.scalars(select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE)):
+        queue_for(session, row, event)
+
+
+def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> DeliveryRow:
+    """Put an event into the outbox of one subscription."""
+    delivery = DeliveryRow(
+        subscription_id=row.id,
+        event_id=event.id,
+        alert_id=event.alert_id,
+        state=PENDING,
+        attempts=0,
+        next_try_at=event.at,
+        last_try_at=None,
+        answer=None,
+    )
+    session.add(delivery)
+    return delivery
+
+
+def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Sequence[DeliveryRow]:
+    """Deliveries to try at a moment [ns]: of each subscription and alert the oldest pending one, when its time has come.
+
+    busy: ids of subscriptions that take no more at present.
+    """
+    oldest = (
+        select(func.min(DeliveryRow.id))
+        .where(DeliveryRow.state == PENDING)
+        .where(DeliveryRow.subscription_id.not_in(busy))
+        .group_by(DeliveryRow.subscription_id, DeliveryRow.alert_id)
+    )
+    query = select(DeliveryRow).where(DeliveryRow.id.in_(oldest), DeliveryRow.next_try_at <= moment)
+    return session.scalars(query.order_by(DeliveryRow.id).limit(limit)).all()
+
+
+def of_subscription(session: Session, subscription_id: int, *, limit: int) -> Sequence[DeliveryRow]:
+    """The delivery log of a subscription, newest first."""
+    query = select(DeliveryRow).where(DeliveryRow.subscription_id == subscription_id)
+    return session.scalars(query.order_by(DeliveryRow.id.desc()).limit(limit)).all()
+
+
+def delivery(session: Session, delivery_id: int) -> DeliveryRow:
+    """Raises DeliveryUnknown."""
+    row = session.get(DeliveryRow, delivery_id)
+    if row is None:
+        raise DeliveryUnknown(delivery_id)
+    return row
+
+
+def again(row: DeliveryRow) -> None:
+    """Deliver once more, now."""
+    row.state, row.attempts, row.next_try_at, row.answer = PENDING, 0, now(), None
+
+
+def counts(session: Session) -> dict[str, int]:
+    """How many deliveries are in each state."""
+    query = select(DeliveryRow.state, func.count()).group_by(DeliveryRow.state)
+    return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

@@ -1,0 +1,78 @@
+"""Repository of shelvings, suppressions by design and removals from service."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import or_, select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import SuppressionRow
+
+
+class SuppressionUnknown(KeyError):
+    """No suppression of that id."""
+
+
+def add(
+    session: Session,
+    machine_id: str,
+    *,
+    kind: str,
+    rule: str | None,
+    element: str | None,
+    until: int | None,
+    by: str,
+    comment: str,
+) -> SuppressionRow:
+    """Begin a suppression; `rule` and `element` None suppress all of the machine."""
+    row = SuppressionRow(
+        machine_id=machine_id,
+        rule=rule,
+        element=element,
+        kind=kind,
+        since=now(),
+        until=until,
+        by=by,
+        comment=comment,
+        ended_at=None,
+        ended_by=None,
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def get(session: Session, suppression_id: int) -> SuppressionRow:
+    """Raises SuppressionUnknown."""
+    row = session.get(SuppressionRow, suppression_id)
+    if row is None:
+        raise SuppressionUnknown(suppression_id)
+    return row
+
+
+def in_force(session: Session, machine_id: str) -> Sequence[SuppressionRow]:
+    """Suppressions of a machine that have not ended, oldest first."""
+    query = select(SuppressionRow).where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
+    return session.scalars(query.order_by(SuppressionRow.id)).all()
+
+
+def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> Sequence[SuppressionRow]:
+    """Suppressions in force that apply to alerts of this rule and element."""
+    query = (
+        select(SuppressionRow)
+        .where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
+        .where(or_(SuppressionRow.rule.is_(None), SuppressionRow.rule == rule))
+        .where(or_(SuppressionRow.element.is_(None), SuppressionRow.element == element))
+    )
+    return session.scalars(query.order_by(SuppressionRow.id)).all()
+
+
+def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
+    """Suppressions whose time is over at a moment [ns] and that have not been ended yet."""
+    query = select(SuppressionRow).where(SuppressionRow.ended_at.is_(None), SuppressionRow.until <= moment)
+    return session.scalars(query.order_by(SuppressionRow.until, SuppressionRow.id)).all()
+
+
+def end(row: SuppressionRow, *, by: str) -> None:
+    """It is over."""
+    row.ended_at, row.ended_by = now(), by

@@ -1,0 +1,29 @@
+"""Repository of notes and markers on machines' timelines."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import TimelineRow
+
+
+def add(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
+    """Put an entry on a machine's timeline at a moment [ns]."""
+    row = TimelineRow(machine_id=machine_id, at=at, kind=kind, text=text, by=by, created_at=now())
+    session.add(row)
+    session.flush()
+    return row
+
+
+def of_machine(
+    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int
+) -> Sequence[TimelineRow]:
+    """Entries between two moments [ns], newest first."""
+    query = select(TimelineRow).where(TimelineRow.machine_id == machine_id)
+    if first is not None:
+        query = query.where(TimelineRow.at >= first)
+    if last is not None:
+        query = query.where(TimelineRow.at <= last)
+    return session.scalars(query.order_by(TimelineRow.at.desc(), TimelineRow.id.desc()).limit(limit)).all()

@@ -1,0 +1,126 @@
+"""Real receivers on loopback: an HTTP server that answers by path, and what it was sent."""
+
+import json
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+from estimator.machine import Machine
+from service import alerting
+from service.alerting import Finding
+from service.settings import Settings
+from storage import deliveries
+from storage.database import Database
+from storage.tables import AlertRow, IdentificationRow
+
+LOOPBACK = ["127.0.0.0/8"]
+
+
+@dataclass(frozen=True)
+class Received:
+    """One request."""
+
+    path: str
+    headers: dict[str, str]
+    body: bytes
+
+    @property
+    def json(self) -> Any:
+        return json.loads(self.body)
+
+
+@dataclass
+class Receiver:
+    """An HTTP server. `/ok` takes, `/hang` never answers, `/error` answers 500, `/gone` 410, `/redirect` 307 to `/ok`,
+    `/flaky` 503 until `well` is set, `/endless` sends without end."""
+
+    port: int = 0
+    received: list[Received] = field(default_factory=list)
+    well: threading.Event = field(default_factory=threading.Event)
+    over: threading.Event = field(default_factory=threading.Event)
+
+    def url(self, path: str) -> str:
+        return f"http://127.0.0.1:{self.port}{path}"
+
+    def at(self, path: str) -> list[Received]:
+        return [one for one in list(self.received) if one.path == path]
+
+
+@contextmanager
+def receiver() -> Iterator[Receiver]:
+    """A receiver that listens until the block ends."""
+    state = Receiver()
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["content-length"]))
+            state.received.append(Received(self.path, {k.lower(): v for k, v in self.headers.items()}, body))
+            kind = self.path.split("/")[1]
+            if kind == "hang":
+                state.over.wait(60.0)
+                return
+            status = {"error": 500, "gone": 410, "redirect": 307}.get(kind, 204)
+            if kind == "flaky" and not state.well.is_set():
+                status = 503
+            if kind == "endless":
+                self._endless()
+                return
+            self.send_response(status)
+            if kind == "redirect":
+                self.send_header("location", state.url("/ok"))
+            self.send_header("content-length", "0")
+            self.end_headers()
+
+        def _endless(self) -> None:
+            self.send_response(500)
+            self.end_headers()
+            try:
+                while not state.over.is_set():
+                    self.wfile.write(b"x" * 65536)
+            except OSError:
+                self.close_connection = True
+
+        def log_message(self, *_: Any) -> None:
+            """Say nothing."""
+
+    class Server(ThreadingHTTPServer):
+        daemon_threads = True
+        request_queue_size = 256
+
+    server = Server(("127.0.0.1", 0), Handler)
+    state.port = server.server_address[1]
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02})
+    thread.start()
+    try:
+        yield state
+    finally:
+        state.over.set()
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+def settings(**changes: Any) -> Settings:
+    """Settings that allow deliveries on loopback."""
+    return Settings(**({"delivery_networks": LOOPBACK} | changes))
+
+
+def subscribe(database: Database, target: str, *, name: str, kind: str = "webhook", secret: str | None = None) -> int:
+    """A subscription's id."""
+    with database.transaction() as session:
+        return deliveries.subscribe(session, kind=kind, name=name, target=target, secret=secret or "whsec_c2VjcmV0").id
+
+
+def raise_one(database: Database, found: IdentificationRow, machine: Machine, *, element: str = "coupling.C1") -> int:
+    """Raise an alert; its id."""
+    with database.transaction() as session:
+        finding = Finding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
+        return alerting.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
+
+
+def row_of(database: Database, alert_id: int) -> AlertRow:
+    with database.reading() as session:
+        return session.get_one(AlertRow, alert_id)

@@ -1,0 +1,274 @@
+"""The outbox is emptied: signed, in order for each alert, each receiver by itself, again after a failure or a kill."""
+
+import asyncio
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+import zenoh
+from aiosmtpd.controller import Controller
+from aiosmtpd.smtp import SMTP, Envelope, Session
+from standardwebhooks.webhooks import Webhook
+
+from service import alerting
+from service.alerting import Person
+from service.delivery import dispatcher as dispatcher_module
+from service.delivery.dispatcher import Dispatcher
+from service.delivery.network import LastStates
+from service.stream import open_session
+from storage import alerts, deliveries
+from storage.database import Database
+from storage.tables import DeliveryRow, IdentificationRow
+from tests.plant import free_endpoint, machine, wait_until
+from tests.service.delivery.receivers import Receiver, raise_one, settings, subscribe
+
+ANNA = Person("anna")
+Router = tuple[zenoh.Session, str]
+
+
+@contextmanager
+def delivering(database: Database, network: Router, **changes: Any) -> Iterator[Dispatcher]:
+    one = Dispatcher(database, network[0], settings(**changes))
+    one.start()
+    try:
+        yield one
+    finally:
+        one.stop()
+
+
+def rows(database: Database, subscription: int) -> list[DeliveryRow]:
+    with database.reading() as session:
+        return list(deliveries.of_subscription(session, subscription, limit=1000))[::-1]
+
+
+def states(database: Database, subscription: int) -> list[str]:
+    return [row.state for row in rows(database, subscription)]
+
+
+def test_a_webhook_gets_signed_cloud_events(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    secret = "whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw"
+    subscription = subscribe(plant, http.url("/ok"), name="historian", secret=secret)
+    with delivering(plant, network):
+        alert = raise_one(plant, found, machine())
+        wait_until(lambda: states(plant, subscription) == ["delivered"])
+    (one,) = http.received
+    assert one.headers["content-type"] == "application/cloudevents+json"
+    event = Webhook(secret).verify(one.body, one.headers)
+    assert event == one.json
+    assert event["specversion"] == "1.0"
+    assert event["type"] == "rundown.alert.raised"
+    assert event["source"] == f"/rundown/{machine().plant}/pump-7"
+    assert event["id"] == one.headers["webhook-id"] == f"alert-{alert}-1"
+    assert event["data"]["state"] == "unacknowledged"
+    assert event["data"]["message"] == "Coupling C1 is going out of alignment"
+    assert rows(plant, subscription)[0].answer == "204"
+
+
+def test_events_of_an_alert_arrive_in_order_while_another_alert_waits(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dispatcher_module, "RETRIES_S", (0.1,) * 40)
+    subscription = subscribe(plant, http.url("/flaky"), name="historian")
+    first = raise_one(plant, found, machine())
+    second = raise_one(plant, found, machine(), element="coupling.C2")
+    with plant.transaction() as session:
+        alerting.acknowledge(session, alerts.get(session, first), ANNA)
+        for number in range(5):
+            alerting.comment(session, alerts.get(session, first), Person("anna", f"{number}"))
+    with delivering(plant, network):
+        wait_until(lambda: len(http.received) >= 4)
+        # Until the first event of each alert is taken, no later one is sent.
+        assert {(one.json["data"]["alert"], one.json["data"]["number"]) for one in http.received} == {(first, 1), (second, 1)}
+        http.well.set()
+        wait_until(lambda: set(states(plant, subscription)) == {"delivered"})
+    taken = [one.json["data"]["number"] for one in http.received if one.json["data"]["alert"] == first]
+    assert taken == sorted(taken)
+    assert taken[-1] == 7
+    assert all(row.attempts > 1 for row in rows(plant, subscription) if row.event_id in (1, 2))
+
+
+def test_receivers_that_hang_or_fail_delay_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    for number in range(10):
+        subscribe(plant, http.url(f"/hang/{number}"), name=f"hangs {number}")
+        subscribe(plant, http.url(f"/error/{number}"), name=f"fails {number}")
+    healthy = subscribe(plant, http.url("/ok"), name="healthy")
+    with delivering(plant, network):
+        for number in range(20):
+            raise_one(plant, found, machine(), element=f"coupling.C{number}")
+        begun = time.monotonic()
+        wait_until(lambda: states(plant, healthy) == ["delivered"] * 20, seconds=10.0)
+        assert time.monotonic() - begun < 5.0
+        # A receiver that hangs holds up a few deliveries, not all of them.
+        assert max(len(http.at(f"/hang/{number}")) for number in range(10)) <= dispatcher_module.AT_ONCE
+
+
+def test_a_receiver_that_is_gone_is_disabled(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    subscription = subscribe(plant, http.url("/gone"), name="gone")
+    with delivering(plant, network):
+        raise_one(plant, found, machine())
+        wait_until(lambda: states(plant, subscription) == ["given_up"])
+        raise_one(plant, found, machine(), element="coupling.C2")
+    assert len(rows(plant, subscription)) == 1
+    with plant.reading() as session:
+        row = deliveries.get(session, subscription)
+        assert (row.state, row.reason) == ("disabled", "the receiver answered 410")
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [("/redirect", "307: redirects are not followed, give the final URL"), ("/error", "500"), ("/endless", "500 xxx")],
+)
+def test_a_failure_is_kept_with_what_was_answered_and_tried_again_later(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, path: str, said: str
+) -> None:
+    subscription = subscribe(plant, http.url(path), name="failing")
+    with delivering(plant, network):
+        raise_one(plant, found, machine())
+        wait_until(lambda: rows(plant, subscription)[0].attempts == 1)
+    (row,) = rows(plant, subscription)
+    assert row.state == "pending"
+    assert row.answer is not None
+    assert row.answer.startswith(said)
+    assert row.last_try_at is not None
+    assert 4.9e9 < row.next_try_at - row.last_try_at < 5.1e9
+    assert http.at("/ok") == []
+
+
+def test_a_delivery_is_given_up_when_the_schedule_is_over_and_can_be_asked_for_again(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dispatcher_module, "RETRIES_S", (0.01, 0.01))
+    subscription = subscribe(plant, http.url("/flaky"), name="flaky")
+    with delivering(plant, network):
+        raise_one(plant, found, machine())
+        wait_until(lambda: states(plant, subscription) == ["given_up"])
+        assert rows(plant, subscription)[0].attempts == 3
+        http.well.set()
+        with plant.transaction() as session:
+            deliveries.again(deliveries.delivery(session, rows(plant, subscription)[0].id))
+        wait_until(lambda: states(plant, subscription) == ["delivered"])
+    assert len({one.headers["webhook-id"] for one in http.received}) == 1
+
+
+def test_a_private_target_is_refused_at_delivery(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    subscription = subscribe(plant, http.url("/ok"), name="inside")
+    with delivering(plant, network, delivery_networks=[]):
+        raise_one(plant, found, machine())
+        wait_until(lambda: rows(plant, subscription)[0].attempts == 1)
+    assert "which is no public address" in (rows(plant, subscription)[0].answer or "")
+    assert http.received == []
+
+
+def test_what_was_under_way_at_a_stop_is_delivered_after_the_next_start(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    subscription = subscribe(plant, http.url("/hang"), name="slow")
+    with delivering(plant, network):
+        raise_one(plant, found, machine())
+        wait_until(lambda: len(http.received) == 1)
+    assert states(plant, subscription) == ["pending"]
+    with delivering(plant, network):
+        wait_until(lambda: len(http.received) == 2)
+    assert len({one.headers["webhook-id"] for one in http.received}) == 1
+
+
+def test_a_test_message_says_that_it_is_one(plant: Database, network: Router, http: Receiver) -> None:
+    subscription = subscribe(plant, http.url("/ok"), name="historian")
+    one = Dispatcher(plant, network[0], settings())
+    outcome = asyncio.run(one.try_out(subscription))
+    assert (outcome.result, outcome.answer) == ("delivered", "204")
+    assert http.received[0].json["type"] == "rundown.alert.test"
+    assert rows(plant, subscription) == []
+
+
+# --- zenoh ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_network_hears_events_and_answers_with_the_last_state(
+    plant: Database, found: IdentificationRow, network: Router
+) -> None:
+    session, endpoint = network
+    subscription = subscribe(plant, "", name="network", kind="zenoh")
+    states_of = LastStates(session, plant)
+    with open_session(listen=[], connect=[endpoint]) as client:
+        heard: list[zenoh.Sample] = []
+        listener = client.declare_subscriber("rundown/v1/*/*/alerts/*", heard.append)
+        time.sleep(0.3)  # the declaration is on its way to the router
+        with delivering(plant, network):
+            alert = raise_one(plant, found, machine())
+            wait_until(lambda: states(plant, subscription) == ["delivered"])
+            wait_until(lambda: len(heard) == 1)
+        plant_name = machine().plant
+        assert str(heard[0].key_expr) == f"rundown/v1/{plant_name}/pump-7/alerts/{alert}"
+        assert json.loads(bytes(heard[0].payload))["kind"] == "raised"
+        with plant.transaction() as reading:
+            alerting.acknowledge(reading, alerts.get(reading, alert), ANNA)
+        replies = [json.loads(bytes(one.ok.payload)) for one in client.get("rundown/v1/**/alerts/*", timeout=5.0) if one.ok]
+        assert [(one["alert"], one["state"]) for one in replies] == [(alert, "acknowledged")]
+        other = [one for one in client.get("rundown/v1/other/*/alerts/*", timeout=5.0) if one.ok]
+        assert other == []
+        listener.undeclare()
+    states_of.close()
+
+
+# --- e-mail ---------------------------------------------------------------------------------------------------------
+
+
+class Mailbox:
+    """What a real SMTP server was given."""
+
+    def __init__(self) -> None:
+        self.mails: list[Envelope] = []
+
+    async def handle_DATA(self, _server: SMTP, _session: Session, envelope: Envelope) -> str:
+        self.mails.append(envelope)
+        return "250 taken"
+
+
+def test_a_mail_says_what_happened(plant: Database, found: IdentificationRow, network: Router) -> None:
+    box = Mailbox()
+    port = int(free_endpoint().rpartition(":")[2])
+    server = Controller(box, hostname="127.0.0.1", port=port)
+    server.start()
+    try:
+        subscription = subscribe(plant, "anna@plant.example, ben@plant.example", name="people", kind="email")
+        how = {"smtp_host": "127.0.0.1", "smtp_port": port, "smtp_security": "none", "public_url": "http://rundown:8080"}
+        with delivering(plant, network, **how):
+            alert = raise_one(plant, found, machine())
+            wait_until(lambda: states(plant, subscription) == ["delivered"])
+    finally:
+        server.stop()
+    (mail,) = box.mails
+    assert mail.rcpt_tos == ["anna@plant.example", "ben@plant.example"]
+    text = bytes(mail.content or b"").decode()
+    assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in text
+    assert f"Message-ID: <alert-{alert}-1@localhost>" in text
+    assert f"http://rundown:8080/api/v1/alerts/{alert}" in text
+    assert "Coupling C1 is going out of alignment" in text
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [({}, "RUNDOWN_SMTP_HOST"), ({"smtp_host": "127.0.0.1", "smtp_port": 1, "smtp_security": "none"}, "ConnectionRefused")],
+)
+def test_an_absent_mail_server_is_a_failure_to_be_tried_again(
+    plant: Database, found: IdentificationRow, network: Router, how: dict[str, Any], said: str
+) -> None:
+    subscription = subscribe(plant, "anna@plant.example", name="people", kind="email")
+    with delivering(plant, network, **how):
+        raise_one(plant, found, machine())
+        wait_until(lambda: rows(plant, subscription)[0].attempts == 1)
+    (row,) = rows(plant, subscription)
+    assert row.state == "pending"
+    assert said in (row.answer or "")
