@@ -20,6 +20,18 @@ class SourceKey:
     epoch: int
 
 
+@dataclass(frozen=True)
+class Totals:
+    """Samples of all sources of a machine together; last_time: of the newest one stored [ns], 0 where there is none."""
+
+    machine_id: str
+    received: int
+    duplicates: int
+    lost: int
+    late: int
+    last_time: int
+
+
 def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence: int, samples: Samples) -> None:
     """Store samples of one source, of which `first_sequence` is the number of one that no other block holds."""
     session.add(
@@ -119,6 +131,14 @@ def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceR
     if machine_id is not None:
         query = query.where(SourceRow.machine_id == machine_id)
     return session.scalars(query).all()
+
+
+def totals(session: Session) -> list[Totals]:
+    """What was received, per machine, by id."""
+    row = SourceRow
+    sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
+    query = select(row.machine_id, *sums, func.max(row.last_time)).group_by(row.machine_id).order_by(row.machine_id)
+    return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
 
 
 def source(session: Session, key: SourceKey) -> SourceRow:
