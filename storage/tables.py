@@ -61,7 +61,7 @@ class SlowRollRow(Base):
     origin: Mapped[str] = mapped_column(String(16))
     direction: Mapped[int]
     vectors: Mapped[dict[str, Any]]
-    """Per channel real, imaginary and standard error of each [m]."""
+    """Per channel real and imaginary part, rms of the complex error [m] and the probe that it is of, or why there is none."""
     speed_minimum: Mapped[float | None]
     speed_maximum: Mapped[float | None]
     time_first: Mapped[int | None]

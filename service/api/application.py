@@ -16,6 +16,8 @@ from service.api import (
     measurements,
     metrics,
     operations,
+    orbits,
+    slow_roll,
     subscriptions,
     suppressions,
 )
@@ -62,8 +64,10 @@ def application(
     router = APIRouter(prefix=PREFIX)
     for part in (
         machines,
+        slow_roll,
         measurements,
         ingestion,
+        orbits,
         identifications,
         event_stream,
         alerts,

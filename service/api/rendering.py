@@ -113,6 +113,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
         noise_relative=row.noise_relative,
         noise_floor=row.noise_floor,
         outliers=row.outliers,
+        slow_roll_version=row.slow_roll_version,
     )
 
 
@@ -143,6 +144,7 @@ def job(row: JobRow) -> schemas.JobOut:
         error=row.error,
         created_at=to_datetime(row.created_at),
         finished_at=_time(row.finished_at),
+        options=row.options,
     )
 
 

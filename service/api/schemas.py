@@ -1,9 +1,9 @@
 """What the API answers with. Times are RFC 3339 in UTC; a value that is not there is null, never NaN."""
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.machine import Machine
 
@@ -37,6 +37,8 @@ class Phasors(BaseModel):
     direction: list[str] = Field(description="positive turns +x towards +y")
     amplitude_um_pp: list[list[float | None]] = Field(description="per channel, peak-to-peak [µm]; null where unusable")
     phase_lag_deg: list[list[float | None]] = Field(description="per channel, lag behind the keyphasor [°], 0 to 360")
+    slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")
+    slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
 
 
 class Run(BaseModel):
@@ -78,7 +80,7 @@ class IdentificationSummary(BaseModel):
     id: int
     machine: str
     revision: int
-    scope: str = Field(description="run: of one run; gathered: of the newest runs together")
+    scope: str = Field(description="run: of one run; gathered: of the newest runs together; variant: of one run, in no trend")
     run_kind: str
     runs: list[int]
     measured_at: datetime
@@ -98,6 +100,7 @@ class IdentificationSummary(BaseModel):
     noise_relative: float | None = Field(description="relative error of a phasor as stated or estimated, rms [-]")
     noise_floor: float | None = Field(description="its floor, 0-to-peak [m]")
     outliers: dict[str, int] | None = Field(description="per channel the phasors left out because no noise explains them")
+    slow_roll_version: int | None = Field(description="slow-roll vectors that were subtracted; null: none")
 
 
 class IdentificationDetail(IdentificationSummary):
@@ -120,6 +123,20 @@ class JobOut(BaseModel):
     error: str | None
     created_at: datetime
     finished_at: datetime | None
+    options: dict[str, Any] | None = Field(description="what differs from the usual")
+
+
+class IdentificationAsked(BaseModel):
+    """How to identify a run again; what is left out stays as usual."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
+        default="in_force", description="vectors to subtract: `none`, `in_force` or a version"
+    )
+    starts: int | None = Field(default=None, ge=1, le=50, description="most starts tried before a misfit is reported")
+    seed: int | None = Field(default=None, ge=0, le=2**31, description="of the random starts")
+    robust: bool | None = Field(default=None, description="leave out phasors that cannot be noise")
 
 
 class Series(BaseModel):

@@ -429,9 +429,9 @@ def test_only_accepted_single_runs_of_one_kind_and_revision_make_a_baseline(plan
         def ids(rows: Any) -> list[int]:
             return [row.id for row in rows]
 
-        asked: dict[str, Any] = {"revision": 1, "run_kind": "run-down"}
-        assert ids(identifications.first_accepted(session, "pump-7", **asked, limit=2)) == good[:0:-1]
-        assert ids(identifications.last_accepted(session, "pump-7", **asked, limit=2)) == good[:2]
+        like = identifications.Like(revision=1, run_kind="run-down")
+        assert ids(identifications.first_accepted(session, "pump-7", like, limit=2)) == good[:0:-1]
+        assert ids(identifications.last_accepted(session, "pump-7", like, limit=2)) == good[:2]
 
 
 def test_a_logarithmic_point_holds_the_direct_terms_that_are_known(plant: Database) -> None:
