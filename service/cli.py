@@ -82,6 +82,24 @@ def serve(
 
 
 @app.command()
+def router(
+    listen: Annotated[list[str], typer.Option(help="endpoint to listen on; may be given again")] = [  # noqa: B006
+        DEFAULT_ZENOH_ENDPOINT
+    ],
+    connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
+) -> None:
+    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed."""
+    _log_to_terminal("INFO")
+    stop = _stop_on_signal()
+    try:
+        with zenoh_session(listen=listen, connect=connect):
+            logging.getLogger(__name__).info("routing on %s", ", ".join(listen))
+            stop.wait()
+    except StreamUnusable as error:
+        _fail(str(error))
+
+
+@app.command()
 def simulate(
     machines: Annotated[list[str], typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
     connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it

@@ -1,15 +1,31 @@
-"""From zenoh to the journal: receives messages, notices gaps, asks the source's log for what is missing."""
+"""To the journal: receives messages from zenoh and HTTP, notices gaps, asks the source's log for what is missing."""
 
 import logging
 import threading
 import time
+from collections import deque
+from concurrent.futures import Future
 from dataclasses import dataclass
 
+import msgspec
 import zenoh
 from sqlalchemy.exc import DBAPIError
 
-from service.journal import LARGEST_GAP, Arrived, Journal
-from service.wire import ALL_LIVE, ALL_SAMPLES, Key, Rejected, decode_batch, source_key
+from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
+from service.submissions import NotStoring, Submission, Submissions
+from service.wire import (
+    ALL_LIVE,
+    ALL_RECEIVED,
+    ALL_SAMPLES,
+    JSON,
+    Key,
+    Received,
+    Rejected,
+    decode_batch,
+    decode_body,
+    require_size,
+    source_key,
+)
 from storage.clock import now
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
@@ -45,12 +61,15 @@ class _Waiting:
 
 
 class Ingest:
-    """The thread that takes what zenoh delivers. Callbacks only enqueue; everything else happens here."""
+    """The thread that takes what zenoh and HTTP deliver. Callbacks only enqueue; everything else happens here."""
 
-    def __init__(self, session: zenoh.Session, journal: Journal, *, silence_s: float) -> None:
+    def __init__(
+        self, session: zenoh.Session, journal: Journal, *, silence_s: float, submissions: Submissions | None = None
+    ) -> None:
         self._session = session
         self._journal = journal
         self._silence_s = silence_s
+        self._submissions = Submissions() if submissions is None else submissions
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ingest", daemon=True)
         self._expected: dict[SourceKey, int] = {}
@@ -58,10 +77,15 @@ class Ingest:
         self._silent_logs: dict[SourceKey, float] = {}
         self._heard: dict[SourceKey, float] = {}
         self._waiting: dict[SourceKey, _Waiting] = {}
+        self._inbox: deque[zenoh.Sample] = deque()
         self._arrived: list[Arrived] = []
+        self._promises: dict[int, Future[Outcome]] = {}  # by place in `_arrived`
+        self._refused: list[tuple[Future[Outcome], Rejected]] = []
         self._rejections: list[Rejection] = []
         self.trouble: str | None = None
         """Why the last cycle could not be stored."""
+        self.depth = 0
+        """Messages that waited at the beginning of the last cycle."""
 
     def start(self) -> None:
         """Subscribe and begin."""
@@ -69,6 +93,7 @@ class Ingest:
         self._tokens = self._session.liveliness().declare_subscriber(
             ALL_LIVE, zenoh.handlers.FifoChannel(QUEUE_SIZE), history=True
         )
+        self._questions = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(LARGEST_CYCLE))
         self._thread.start()
 
     def stop(self) -> None:
@@ -77,6 +102,7 @@ class Ingest:
         self._thread.join()
         self._samples.undeclare()
         self._tokens.undeclare()
+        self._questions.undeclare()
 
     @property
     def alive(self) -> bool:
@@ -94,19 +120,21 @@ class Ingest:
                     alive = {key.machine for key in self._live}
                     self._journal.close_silent(silence_s=self._silence_s, alive=alive)
                     next_check = time.monotonic() + TAIL_CHECK_S
-                self.trouble = None
+                self.trouble = self._submissions.trouble = None
             except DBAPIError as error:
                 # What was received stays in memory and in the queue until the database takes it.
-                self.trouble = str(error.orig)
+                self.trouble = self._submissions.trouble = str(error.orig)
                 logger.error("samples cannot be stored, trying again: %s", error.orig)
+                self._break_promises(NotStoring(self.trouble))
                 self._expected.clear()
                 if stopping:
                     return
                 self._stop.wait(RETRY_S)
                 continue
-            except Exception:
+            except Exception as error:
                 # One message must never end the ingest of all others.
                 logger.exception("unexpected error in ingest; the cycle's messages are dropped")
+                self._break_promises(error)
                 self._arrived.clear()
                 self._rejections.clear()
                 self._expected.clear()
@@ -115,25 +143,82 @@ class Ingest:
             if stopping and count == 0:
                 return
             if count == 0:
-                self._stop.wait(CYCLE_S)
+                self._submissions.wait(CYCLE_S)
 
     def _cycle(self) -> int:
-        """Take what is queued, at most LARGEST_CYCLE messages, and store it. Returns how many there were."""
+        """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
         while (token := self._tokens.try_recv()) is not None:
             self._token(token)
-        count = 0
-        while count < LARGEST_CYCLE and (sample := self._samples.try_recv()) is not None:
-            count += 1
+        while (question := self._questions.try_recv()) is not None:
+            self._answer(question)
+        while len(self._inbox) < QUEUE_SIZE and (sample := self._samples.try_recv()) is not None:
+            self._inbox.append(sample)
+        self.depth = len(self._inbox)
+        taken = min(self.depth, LARGEST_CYCLE)
+        for _ in range(taken):
+            sample = self._inbox.popleft()
             self._admit(str(sample.key_expr), sample.payload, str(sample.encoding), healing=True)
+        submitted = 0
+        while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
+            submitted += 1
+            self._submit(submission)
+        count = taken + submitted
         self._revisit(give_up=self._stop.is_set() and count == 0)
         self._store()
         return count
 
     def _store(self) -> None:
         if self._arrived or self._rejections:
-            self._journal.store(self._arrived, self._rejections)
+            outcomes = self._journal.store(self._arrived, self._rejections)
+            for place, promise in self._promises.items():
+                promise.set_result(outcomes[place])
+            for promise, rejected in self._refused:
+                promise.set_exception(rejected)
+            self._promises.clear()
+            self._refused.clear()
             self._arrived.clear()
             self._rejections.clear()
+
+    def _break_promises(self, error: Exception) -> None:
+        """Say to all who wait that what they sent is not known to be durable."""
+        waiting = [*self._promises.values(), *(promise for promise, _ in self._refused)]
+        while (submission := self._submissions.take()) is not None:
+            waiting.append(submission.promise)
+        for promise in waiting:
+            promise.set_exception(error)
+        self._promises.clear()
+        self._refused.clear()
+
+    def _answer(self, question: zenoh.Query) -> None:
+        """How far the sources of a machine are durable."""
+        with question:
+            try:
+                key = Key.parse(str(question.key_expr))
+            except Rejected:
+                return  # of all machines at once: each is asked for by itself
+            if self._journal.plant_of(key.machine) == key.plant:
+                answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
+                question.reply(key.received, msgspec.json.encode(answer), encoding=JSON)
+
+    def _submit(self, submission: Submission) -> None:
+        """Queue a batch that came over HTTP: its source keeps no log, so nothing is asked for that may be missing."""
+        received_at = now()
+        where = f"POST /api/v1/machines/{submission.machine}/samples"
+        try:
+            require_size(len(submission.body))
+            batch = decode_body(submission.body, submission.encoding)
+            if batch.machine != submission.machine:
+                raise Rejected("key_mismatch", f"body says machine '{batch.machine[:64]}', the path '{submission.machine}'")
+            self._require_machine(Key(batch.plant, batch.machine))
+            # Its numbers must stay free for the corrected batch.
+            self._journal.require_convertible(batch, received_at=received_at)
+        except Rejected as rejected:
+            self._rejections.append(
+                Rejection(received_at, where, submission.machine, rejected.reason, rejected.detail, submission.body)
+            )
+            self._refused.append((submission.promise, rejected))
+            return
+        self._take(Arrived(batch, where, submission.body, received_at), submission.promise)
 
     def _admit(self, key_text: str, payload: zenoh.ZBytes, encoding: str, *, healing: bool) -> None:
         """Decode a message and queue it for storing, after whatever is missing before it."""
@@ -166,11 +251,13 @@ class Ingest:
         """Whether samples before these have not come."""
         return 0 < arrived.batch.sequence - self._next(source_key(arrived.batch)) <= LARGEST_GAP
 
-    def _take(self, arrived: Arrived) -> None:
+    def _take(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> None:
         """Queue a batch for storing."""
         batch, source = arrived.batch, source_key(arrived.batch)
         if batch.sequence - self._next(source) <= LARGEST_GAP:
             self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
+        if promise is not None:
+            self._promises[len(self._arrived)] = promise
         self._arrived.append(arrived)
         if len(self._arrived) >= LARGEST_CYCLE:
             self._store()

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from service.collection import Collector
 from service.order import Order
-from service.wire import Fault, Rejected, SampleBatch, source_key, to_samples
+from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, samples
 from storage.blocks import Samples, join
 from storage.database import Database
@@ -67,11 +67,27 @@ class Journal:
         self._collector = collector
         self._orders: dict[SourceKey, Order] = {}
         self._plants: dict[str, str] = {}
+        self._documents: dict[str, tuple[int, Machine]] = {}
 
     def next_sequence(self, key: SourceKey) -> int:
         """Number of the next sample expected from a source; 0 when it was never heard of."""
         with self._database.reading() as session:
             return samples.source(session, key).next_sequence
+
+    def received(self, machine_id: str) -> list[SourceReceived]:
+        """How far each source of a machine is durable."""
+        with self._database.reading() as session:
+            return [
+                SourceReceived(
+                    source=row.source,
+                    epoch=row.epoch,
+                    next_sequence=row.next_sequence,
+                    received=row.received,
+                    duplicates=row.duplicates,
+                    lost=row.lost,
+                )
+                for row in samples.sources(session, machine_id)
+            ]
 
     def plant_of(self, machine_id: str) -> str | None:
         """The plant of a machine, which never changes; None when the machine is unknown."""
@@ -98,8 +114,22 @@ class Journal:
         """Close the runs of machines that have fallen silent. alive: machines of which a source is connected."""
         with self._database.transaction() as session:
             for row in machines.every(session):
-                machine = machines.document(session, row.id)
+                _, machine = self._document(session, row.id)
                 self._collector.close_silent(session, machine, silence_s=silence_s, alive=row.id in alive)
+
+    def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
+        """Raises Rejected for a batch of which nothing can be taken."""
+        with self._database.reading() as session:
+            _, machine = self._document(session, batch.machine)
+        to_samples(batch, machine, received_at=received_at)
+
+    def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
+        """The revision in force and its document, which is parsed once."""
+        revision = machines.get(session, machine_id).revision
+        known = self._documents.get(machine_id)
+        if known is None or known[0] != revision:
+            known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
+        return known
 
     def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
         pending = _Pending(rejections=list(rejections))
@@ -107,8 +137,7 @@ class Journal:
         for one in arrived:
             machine_id = one.batch.machine
             if machine_id not in documents:
-                revision = machines.get(session, machine_id).revision
-                documents[machine_id] = revision, machines.document(session, machine_id, revision)
+                documents[machine_id] = self._document(session, machine_id)
             pending.outcomes.append(self._take(session, pending, one, documents[machine_id][1]))
         fresh: dict[str, list[Samples]] = defaultdict(list)
         for key, parts in pending.parts.items():

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.blocks import Samples, decode, encode, join
@@ -18,6 +18,18 @@ class SourceKey:
     machine_id: str
     source: str
     epoch: int
+
+
+@dataclass(frozen=True)
+class Totals:
+    """Samples of all sources of a machine together; last_time: of the newest one stored [ns], 0 where there is none."""
+
+    machine_id: str
+    received: int
+    duplicates: int
+    lost: int
+    late: int
+    last_time: int
 
 
 def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence: int, samples: Samples) -> None:
@@ -72,6 +84,14 @@ def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceR
     if machine_id is not None:
         query = query.where(SourceRow.machine_id == machine_id)
     return session.scalars(query).all()
+
+
+def totals(session: Session) -> list[Totals]:
+    """What was received, per machine, by id."""
+    row = SourceRow
+    sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
+    query = select(row.machine_id, *sums, func.max(row.last_time)).group_by(row.machine_id).order_by(row.machine_id)
+    return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
 
 
 def source(session: Session, key: SourceKey) -> SourceRow:

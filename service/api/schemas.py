@@ -198,6 +198,12 @@ class Quarantine(BaseModel):
     entries: list[QuarantineEntry]
 
 
+class Purged(BaseModel):
+    """How many entries of the quarantine were deleted."""
+
+    deleted: int
+
+
 class Health(BaseModel):
     """Whether each part of the service works, and what is the matter where it does not."""
 
@@ -206,3 +212,20 @@ class Health(BaseModel):
     ready: bool
     parts: dict[str, str] = Field(description="`ok`, or what is wrong, per part")
     jobs: dict[str, int] = Field(description="identification jobs by state")
+
+
+class SampleFault(BaseModel):
+    """A sample, or one channel's value in it, that was not taken."""
+
+    index: int = Field(description="its place in the batch")
+    reason: str
+    detail: str
+
+
+class Submitted(BaseModel):
+    """What became of a batch; all of it is durable."""
+
+    received: int = Field(description="samples stored now")
+    duplicates: int = Field(description="samples that were stored before")
+    missing_before: int = Field(description="sequence numbers left out just before this batch: counted as lost")
+    faults: list[SampleFault]

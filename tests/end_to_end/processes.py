@@ -72,12 +72,16 @@ def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
 
 
 class Service:
-    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again."""
+    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again.
 
-    def __init__(self, folder: Path, **environment: str) -> None:
+    endpoint: where sources connect, to the service itself or, if one is given, to that router.
+    """
+
+    def __init__(self, folder: Path, *, router: str | None = None, **environment: str) -> None:
         self.folder = folder
         self.port = free_port()
-        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.endpoint = router or f"tcp/127.0.0.1:{free_port()}"
+        self._network = "--zenoh-connect" if router else "--zenoh-listen"
         self.log = folder / "serve.log"
         self._environment = {"RUNDOWN_SILENCE_S": "2"} | environment
         self.client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=20.0)
@@ -86,7 +90,7 @@ class Service:
     def running(self) -> Iterator[subprocess.Popen[bytes]]:
         """The service, ready."""
         flags = ["--database", f"sqlite:///{self.folder / 'rundown.db'}", "--port", str(self.port)]
-        with process(self.log, "serve", *flags, "--zenoh-listen", self.endpoint, **self._environment) as started:
+        with process(self.log, "serve", *flags, self._network, self.endpoint, **self._environment) as started:
             until(lambda: self._ready(started), within_s=30, what="the service is ready")
             yield started
 
