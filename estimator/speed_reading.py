@@ -8,14 +8,14 @@ steady acceleration changes.
 import math
 from dataclasses import dataclass
 
-RISE, FALL = 24, 96
+RISE, FALL = 16, 96
 """Readings over which the noise is averaged: it rises sooner than it falls."""
 HEAD_START = 8
 """Readings that are taken to have been quiet before the first one, so that one jump at the start is no noise."""
-LARGEST_SURPRISE, SURPRISE_FLOOR = 4.0, 0.01
+LARGEST_SURPRISE, SURPRISE_FLOOR = 4.0, 0.1
 """A deviation counts for at most this many times the mean one and this part of the speed: wrong readings are no noise."""
-MEAN_DEVIATION = 1.15
-"""What rising four times as fast as falling leads to with normal errors of standard deviation 1: their 0.8-expectile."""
+MEAN_DEVIATION = 1.27
+"""What rising six times as fast as falling leads to with normal errors of standard deviation 1: an expectile of theirs."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -98,7 +98,7 @@ class Collector:
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             self._revise(session, machine.id, now, revision)
-        late = new.time <= now.seen
+        turning, late = now.direction, new.time <= now.seen
         if late.any():
             self._note_late(session, machine, now, new.time[late])
         fresh = new.pick(~late)
@@ -110,7 +110,7 @@ class Collector:
             for event in events:
                 _record(session, machine, revision, direction, event)
         if machine.collection.runs != "sweeps" and len(fresh):
-            _roll(session, machine, now, fresh)
+            _roll(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
         runs.save_collector_state(session, machine.id, now.stored())
 
     def close_silent(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
@@ -182,13 +182,13 @@ def _close(session: Session, machine: Machine, revision: int, event: RunEnded) -
     close_sweep(session, machine, row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples) -> None:
+def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
     """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
     rules = machine.collection.rolling
     if now.bins is None or now.rolled_at == 0:
         now.bins, now.rolled_at = SpeedBins.empty(machine), int(fresh.time[0])
     same = fresh.pick(fresh.direction == now.direction)
-    if len(same) < len(fresh):
+    if turned:
         now.bins = SpeedBins.empty(machine)  # the other sense of rotation is another run
     now.bins = filled(now.bins, machine, time=same.time, speed=same.speed)
     if now.seen - now.rolled_at < 1e9 * rules.interval_s:

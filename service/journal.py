@@ -154,7 +154,7 @@ class Journal:
             late = int(np.count_nonzero(joined.time <= self._collector.seen(session, key.machine_id)))
             if late:
                 samples.source(session, key).late += late
-                logger.warning("%s: %d samples are older than what is known and belong to no run", key.machine_id, late)
+                logger.warning("%s: %d samples are older than what is known; they are sorted in", key.machine_id, late)
         session.flush()
         for machine_id, parts in fresh.items():
             revision, machine = documents[machine_id]

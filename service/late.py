@@ -57,14 +57,14 @@ def settle(session: Session, machine_id: str, window: Window) -> bool:
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     if any(row.state == runs.OPEN for row in beside):
         return False
-    begin = min([first - BESIDE, *(row.time_first for row in beside)])
-    end = max([last + BESIDE, *(row.time_last or row.time_first for row in beside)])
+    begin = min([first, *(row.time_first for row in beside)]) - BESIDE
+    end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
     before = round(1e9 * machine.collection.pre_trigger_s)
 
     def concerned(start: int, stop: int) -> bool:
         return start - before <= last and stop >= first
 
-    left = [row for row in beside if concerned(row.time_first, row.time_last or row.time_first)]
+    left = list(beside)
     for sweep, direction in _sweeps(session, machine, revision, begin, end):
         if not concerned(sweep.start, sweep.time):
             continue
@@ -79,7 +79,8 @@ def settle(session: Session, machine_id: str, window: Window) -> bool:
     for row in left:
         # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
-        _reopen(session, machine, row, same, count)
+        if concerned(same.start, same.time):
+            _reopen(session, machine, row, same, count)
     return True
 
 

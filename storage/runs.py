@@ -73,8 +73,8 @@ def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: C
 
 def leave_out(row: RunRow, count: int) -> None:
     """Note samples that came after a run had been reopened: they are counted, and not part of it."""
-    noted = row.coverage or {}
-    row.coverage = noted | {LEFT_OUT: noted.get(LEFT_OUT, 0) + count}
+    if row.coverage is not None:  # it is null in a run without samples
+        row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
 
 
 def touching(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:

@@ -1,7 +1,9 @@
 """The journal: every sample stored once, whatever comes twice or in pieces; what is missing counted, what is wrong kept
 apart; all of a call or nothing of it; and a restart that nobody notices in the data."""
 
+import shutil
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,6 +32,7 @@ from tests.plant import (
     batch,
     few_examples,
     machine,
+    sqlite_url,
     sweep_rpm,
 )
 
@@ -106,12 +109,10 @@ def test_a_gap_is_counted_as_lost(plant: Database, journal: Journal) -> None:
 @few_examples
 @given(st.lists(st.tuples(st.integers(0, 11), st.integers(1, 6), st.booleans()), min_size=1, max_size=8))
 def test_any_pieces_in_any_order_store_each_sample_at_most_once(
-    tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
+    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
 ) -> None:
     """Each sample that comes at all is stored, once; what never came is lost, and what came again a duplicate."""
-    database = Database(f"sqlite:///{tmp_path_factory.mktemp('journal') / 'rundown.db'}")
-    with database.transaction() as session:
-        machines.create(session, machine())
+    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("journal"))))
     journal = Journal(database, Collector())
     waiting: list[Arrived] = []
     expected: set[int] = set()
