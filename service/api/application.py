@@ -9,6 +9,7 @@ from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
+    baselines,
     event_stream,
     identifications,
     ingestion,
@@ -74,6 +75,7 @@ def application(
         event_stream,
         alerts,
         suppressions,
+        baselines,
         subscriptions,
         operations,
     ):
