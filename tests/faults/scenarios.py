@@ -21,6 +21,23 @@ PACE_S = 0.002
 """Between two mangled messages."""
 
 
+def frozen_parted_killed(folder: Path, *, samples: int) -> None:
+    """One chain for all: the service frozen for twelve seconds, then cut off, then every part killed and started again."""
+    with Chain(folder, samples=samples, rate=RATE, wired=True) as chain:
+        chain.wait_received(50)
+        chain.freeze("service", 12.0)
+        assert chain.wire is not None
+        chain.wire.hold()
+        time.sleep(2.0)
+        chain.wire.release()
+        for part in ("service", "edge", "router"):
+            chain.kill(part)
+            time.sleep(0.3)
+        for part in ("edge", "service", "router"):
+            chain.start(part)
+        chain.check_exact()
+
+
 def killed_in_turn(folder: Path, order: Sequence[Part], *, samples: int) -> None:
     """Every part is killed, one after the other, then all are started again in that order."""
     with Chain(folder, samples=samples, rate=RATE) as chain:
