@@ -88,9 +88,9 @@ def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complex
 
     time: (n,) [s], dense enough to follow the phase.
     """
-    steady = law.speed(time) ** 2 + 0j
+    steady = (law.speed(time) ** 2).astype(np.complex128)
     force = steady - 1j * law.acceleration(time)
-    return _course(law, time, np.full(time.size, eigenvalue), force, steady).deviation
+    return _course(law, time, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:

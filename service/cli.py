@@ -25,6 +25,7 @@ from estimator.units import RAD_PER_S
 from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
+from service.edge.command import run_edge
 from service.model_report import model_text
 from service.offline import captured, read_measurement, without_slow_roll
 from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text, slow_roll_text
@@ -35,6 +36,7 @@ from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
 from service.source import Source
+from service.source_log import LogError
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
 from service.wire import Key, Rejected
@@ -148,6 +150,20 @@ def replay(
                 logging.getLogger(__name__).info("%d samples published", source.sequence)
                 stop.wait(LINGER_S)  # to answer replay queries
     except (UnreadableFile, StreamUnusable) as error:
+        _fail(str(error))
+
+
+@app.command()
+def edge(
+    configuration: Annotated[Path, typer.Argument(help="what is measured, YAML or JSON; see docs/edge.md")],
+    leave: Annotated[bool, typer.Option("--exit", help="end behind the last file instead of answering replays")] = False,
+    speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
+) -> None:
+    """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
+    _log_to_terminal("INFO")
+    try:
+        run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
+    except (UnreadableFile, StreamUnusable, LogError) as error:
         _fail(str(error))
 
 

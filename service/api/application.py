@@ -12,6 +12,7 @@ from service.api import (
     event_stream,
     identifications,
     ingestion,
+    machine_state,
     machines,
     measurements,
     metrics,
@@ -64,6 +65,7 @@ def application(
     router = APIRouter(prefix=PREFIX)
     for part in (
         machines,
+        machine_state,
         slow_roll,
         measurements,
         ingestion,

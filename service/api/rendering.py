@@ -85,6 +85,8 @@ def run(row: RunRow) -> schemas.Run:
         samples=row.count,
         speed_minimum_rpm=_rpm(row.speed_minimum),
         speed_maximum_rpm=_rpm(row.speed_maximum),
+        reopened_at=_time(row.reopened_at),
+        coverage=None if row.coverage is None else schemas.RunCoverage.model_validate(row.coverage),
     )
 
 

@@ -41,8 +41,20 @@ class Phasors(BaseModel):
     slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
 
 
+class RunCoverage(BaseModel):
+    """What the samples of a run cover."""
+
+    part: float = Field(description="of the machine's speed range, 0 to 1")
+    critical_speeds_rpm: list[float] = Field(description="of the document's nominal model, between the run's speeds")
+    samples_per_rpm: float
+    largest_hole_rpm: float = Field(description="between neighbours in speed")
+    usable: dict[str, float] = Field(description="per channel the part of the samples that are good, 0 to 1")
+    duration_s: float
+    late_samples_left_out: int = Field(description="they came when the run had been reopened before")
+
+
 class Run(BaseModel):
-    """A run-up or run-down."""
+    """A run-up, a run-down, or a rolling collection over speed bins."""
 
     id: int
     machine: str
@@ -56,6 +68,8 @@ class Run(BaseModel):
     samples: int | None
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
+    reopened_at: datetime | None = Field(description="when late samples made it anew; its newest identification counts")
+    coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
 
 
 class EstimateOut(BaseModel):
@@ -174,7 +188,7 @@ class SourceOut(BaseModel):
     received: int
     duplicates: int
     lost: int
-    late: int = Field(description="stored, but older than what run collection had seen: part of no run")
+    late: int = Field(description="older than what run collection had seen when they were stored; they reopen runs")
     newest_sample_at: datetime | None
 
 
