@@ -14,10 +14,12 @@ import typer
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
-from estimator.identification import Identification, identify
+from estimator.gate import Gated, identify_gated
+from estimator.identification import Identification
 from estimator.machine import Machine, field_path
-from estimator.measurement import Measurement
+from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
+from estimator.quality import Rules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
@@ -26,8 +28,8 @@ from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.model_report import model_text
-from service.offline import read_measurement
-from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text
+from service.offline import read_measurement, read_runs
+from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, quality_text, regression_text
 from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -177,6 +179,8 @@ def identify_offline(
     method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
     tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
+    gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
+    half_power: Annotated[bool, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")] = False,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
@@ -189,8 +193,14 @@ def identify_offline(
     if method == "regression":
         _regress(machine, files, sidecar, tikhonov)
         return
-    described, measurement, result = _identified(machine, files, sidecar)
+    described, measurement, found = _gated(machine, files, sidecar, rules=Rules(half_power=half_power), gate=gate)
+    text = quality_text([file.name for file in files], found.qualities, gate=gate)
+    if found.identification is None:
+        _fail("\n".join([found.error or "", text]).strip())
+    result = found.identification
     typer.echo(identification_text(result))
+    if text:
+        typer.echo(f"\n{text}")
     if advice:
         typer.echo(advice_text(described, result, measurement))
     if not result.accepted:
@@ -262,13 +272,24 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
 
 
 def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+    described, measurement, found = _gated(machine, files, sidecar)
+    if found.identification is None:
+        _fail(found.error or "there is nothing to identify from")
+    return described, measurement, found.identification
+
+
+def _gated(
+    machine: Path, files: list[Path], sidecar: Path | None, *, rules: Rules | None = None, gate: bool = True
+) -> tuple[Machine, Measurement, Gated]:
     try:
         described = read_machine(machine)
-        measurement, left_out = read_measurement(described, files, sidecar)
+        runs, left_out = read_runs(described, files, sidecar)
         for line in left_out:
             typer.echo(line, err=True)
+        recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
         with threadpoolctl.threadpool_limits(1):
-            return described, measurement, identify(described, measurement)
+            found = identify_gated(described, recorded, measured, rules=rules, gate=gate)
+        return described, joined(measured), found
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
+from estimator.quality import Recorded
 from service.documents import UnreadableFile
 from service.recording import Sidecar, read_recording, read_sidecar
 from service.wire import to_samples
@@ -15,23 +16,33 @@ from storage.clock import now
 
 
 def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
-    """All runs of some files as one measurement, and what was left out of them in words.
+    """All runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
+    runs, left_out = read_runs(machine, files, sidecar)
+    return joined([measurement for _, measurement in runs]), left_out
+
+
+def read_runs(
+    machine: Machine, files: Sequence[Path], sidecar: Path | None = None
+) -> tuple[list[tuple[Recorded, Measurement]], list[str]]:
+    """The run of each file as it was recorded and as a measurement, and what was left out of them in words.
 
     sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
     recording that is not of this machine's channels.
     """
     if sidecar is not None and len(files) > 1:
         raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
-    runs, left_out = [], []
+    runs: list[tuple[Recorded, Measurement]] = []
+    left_out: list[str] = []
     for file in files:
         recording = read_recording(file, sidecar)
         if recording.machine != machine.id:
             raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
         samples, taken, faults = to_samples(recording, machine, received_at=now())
         left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
-        run = samples.pick(taken).measurement()
-        runs.append(_with_trial_weights(machine, run, read_sidecar(sidecar or file.with_suffix(".yaml")), file))
-    return joined(runs), left_out
+        run = samples.pick(taken)
+        added = read_sidecar(sidecar or file.with_suffix(".yaml"))
+        runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
+    return runs, left_out
 
 
 def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:

@@ -1,31 +1,50 @@
-"""What runs in an identification process: arrays in, one identification out. No database, no network."""
+"""What runs in an identification process: arrays in, quality and identification out. No database, no network."""
 
 import os
 import signal
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from types import FrameType
 from typing import Any
 
+import numpy as np
 import threadpoolctl
 
+from estimator.gate import Gated, identify_gated
 from estimator.gathering import combined
-from estimator.identification import Identification, Options, identify
-from estimator.machine import parse_machine
+from estimator.identification import Identification, Options
+from estimator.machine import Machine, parse_machine
+from estimator.noise import error_size
+from estimator.quality import Quality, Recorded, Rules
+from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from storage.blocks import decode
 
 
 @dataclass(frozen=True)
 class Task:
-    """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s]."""
+    """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
+
+    rules: what may be left out. earlier: name and block of a run that a single run is compared with.
+    """
 
     document: dict[str, Any]
     runs: Sequence[bytes]
     options: Options
     timeout_s: float
+    rules: Rules = Rules()  # noqa: RUF009 - frozen
+    earlier: tuple[str, bytes] | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`."""
+
+    qualities: tuple[Quality, ...]
+    identification: Identification | None
+    error: str | None = None
 
 
 class OutOfTime(RuntimeError):
@@ -40,16 +59,39 @@ def prepare() -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def compute(task: Task) -> Identification:
-    """Identify. Raises what `identify` raises, and OutOfTime."""
+def compute(task: Task) -> Outcome:
+    """Judge the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime."""
     signal.signal(signal.SIGALRM, _out_of_time)
     signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
     try:
         machine = parse_machine(task.document)
-        results = [identify(machine, decode(block).measurement(), task.options) for block in task.runs]
-        return results[0] if len(results) == 1 else combined(results)
+        gated = [_gated(machine, block, task) for block in task.runs]
+        qualities = tuple(one.qualities[0] for one in gated)
+        found = [one.identification for one in gated if one.identification is not None]
+        if len(found) < len(gated):
+            return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
+        return Outcome(qualities, found[0] if len(found) == 1 else combined(found))
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _gated(machine: Machine, block: bytes, task: Task) -> Gated:
+    samples = decode(block)
+    run = samples.recorded(machine.channels)
+    gated = identify_gated(machine, [run], [samples.measurement()], options=task.options, rules=task.rules)
+    if task.earlier is None:
+        return gated
+    return replace(gated, qualities=(_compared(machine, run, gated.qualities[0], task.earlier),))
+
+
+def _compared(machine: Machine, run: Recorded, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
+    """With what a run shows against an earlier one."""
+    name, block = earlier
+    before = decode(block)
+    error = error_size(machine.noise, np.abs(run.phasor), run.scatter)
+    other = EarlierRun(name, before.speed, before.phasor, before.usable)
+    found = distances(run.speed, run.phasor, error, quality.usable, other)
+    return replace(quality, findings=(*quality.findings, *repeatability_findings(run.channels, found, name)))
 
 
 def _out_of_time(_number: int, _frame: FrameType | None) -> None:

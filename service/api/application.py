@@ -6,7 +6,17 @@ from fastapi import APIRouter, FastAPI
 from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
-from service.api import alerts, event_stream, identifications, machines, measurements, operations, subscriptions, suppressions
+from service.api import (
+    alerts,
+    event_stream,
+    identifications,
+    machines,
+    measurements,
+    operations,
+    run_quality,
+    subscriptions,
+    suppressions,
+)
 from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
@@ -37,7 +47,18 @@ def application(database: Database, parts: Parts, *, try_out: TryOut | None = No
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
-    for part in (machines, measurements, identifications, event_stream, alerts, suppressions, subscriptions, operations):
+    told = (
+        machines,
+        measurements,
+        run_quality,
+        identifications,
+        event_stream,
+        alerts,
+        suppressions,
+        subscriptions,
+        operations,
+    )
+    for part in told:
         router.include_router(part.router)
     app.include_router(router)
 

@@ -85,6 +85,7 @@ def run(row: RunRow) -> schemas.Run:
         samples=row.count,
         speed_minimum_rpm=_rpm(row.speed_minimum),
         speed_maximum_rpm=_rpm(row.speed_maximum),
+        quality=None if row.quality is None else schemas.QualitySummary.model_validate(row.quality),
     )
 
 
