@@ -27,9 +27,9 @@ NEGLIGIBLE = 0.1
 """Predicted deviations below this part of the noise are left alone."""
 LARGEST_UNFITTED = 1.0
 """With the document's model, points that deviate by more than this times their noise are left out …"""
-LARGEST_FITTED = 3.0
+LARGEST_FITTED = 2.0
 """… and with the fitted one by more than this."""
-PREDICTION_ERROR = 0.2
+PREDICTION_ERROR = 0.3
 """Part of a predicted deviation by which the prediction may be wrong, rms."""
 PASSES = 3
 """Most times the points are judged anew with the model fitted to those that were left."""
