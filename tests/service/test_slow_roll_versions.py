@@ -64,9 +64,9 @@ class Api:
 def api(plant: Database) -> Api:
     """Over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels, always."""
     journal = Journal(plant, Collector())
-    slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), 250.0, 240.0]
+    slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), *sweep_rpm(250.0, 100.0, 6)]
     # From slow roll to speed takes an hour: no shaft jumps.
-    times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(42)]
+    times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(46)]
     journal.store([arrived(batch(slow, time_ns=times))], [])
     return Api(plant)
 
