@@ -12,8 +12,9 @@ from estimator.baseline import Point
 from estimator.identification import Identification
 from estimator.parameters import is_direct
 from storage.clock import now
-from storage.jobs import RUN
-from storage.tables import EstimateRow, IdentificationRow
+from storage.jobs import GATHERED, RUN
+from storage.runs import DISCARDED
+from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
 class IdentificationUnknown(KeyError):
@@ -162,13 +163,16 @@ def counting(machine_id: str) -> Select[int]:
 
     A run may be identified again: after late samples, or with other slow-roll vectors in force. Of the identifications with
     the usual options (scope RUN, not VARIANT) the newest accepted one counts, and where none is accepted the newest. The
-    others stay readable.
+    others stay readable. One of a run that was discarded since, for late samples have joined it to another, counts no more.
     """
+    gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED)
     newest = func.row_number().over(
         partition_by=(IdentificationRow.scope, cast(IdentificationRow.run_ids, Text)),
         order_by=(IdentificationRow.accepted.desc(), IdentificationRow.id.desc()),
     )
-    ranked = select(IdentificationRow.id, newest.label("place")).where(IdentificationRow.machine_id == machine_id).subquery()
+    of_machine = select(IdentificationRow.id, newest.label("place")).where(IdentificationRow.machine_id == machine_id)
+    of_one_gone = (IdentificationRow.scope != GATHERED) & IdentificationRow.run_ids[0].as_integer().in_(gone)
+    ranked = of_machine.where(~of_one_gone).subquery()
     return select(ranked.c.id).where(ranked.c.place == 1)
 
 
