@@ -20,7 +20,7 @@ LOWEST, HIGHEST, TOP = 300.0, 3000.0, 2900.0
 """Of the speed range, and the speed of the hold [r/min]."""
 STATES = ["stopped", "slow roll", "run-up", "at speed", "run-down", "slow roll", "stopped"]
 NOISES = (0.0, 0.002, 0.005, 0.01, 0.015, 0.02)
-STEPS = (0.1, 1.0, 5.0)
+STEPS = (0.2, 1.0, 5.0)
 """Time between samples [s]."""
 UP, DOWN = 280.0, 290.0
 """Duration of the sweeps [s]."""
@@ -92,7 +92,7 @@ def cost() -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=40)
+    parser.add_argument("--seeds", type=int, default=10)
     seeds = parser.parse_args().seeds
     print(f"Cycles of which every state and run came out, of {seeds} (seeds 0 to {seeds - 1}); median and worst error [s]\n")
     print("noise, rms              step [s]   right   a run begins        a run ends")

@@ -118,13 +118,19 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
 
     The error of a vector is common to all samples of its channel, so it is no noise: it leaves a run-out of that spread, an
     unknown of the fit with that prior. It takes the place of the spread that the document gives for a run-out that was not
-    subtracted.
+    subtracted. The noise stays a part of what the probe saw, run-out and all: where the source gave no scatter and the
+    document states the noise, it is written down before the run-out is gone.
     """
+    scatter = measurement.scatter
+    if not machine.noise.estimated:
+        stated = error_size(machine.noise, np.abs(np.where(measurement.usable, measurement.phasor, 0.0)), scatter)
+        scatter = np.where(slow_roll.known, stated, scatter)
     probes = tuple(
         probe.model_copy(update={"run_out_spread": float(error)}) if known else probe
         for probe, known, error in zip(machine.probes, slow_roll.known, slow_roll.standard_error, strict=True)
     )
-    return machine.model_copy(update={"probes": probes}), subtracted(measurement, slow_roll)
+    without = replace(subtracted(measurement, slow_roll), scatter=scatter)
+    return machine.model_copy(update={"probes": probes}), without
 
 
 def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> tuple[complex, float] | str:
@@ -138,13 +144,13 @@ def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> 
     spread = math.sqrt(float(np.sum(np.abs(residual) ** 2)) / (count - 1))
     expected = float(np.sqrt(np.mean(error_size(noise, np.full(count, size), scatter) ** 2)))
     if spread > LARGEST_SCATTER * size and spread > BEYOND_NOISE * expected:
-        return f"the vectors scatter by {1e6 * spread:.2g} µm about a mean of {1e6 * size:.2g} µm"
+        return f"the vectors scatter by {1e6 * spread:.3g} µm about a mean of {1e6 * size:.3g} µm"
     grown = abs(slope) * float(np.ptp(speed**2))
     left = 0.0
     if abs(slope) > CLEAR_GROWTH * slope_error:
         if grown > LARGEST_GROWTH * size:
             band = f"{rad_per_s_to_rpm(float(speed.min())):.0f} to {rad_per_s_to_rpm(float(speed.max())):.0f} rpm"
-            return f"the vectors grow by {1e6 * grown:.2g} µm from {band}, at a mean of {1e6 * size:.2g} µm: this is vibration"
+            return f"the vectors grow by {1e6 * grown:.3g} µm from {band}, at a mean of {1e6 * size:.3g} µm: this is vibration"
         left = abs(slope) * float(np.mean(speed**2))
     return mean, math.hypot(spread / math.sqrt(_independent(residual)), left)
 

@@ -1,5 +1,7 @@
 """An identification, what would help it, and a comparison of views, as text for a terminal."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from estimator.design import helpful_probes, helpful_speeds
@@ -8,14 +10,25 @@ from estimator.identification import Identification
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.model_comparison import Comparison
+from estimator.quality import Quality
+from estimator.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
-from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
 EXPLAINED = 2.0
 """Largest χ²/dof with which the regression's values are said to explain a run."""
 BEYOND = 1.5
 """Candidate speeds reach to this part of the speed range's end."""
+
+
+def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
+    """What there is to say of each run before it is identified; empty where there is nothing."""
+    lines = []
+    for name, quality in zip(names, qualities, strict=True):
+        found = [*quality.findings, *([quality.words] if gate and quality.words else [])]
+        lines += [f"{name}: {words}" for words in found]
+    return "\n".join(lines)
 
 
 def identification_text(result: Identification) -> str:
@@ -73,6 +86,21 @@ def comparison_text(comparison: Comparison) -> str:
     best = comparison.views[0].identification
     shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
     return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
+
+
+def slow_roll_text(machine: Machine, found: Capture) -> str:
+    """The vectors of a capture, a line a channel, and why channels have none."""
+    speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
+    lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
+    width = max(map(len, machine.channels))
+    scale = METRES["um"] * PEAK["peak-to-peak"]
+    for channel, vector, error in zip(machine.channels, found.slow_roll.vector, found.slow_roll.standard_error, strict=True):
+        if channel in found.reasons:
+            lines.append(f"  {channel:<{width}}  none: {found.reasons[channel]}")
+        else:
+            lag = float(-np.degrees(np.angle(vector))) % 360.0
+            lines.append(f"  {channel:<{width}}  {abs(vector) / scale:8.3f} ± {error / scale:.2g} µm pp, lag {lag:6.1f}°")
+    return "\n".join(lines)
 
 
 def _value(estimate: Estimate) -> str:

@@ -1,7 +1,7 @@
 """Repository of identifications and of the parameter history that they make."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,11 +39,15 @@ class Origin:
 
 @dataclass(frozen=True)
 class Like:
-    """What identifications must have in common to be compared: machine revision, kind of run, slow-roll vectors."""
+    """What identifications must have in common to be compared: one of these machine revisions, kind of run, slow-roll vectors.
 
-    revision: int
+    since: measured at that time or later [ns].
+    """
+
+    revisions: tuple[int, ...]
     run_kind: str
     slow_roll_version: int | None = None
+    since: int = 0
 
 
 def add(session: Session, origin: Origin, result: Identification) -> IdentificationRow:
@@ -148,6 +152,12 @@ def last_accepted(session: Session, machine_id: str, like: Like, *, limit: int) 
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
+def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
+    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured."""
+    query = _accepted_runs(machine_id, replace(like, since=0)).where(IdentificationRow.id.in_(ids))
+    return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
+
+
 def counting(machine_id: str) -> Select[int]:
     """Ids of the identifications that trends, baselines and alerts use.
 
@@ -169,7 +179,8 @@ def counting(machine_id: str) -> Select[int]:
 def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     return (
         select(IdentificationRow)
-        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision == like.revision)
+        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
+        .where(IdentificationRow.measured_at >= like.since)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))
