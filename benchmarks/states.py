@@ -90,10 +90,10 @@ def cost() -> float:
     return (time.process_time() - began) / len(speeds)
 
 
-def main() -> None:
+def main(given: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
-    seeds = parser.parse_args().seeds
+    seeds = parser.parse_args(given).seeds
     print(f"Cycles of which every state and run came out, of {seeds} (seeds 0 to {seeds - 1}); median and worst error [s]\n")
     print("noise, rms              step [s]   right   a run begins        a run ends")
     for of_reading in (True, False):

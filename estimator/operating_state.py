@@ -162,9 +162,9 @@ def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
         return "stopped"
     # From below the range the machine is at speed only once it has left the lower end clearly behind and settled.
     below = state.mode in ("stopped", "slow roll")
-    turning = state.mode != "unknown" and is_leaving(state.sweep, limits.sweep)
-    start = thresholds(state.sweep, limits.sweep)[0]
-    if speed < limits.sweep.minimum + (start if below else 0.0) or (below and turning):
+    start = thresholds(state.sweep, limits.sweep)[0] if below else 0.0
+    turning = state.mode not in ("unknown", "at speed") and is_leaving(state.sweep, limits.sweep)
+    if speed < limits.sweep.minimum + start or (below and turning):
         return "slow roll"
     return state.mode if turning else "at speed"
 
