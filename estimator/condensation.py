@@ -128,7 +128,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     vectors = {
         "left": _in_planes(rotor, dense([left for left, _ in pairs], rotor.size)),
         "right": _in_planes(rotor, dense([right for _, right in pairs], rotor.size)),
-        "output": _in_planes(rotor, (_probe_rows(machine, rotor) if output is None else output).T),
+        "output": _in_planes(rotor, (probe_rows(machine, rotor) if output is None else output).T),
         "acting": _in_planes(rotor, dense([item.acting or {} for item in unknown.excitations], rotor.size)),
     }
     touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
@@ -178,7 +178,8 @@ def _scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
     return found
 
 
-def _probe_rows(machine: Machine, rotor: Rotor) -> Floats:
+def probe_rows(machine: Machine, rotor: Rotor) -> Floats:
+    """What each probe sees (m, N) of the motion of all degrees of freedom."""
     rows = np.zeros((len(machine.probes), rotor.size))
     for row, probe in zip(rows, machine.probes, strict=True):
         x = NODE_DOFS * rotor.node(probe.shaft, probe.station)

@@ -105,6 +105,20 @@ def identify(machine: Machine, measurement: Measurement, options: Options | None
     return replace(found, verdict=found.verdict + _eccentric(machine, found))
 
 
+def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[str, ...], Floats]:
+    """Names and values of all coordinates before any fit: the document's, with the excitations that explain the data best.
+
+    Raises as `identify`.
+    """
+    measurement = _thinned(_without_empty_samples(measurement))
+    _require_enough(machine, measurement)
+    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
+    problem = _problem(train, measurement, machine.noise, robust=False)
+    weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
+    coordinates = problem.coordinates
+    return coordinates.names, coordinates.point(problem.best_excitations(coordinates.centre, weight))
+
+
 def identify_train(
     train: CondensedTrain,
     measurement: Measurement,

@@ -91,13 +91,22 @@ def updated_model(machine: Machine, identification: Identification) -> UpdatedMo
     Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: what they leave
     open together with the others is in the covariance. Raises ValueError for an identification of another machine.
     """
+    return model_at(machine, identification.coordinates, identification.point, identification.covariance)
+
+
+def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, covariance: Floats | None = None) -> UpdatedModel:
+    """The model at values (n,) of named coordinates; those of measuring chains are left out. covariance: (n, n), or exact.
+
+    Raises ValueError for coordinates of another machine.
+    """
     exact = with_exact_probes(machine)
     names = Coordinates.of(_reference(exact), unbalance_scale=1.0).names
-    missing = [name for name in names if name not in identification.coordinates]
+    missing = [name for name in names if name not in coordinates]
     if missing:
         raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
-    rows = [identification.coordinates.index(name) for name in names]
-    return UpdatedModel(exact, names, identification.point[rows], identification.covariance[np.ix_(rows, rows)])
+    rows = [coordinates.index(name) for name in names]
+    whole = np.zeros((len(coordinates), len(coordinates))) if covariance is None else covariance
+    return UpdatedModel(exact, names, point[rows], whole[np.ix_(rows, rows)])
 
 
 def with_exact_probes(machine: Machine) -> Machine:

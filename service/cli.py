@@ -27,8 +27,8 @@ from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.edge.command import run_edge
 from service.model_report import model_text
-from service.offline import read_measurement
-from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text
+from service.offline import captured, read_measurement, without_slow_roll
+from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text, slow_roll_text
 from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -80,6 +80,24 @@ def serve(
     try:
         run_service(settings)
     except (DatabaseUnusable, PortUnusable, StreamUnusable) as error:
+        _fail(str(error))
+
+
+@app.command()
+def router(
+    listen: Annotated[list[str], typer.Option(help="endpoint to listen on; may be given again")] = [  # noqa: B006
+        DEFAULT_ZENOH_ENDPOINT
+    ],
+    connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
+) -> None:
+    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed."""
+    _log_to_terminal("INFO")
+    stop = _stop_on_signal()
+    try:
+        with zenoh_session(listen=listen, connect=connect):
+            logging.getLogger(__name__).info("routing on %s", ", ".join(listen))
+            stop.wait()
+    except StreamUnusable as error:
         _fail(str(error))
 
 
@@ -193,6 +211,9 @@ def identify_offline(
     method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
     tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
+    slow_roll: Annotated[
+        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
+    ] = None,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
@@ -203,9 +224,9 @@ def identify_offline(
     if method == "likelihood" and tikhonov is not None:
         _fail("--tikhonov goes with --method regression: the likelihood has its own prior")
     if method == "regression":
-        _regress(machine, files, sidecar, tikhonov)
+        _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
-    described, measurement, result = _identified(machine, files, sidecar)
+    described, measurement, result = _identified(machine, files, sidecar, slow_roll)
     typer.echo(identification_text(result))
     if advice:
         typer.echo(advice_text(described, result, measurement))
@@ -262,12 +283,24 @@ def compare(
     typer.echo(comparison_text(found))
 
 
-def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None) -> None:
+@app.command("slow-roll")
+def show_slow_roll(
+    machine: MachineFile,
+    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
+    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
+    sidecar: OtherSidecar = None,
+) -> None:
+    """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     try:
-        described = read_machine(machine)
-        measurement, left_out = read_measurement(described, files, sidecar)
-        for line in left_out:
-            typer.echo(line, err=True)
+        described, measurement = _measured(machine, [file], sidecar)
+        typer.echo(slow_roll_text(described, captured(described, measurement, band)))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        _fail(str(error))
+
+
+def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
+    try:
+        described, measurement = _measured(machine, files, sidecar, slow_roll)
         with threadpoolctl.threadpool_limits(1):
             found = regress(described, measurement, tikhonov=tikhonov)
         typer.echo(regression_text(found))
@@ -277,12 +310,26 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
         _fail(str(error))
 
 
-def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+def _measured(
+    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
+) -> tuple[Machine, Measurement]:
+    """A document and its recorded runs, without the slow roll of a band where one is given."""
+    described = read_machine(machine)
+    measurement, left_out = read_measurement(described, files, sidecar)
+    for line in left_out:
+        typer.echo(line, err=True)
+    if slow_roll is None:
+        return described, measurement
+    corrected, measurement, found = without_slow_roll(described, measurement, slow_roll)
+    typer.echo(slow_roll_text(described, found), err=True)
+    return corrected, measurement
+
+
+def _identified(
+    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
+) -> tuple[Machine, Measurement, Identification]:
     try:
-        described = read_machine(machine)
-        measurement, left_out = read_measurement(described, files, sidecar)
-        for line in left_out:
-            typer.echo(line, err=True)
+        described, measurement = _measured(machine, files, sidecar, slow_roll)
         with threadpoolctl.threadpool_limits(1):
             return described, measurement, identify(described, measurement)
     except (UnreadableFile, Rejected, ValueError) as error:

@@ -11,6 +11,7 @@ from estimator.misalignment import MisalignmentEvidence, determines, misalignmen
 from service import alerting
 from service.alerting import Finding
 from storage import alerts, identifications, jobs, machines
+from storage.identifications import Like
 from storage.tables import IdentificationRow
 
 MISALIGNMENT = "misalignment"
@@ -39,17 +40,14 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
 def judgements(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> list[Judgement]:
     """One judgement per coupling; none while its baseline is incomplete or too little came after it.
 
-    Like is compared with like: identifications of the same machine revision and kind of run. Only those that determine
-    what is watched at a coupling count there, in its baseline and after it; a run that says nothing changes nothing.
+    Like is compared with like: identifications of the same machine revision, kind of run and slow-roll version. Only those
+    that determine what is watched at a coupling count there, in its baseline and after it; a run that says nothing changes
+    nothing.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
-    which = (session, stored.machine_id)
-    first = identifications.first_accepted(
-        *which, revision=stored.revision, run_kind=stored.run_kind, limit=SEARCHED * baseline_runs
-    )
-    newest = identifications.last_accepted(
-        *which, revision=stored.revision, run_kind=stored.run_kind, limit=SEARCHED * IN_A_ROW
-    )
+    which = session, stored.machine_id, Like(stored.revision, stored.run_kind, stored.slow_roll_version)
+    first = identifications.first_accepted(*which, limit=SEARCHED * baseline_runs)
+    newest = identifications.last_accepted(*which, limit=SEARCHED * IN_A_ROW)
     points = {row.id: identifications.logarithmic_point(session, row) for row in (*first, *newest)}
     found = []
     for coupling in machine.couplings:

@@ -15,17 +15,22 @@ import threadpoolctl
 from estimator.gathering import combined
 from estimator.identification import Identification, Options, identify
 from estimator.machine import parse_machine
+from estimator.slow_roll import SlowRoll, corrected
 from storage.blocks import decode
 
 
 @dataclass(frozen=True)
 class Task:
-    """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s]."""
+    """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
+
+    slow_roll: vectors that are subtracted first.
+    """
 
     document: dict[str, Any]
     runs: Sequence[bytes]
     options: Options
     timeout_s: float
+    slow_roll: SlowRoll | None = None
 
 
 class OutOfTime(RuntimeError):
@@ -46,7 +51,12 @@ def compute(task: Task) -> Identification:
     signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
     try:
         machine = parse_machine(task.document)
-        results = [identify(machine, decode(block).measurement(), task.options) for block in task.runs]
+        results = []
+        for block in task.runs:
+            described, measurement = machine, decode(block).measurement()
+            if task.slow_roll is not None:
+                described, measurement = corrected(described, measurement, task.slow_roll)
+            results.append(identify(described, measurement, task.options))
         return results[0] if len(results) == 1 else combined(results)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)

@@ -1,6 +1,7 @@
 """Ingest over a real loopback network: what is missing is fetched from the source's log, what cannot be fetched is counted,
 and nothing that arrives can stop it."""
 
+import json
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -362,3 +363,26 @@ def test_a_database_that_refuses_is_tried_again(
     wait_until(lambda: received(plant) == 10)
     wait_until(lambda: ingest.trouble is None)
     assert counts(plant) == (10, 10, 0)
+
+
+# --- what the service answers ---------------------------------------------------------------------------------------
+
+
+def asked_how_far(client: zenoh.Session, key: str) -> list[dict[str, Any]]:
+    """The answers to the question how far a machine's sources are durable."""
+    return [json.loads(reply.ok.payload.to_bytes()) for reply in client.get(key, timeout=5.0) if reply.ok is not None]
+
+
+@pytest.mark.usefixtures("ingest")
+def test_a_source_can_ask_how_far_it_was_received(client: zenoh.Session, plant: Database) -> None:
+    wait_until(lambda: heard(client))
+    assert asked_how_far(client, KEY.received) == [{"plant": KEY.plant, "machine": KEY.machine, "sources": []}]
+    put_batch(client, 0, 5)
+    put_batch(client, 8, 10)
+    wait_until(lambda: received(plant) == 7)
+    (answer,) = asked_how_far(client, KEY.received)
+    assert answer["sources"] == [
+        {"source": "monitor", "epoch": 1, "next_sequence": 10, "received": 7, "duplicates": 0, "lost": 3}
+    ]
+    assert asked_how_far(client, Key("plant-1", "pump-8").received) == []
+    assert asked_how_far(client, Key("plant-2", KEY.machine).received) == []

@@ -1,0 +1,133 @@
+"""A train that runs up or coasts down, integrated in time: what its probes see when nothing is in a steady state.
+
+M q̈ + d/dt(Ω G q) + C q̇ + (K + Ω H) q = Re(F e^{jφ}) with the angle φ(t) of a given speed law, Ω = ±φ̇ and the force of
+synchronous_force.py, whose acceleration terms are in. The motion is written q = Re(Q(t) e^{jφ}), which loses nothing: Q obeys
+
+    M Q̈ + (C + ΩG + 2jω M) Q̇ + (K + ΩH + Ω̇ G + jω (C + ΩG) + (jα - ω²) M) Q = F
+
+and is integrated by the trapezoidal rule (Newmark's of average acceleration). In the rotating frame a free vibration at the
+natural frequency ω_n turns with ω_n - ω only, which a step must resolve.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.interpolate
+
+from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.machine import Machine
+from estimator.parameters import unknowns
+from estimator.rotor import assemble_rotor
+from estimator.speed_law import SpeedLaw
+from estimator.synchronous_force import synchronous_force
+from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
+
+BLOCK = 4096
+"""Steps whose forces are computed at a time."""
+
+
+@dataclass(frozen=True)
+class CoastDown:
+    """Envelopes X (T, m) of the motions Re(X e^{jφ}) at the probes [m], at instants (T,) [s] of a speed law."""
+
+    law: SpeedLaw
+    time: Floats
+    phasor: Complexes
+
+    def envelope(self, time: Floats) -> Complexes:
+        """The envelopes at instants (N,) [s], by cubic splines between the steps: (N, m)."""
+        return np.asarray(scipy.interpolate.CubicSpline(self.time, self.phasor)(time))
+
+    def waveforms(self, time: Floats) -> Floats:
+        """Displacement at the probes (m, N) [m] at instants (N,) [s]."""
+        turning = np.exp(1j * self.law.angle(time))
+        return np.asarray((self.envelope(time) * turning[:, None]).real.T)
+
+
+def coast_down(
+    machine: Machine,
+    law: SpeedLaw,
+    *,
+    step: float,
+    coefficients: CoefficientsOverSpeed = None,
+    excitations: Complexes | None = None,
+) -> CoastDown:
+    """Integrate a machine through a speed law, from the steady state of its first speed on.
+
+    step: [s]. coefficients: as in `system_matrices_over_speed`. excitations: (E,) [SI], by default what the document expects.
+    Raises ValueError for a step that is not positive, a speed that is not, or excitations of another number.
+    """
+    if not step > 0.0:
+        raise ValueError(f"step is {step} s, it must be positive")
+    rotor = assemble_rotor(machine)
+    listed = unknowns(machine, rotor).excitations
+    values = np.array([one.nominal or 0.0 for one in listed]) if excitations is None else np.asarray(excitations)
+    if values.shape != (len(listed),):
+        raise ValueError(f"machine '{machine.id}' has {len(listed)} excitations, not {values.shape}")
+    count = max(1, int(np.ceil((law.end - law.begin) / step)))
+    time = np.linspace(law.begin, law.end, count + 1)
+    if np.any(law.speed(time) <= 0.0):
+        raise ValueError("the speed must be positive throughout")
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
+    output = probe_rows(machine, rotor)
+    phasor = np.empty((time.size, len(output)), dtype=complex)
+    state: tuple[Complexes, Complexes] | None = None
+    for first in range(0, time.size, BLOCK):
+        # One instant of overlap: a step needs both of its ends.
+        piece = slice(max(0, first - 1), min(first + BLOCK, time.size))
+        speed, acceleration = law.speed(time[piece]), law.acceleration(time[piece])
+        force = synchronous_force(
+            rotor, listed, values=values, speed=speed, direction=machine.direction, acceleration=acceleration
+        )
+        motion = _Motion(matrices, machine.direction, speed, acceleration, force)
+        if state is None:
+            state = motion.steady()
+        moved, state = motion.integrate(state, float(time[1] - time[0]))
+        phasor[piece] = moved @ output.T
+    return CoastDown(law, time, phasor)
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Equations in the rotating frame at n instants: speed, acceleration (n,), force (n, N)."""
+
+    matrices: Callable[[float], SystemMatrices]
+    direction: int
+    speed: Floats
+    acceleration: Floats
+    force: Complexes
+
+    def at(self, i: int) -> tuple[SystemMatrices, Complexes, Complexes]:
+        """Matrices there, and those of Q̇ and of Q."""
+        found = self.matrices(float(self.speed[i]))
+        omega, alpha = self.speed[i], self.acceleration[i]
+        resisting = found.damping + self.direction * omega * found.gyroscopic
+        rate = resisting + 2j * omega * found.mass
+        elastic = found.stiffness + self.direction * (omega * found.circulatory + alpha * found.gyroscopic)
+        return found, rate, elastic + 1j * omega * resisting + (1j * alpha - omega**2) * found.mass
+
+    def steady(self) -> tuple[Complexes, Complexes]:
+        """Q and Q̇ = 0 of the steady state at the first instant, with the force of a steady speed."""
+        found, _, _ = self.at(0)
+        omega = self.speed[0]
+        stiffness = found.dynamic_stiffness(1j * omega, spin=self.direction * omega)
+        return np.asarray(np.linalg.solve(stiffness, self.force[0])), np.zeros_like(self.force[0])
+
+    def integrate(self, state: tuple[Complexes, Complexes], step: float) -> tuple[Complexes, tuple[Complexes, Complexes]]:
+        """Q (n, N) at all instants from that at the first one, and Q and Q̇ at the last."""
+        motion, velocity = state
+        moved = np.empty_like(self.force)
+        moved[0] = motion
+        _, rate, elastic = self.at(0)
+        before = self.force[0] - rate @ velocity - elastic @ motion
+        for i in range(1, len(self.force)):
+            found, rate, elastic = self.at(i)
+            inertia = found.mass / step
+            reached = motion + step / 2 * velocity
+            right = inertia @ velocity + (before + self.force[i] - elastic @ reached) / 2
+            velocity = np.asarray(np.linalg.solve(inertia + rate / 2 + step / 4 * elastic, right), dtype=complex)
+            motion = reached + step / 2 * velocity
+            before = self.force[i] - rate @ velocity - elastic @ motion
+            moved[i] = motion
+        return moved, (motion, velocity)

@@ -1,0 +1,208 @@
+"""Identification behind a quality gate: points that break the steady state are left out or corrected, with their reason.
+
+The sweep rate is judged with the machine's own model, first the document's, then the fitted one. What the model predicts that
+the sweep adds is taken off the phasors; points at which it is more than a few times their noise are left out, and the
+prediction's own error is added to the scatter of the others. Leaving points out alone is not enough: what stays below the
+noise of each is the same at many neighbouring points and moves the estimates by more than their standard errors.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.condensation import Complexes, Floats
+from estimator.forced_response import forced_response
+from estimator.identification import Identification, NotEnoughData, Options, expected_point, identify
+from estimator.machine import Machine
+from estimator.measurement import Measurement
+from estimator.noise import error_size
+from estimator.quality import Flag, Quality, Recorded, Rules, assess, own_noise, too_few
+from estimator.sweep_rate import SweepTransient, sweep_transient
+from estimator.updated_model import UpdatedModel, model_at, updated_model
+
+NEGLIGIBLE = 0.1
+"""Predicted deviations below this part of the noise are left alone."""
+LARGEST_UNFITTED = 1.0
+"""With the document's model, points that deviate by more than this times their noise are left out …"""
+LARGEST_FITTED = 3.0
+"""… and with the fitted one by more than this."""
+PREDICTION_ERROR = 0.2
+"""Part of a predicted deviation by which the prediction may be wrong, rms."""
+PASSES = 3
+"""Most times the points are judged anew with the model fitted to those that were left."""
+SETTLED = 0.1
+"""A change of the predicted deviations below this part of the noise, rms, is none."""
+FEWEST_TELLING = 8
+"""Phasors that must deviate clearly for the data to say in which way they do."""
+LARGEST_SQUARE = 25.0
+"""What one phasor can say at most, as a squared multiple of its noise."""
+
+Taken = Literal["none", "instant", "averaged"]
+
+
+@dataclass(frozen=True)
+class Gated:
+    """quality: of the run. identification: None where the points left do not allow one, for the reason in `error`."""
+
+    quality: Quality
+    identification: Identification | None
+    error: str | None = None
+
+
+@dataclass(frozen=True)
+class _Treatment:
+    """How the sweep is dealt with: predicted deviation and error of each phasor (S, m) [m], size the one over the other."""
+
+    deviation: Complexes
+    error: Floats
+    size: Floats
+    excluded: NDArray[np.bool_]
+    corrected: NDArray[np.bool_]
+
+    def applied(self, base: Measurement) -> Measurement:
+        """The measurement without what the sweep added."""
+        # What was not corrected, with the document's model, counts as an error in full.
+        off = np.where(self.corrected, self.deviation, 0.0)
+        part = np.where(self.corrected, PREDICTION_ERROR, 1.0) * np.abs(self.deviation)
+        scatter = np.where(self.size > NEGLIGIBLE, np.sqrt(self.error**2 + part**2), base.scatter)
+        return replace(base, phasor=base.phasor - off, scatter=scatter, usable=base.usable & ~self.excluded)
+
+
+def identify_gated(
+    machine: Machine,
+    run: Recorded,
+    measurement: Measurement,
+    *,
+    options: Options | None = None,
+    rules: Rules | None = None,
+    gate: bool = True,
+) -> Gated:
+    """Assess one run and identify the machine from what may be used of it.
+
+    measurement: the same samples, with trial weights where there were any. gate: without it the quality is assessed but
+    nothing is left out for it beside what the source itself calls unusable.
+    Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
+    """
+    rules = rules or Rules()
+    quality = assess(run, noise=machine.noise, rules=rules)
+    base = _base(machine, run, measurement, quality) if gate else measurement
+    try:
+        if rules.sweep_rate and _clock_trusted(run, quality):
+            quality, found = _without_sweep(machine, run, base, quality, options, correct=gate)
+        else:
+            found = identify(machine, base, options)
+    except NotEnoughData as error:
+        words = quality.words if gate else ""
+        quality = replace(quality, findings=(*quality.findings, *too_few(quality)))
+        return Gated(quality, None, f"{error}; {words}" if words else str(error))
+    quality = replace(quality, findings=(*quality.findings, *too_few(quality)))
+    if gate and quality.words:
+        found = replace(found, verdict=f"{found.verdict}; {quality.words}")
+    return Gated(quality, found)
+
+
+def _base(machine: Machine, run: Recorded, measurement: Measurement, quality: Quality) -> Measurement:
+    stated = "noise" in machine.model_fields_set
+    scatter = measurement.scatter if stated else own_noise(run, quality)
+    return replace(measurement, usable=measurement.usable & quality.usable, scatter=scatter)
+
+
+def _clock_trusted(run: Recorded, quality: Quality) -> bool:
+    ascending = run.time is not None and run.time.size > 1 and bool(np.all(np.diff(run.time) > 0.0))
+    return ascending and not any("not to be trusted" in words for words in quality.findings)
+
+
+def _without_sweep(
+    machine: Machine, run: Recorded, base: Measurement, quality: Quality, options: Options | None, *, correct: bool
+) -> tuple[Quality, Identification]:
+    """The identification from what the sweep left usable."""
+    model = model_at(machine, *expected_point(machine, base))
+    transient = _transient(model, run)
+    treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
+    used: Measurement = base
+    if correct and np.any((treatment.size > NEGLIGIBLE) & base.usable):
+        used = treatment.applied(base)
+    try:
+        found = identify(machine, used, options)
+    except NotEnoughData:
+        used = base
+        found = identify(machine, base, options)
+    taken: Taken = "none"
+    for _ in range(PASSES):
+        model = updated_model(machine, found)
+        steady = forced_response(model, speed=base.speed).phasor
+        transient = _transient(model, run)
+        taken = _taken(machine, base, steady, transient)
+        deviation = {"none": 0.0 * steady, "instant": transient.instant, "averaged": transient.averaged}[taken]
+        after = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
+        wanted = after.applied(base) if correct else base
+        if _same(used, wanted, after.error):
+            treatment = after
+            break
+        treatment, used = after, wanted
+        found = identify(machine, used, options)
+    return _told(quality, treatment, base, transient, taken), found
+
+
+def _transient(model: UpdatedModel, run: Recorded) -> SweepTransient:
+    if run.time is None:
+        raise ValueError("without the times of its samples nothing can be predicted of a sweep")
+    return sweep_transient(model, time=run.time - run.time[0], speed=run.speed)
+
+
+def _treatment(
+    machine: Machine, base: Measurement, steady: Complexes, deviation: Complexes, *, limit: float, correct: bool
+) -> _Treatment:
+    error = error_size(machine.noise, np.abs(np.where(np.isfinite(steady), steady, 0.0)), base.scatter)
+    size = np.divide(np.abs(deviation), error, out=np.full(error.shape, np.inf), where=error > 0.0)
+    excluded = size > limit
+    return _Treatment(deviation, error, size, excluded, (size > NEGLIGIBLE) & ~excluded & correct)
+
+
+def _taken(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Taken:
+    """What the data themselves say: are the phasors those of an instant, means over a block, or steady-state ones?"""
+    error = error_size(machine.noise, np.abs(steady), base.scatter)
+    telling = base.usable & (np.abs(transient.instant) > LARGEST_UNFITTED * error)
+    if np.count_nonzero(telling) < FEWEST_TELLING:
+        return "instant"
+    rest = np.where(telling, base.phasor - steady, 0.0)
+    choices: dict[Taken, Complexes] = {
+        "instant": transient.instant,
+        "averaged": transient.averaged,
+        "none": np.zeros_like(steady),
+    }
+    cost = {
+        name: float(np.sum(np.minimum(np.abs((rest - one)[telling]) ** 2 / error[telling] ** 2, LARGEST_SQUARE)))
+        for name, one in choices.items()
+    }
+    return min(choices, key=lambda name: cost[name])
+
+
+def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
+    if not np.array_equal(before.usable, after.usable):
+        return False
+    moved = np.abs(before.phasor - after.phasor)[after.usable] / error[after.usable]
+    return bool(not moved.size or np.sqrt(np.mean(moved**2)) < SETTLED)
+
+
+def _told(quality: Quality, treatment: _Treatment, base: Measurement, transient: SweepTransient, taken: Taken) -> Quality:
+    """Flags and words on what was done."""
+    excluded = treatment.excluded & base.usable
+    corrected = treatment.corrected & base.usable
+    if taken == "none":
+        clearly = base.usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)
+        words = (
+            f"sweep rate: the times say that {int(np.count_nonzero(clearly))} phasors should deviate from the steady state, "
+            "and they do not: the times are not those of the measurement, or the phasors were computed",
+        )
+        return replace(quality, findings=(*quality.findings, *words))
+    if not excluded.any() and not corrected.any():
+        return quality
+    largest = float(np.max(np.where(base.usable, treatment.size, 0.0)))
+    words = (
+        f"sweep rate: the model predicts deviations from the steady state of up to {largest:.2g} times the noise; "
+        f"{int(np.count_nonzero(excluded))} phasors left out, {int(np.count_nonzero(corrected))} corrected",
+    )
+    return quality.with_flag(Flag.SWEEP_RATE, excluded, *words).with_flag(Flag.CORRECTED, corrected)

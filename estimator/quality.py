@@ -1,0 +1,356 @@
+"""Quality of a run: for each phasor the reasons not to use it, for the run what a person should know of it.
+
+Flags say why; the measurement keeps what was measured. What needs no model of the machine is found here; what the speed of
+the sweep does to the phasors needs one and is added by `estimator.gate`.
+"""
+
+from dataclasses import dataclass, field, replace
+from enum import IntFlag
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.beating import Beat, find_beats
+from estimator.channel_status import ChannelStatus
+from estimator.condensation import Complexes, Floats
+from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
+from estimator.machine import Noise
+from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line
+from estimator.noise import error_size
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+
+
+class Flag(IntFlag):
+    """Reasons, as bits. Stored as these numbers; written in lower case with hyphens."""
+
+    NOT_AVAILABLE = 1
+    BAD = 2
+    OUT_OF_RANGE = 4
+    SATURATED = 8
+    FROZEN = 16
+    OUTLIER = 32
+    SWEEP_RATE = 64
+    RINGING = 128
+    HALF_POWER = 256
+    NOT_ACCEPTED = 512
+    CORRECTED = 1024
+
+    @property
+    def label(self) -> str:
+        """As in answers."""
+        return (self.name or "").lower().replace("_", "-")
+
+
+MEANING: dict[Flag, str] = {
+    Flag.NOT_AVAILABLE: "the source had no value",
+    Flag.BAD: "the source calls the value bad",
+    Flag.OUT_OF_RANGE: "the source calls the value out of range",
+    Flag.SATURATED: "the amplitude stays at its largest value, sample after sample",
+    Flag.FROZEN: "the same phasor again and again",
+    Flag.OUTLIER: "no neighbouring speed agrees",
+    Flag.SWEEP_RATE: "the model predicts that the sweep was too fast for the steady state",
+    Flag.RINGING: "the 1× beats behind a resonance: the sweep rate was too high for the steady state",
+    Flag.HALF_POWER: "between the half-power points of a resonance",
+    Flag.NOT_ACCEPTED: "outside the speeds that are accepted",
+    Flag.CORRECTED: "used, without what the model predicts that the sweep rate added",
+}
+"""What each flag means; the only one with which a phasor is used is CORRECTED."""
+SWEEP = Flag.SWEEP_RATE | Flag.RINGING
+EXCLUDING = ~Flag.CORRECTED
+STATUS_FLAG = {
+    ChannelStatus.NOT_AVAILABLE: Flag.NOT_AVAILABLE,
+    ChannelStatus.BAD: Flag.BAD,
+    ChannelStatus.OUT_OF_RANGE: Flag.OUT_OF_RANGE,
+}
+
+SAME_IN_A_ROW = 5
+"""So many equal amplitudes at the top, or equal phasors anywhere, are no measurement."""
+SAME_VALUE = 1e-9
+"""Relative difference below which two values are equal."""
+RINGING_LIMIT = 1.0
+"""Ringing that is larger than this times the noise is flagged."""
+SEVERAL_CHANNELS = 0.5
+"""What is out of line in more than this part of the channels at once may be a resonance between two samples."""
+LOST_PART = 0.1
+"""A channel that is unusable for this part of a run in one piece has been lost …"""
+LOST_SAMPLES = 5
+"""… and for so many samples at least."""
+OTHER_NOISE = 2.0
+"""Noise that differs from the stated one by this factor is mentioned."""
+FEWEST_USABLE = 20
+"""Fewer samples with a usable phasor are said to be too few."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """What a gate may leave out.
+
+    sweep_rate: whether points at which the sweep was too fast are. half_power: those within half-power points, as in thesis
+    §2.3. accepted_rpm: the only speeds [r/min] that count, None for all.
+    """
+
+    sweep_rate: bool = True
+    half_power: bool = False
+    accepted_rpm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A run as it was measured, S samples in order of time.
+
+    time: (S,) [s], None where it is not known. speed: (S,) [rad/s]. phasor: (S, m) [m]. status: (S, m) ChannelStatus.
+    scatter: (S, m) [m], NaN where unknown. channels: m ids.
+    """
+
+    time: Floats | None
+    speed: Floats
+    phasor: Complexes
+    status: NDArray[np.uint8]
+    scatter: Floats
+    channels: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ChannelNoise:
+    """Noise of a channel as its neighbouring speeds show it: relative part [-] and floor [m], NaN where that is unknown.
+
+    stated: median rms that the source or the document states [m]; seen: that of the values beside it, at the same amplitudes.
+    """
+
+    relative: float
+    floor: float
+    stated: float
+    seen: float
+
+
+@dataclass(frozen=True)
+class Quality:
+    """flags: (S, m) Flag of each phasor. findings: what there is to say of the run, in words. noise: by channel."""
+
+    channels: tuple[str, ...]
+    flags: NDArray[np.uint16]
+    findings: tuple[str, ...]
+    noise: dict[str, ChannelNoise]
+    beats: tuple[Beat | None, ...] = field(default=())
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(S, m) where the phasor may be used."""
+        return np.asarray((self.flags & np.uint16(EXCLUDING & 0xFFFF)) == 0)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Phasors by reason, those that occur."""
+        number = {one.label: int(np.count_nonzero(self.flags & np.uint16(one))) for one in Flag}
+        return {label: count for label, count in number.items() if count}
+
+    @property
+    def words(self) -> str:
+        """What was left out, in one line; empty where nothing was."""
+        left_out = int(np.count_nonzero(~self.usable))
+        if not left_out:
+            return ""
+        reasons = ", ".join(f"{count} {label}" for label, count in self.counts.items() if label != Flag.CORRECTED.label)
+        return f"{left_out} of {self.flags.size} phasors left out for their quality ({reasons})"
+
+    def with_flag(self, flag: Flag, where: NDArray[np.bool_], *findings: str) -> "Quality":
+        """The same with one more flag on some phasors and more to say."""
+        flags = self.flags | np.where(where, np.uint16(flag), np.uint16(0))
+        return replace(self, flags=flags.astype(np.uint16), findings=(*self.findings, *findings))
+
+
+def assess(run: Recorded, *, noise: Noise, rules: Rules | None = None) -> Quality:
+    """What can be said of a run without a model of the machine. noise: as the document states it."""
+    rules = rules or Rules()
+    shape = run.phasor.shape
+    flags = np.zeros(shape, np.uint16)
+    for status, flag in STATUS_FLAG.items():
+        flags[run.status == status] |= np.uint16(flag)
+    flags[(run.status == ChannelStatus.GOOD) & ~np.isfinite(run.phasor)] |= np.uint16(Flag.NOT_AVAILABLE)
+    good = flags == 0
+    flags[_frozen(run.phasor, good)] |= np.uint16(Flag.FROZEN)
+    flags[_saturated(run.phasor, flags == 0)] |= np.uint16(Flag.SATURATED)
+
+    amplitude = np.where(flags == 0, np.abs(run.phasor), 0.0)
+    seen, fits = {}, []
+    stated = error_size(noise, amplitude, run.scatter)
+    for c, channel in enumerate(run.channels):
+        fit = local_fit(run.speed, run.phasor[:, c], flags[:, c] == 0)
+        relative, floor = neighbour_noise(fit, amplitude[:, c])
+        fits.append(fit)
+        own = np.sqrt((relative * amplitude[:, c]) ** 2 + floor**2)
+        used = flags[:, c] == 0
+        middle = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
+        seen[channel] = ChannelNoise(relative, floor, *middle)
+    flags[_outliers(run, fits, stated, seen, flags == 0)] |= np.uint16(Flag.OUTLIER)
+    flags[_not_accepted(run.speed, rules)] |= np.uint16(Flag.NOT_ACCEPTED)
+    if rules.half_power:
+        flags[_within_half_power(run, flags == 0)] |= np.uint16(Flag.HALF_POWER)
+    quality = Quality(run.channels, flags, (), seen)
+    if rules.sweep_rate and run.speed.size:
+        quality = _ringing(run, quality, error_size(noise, amplitude, run.scatter))
+    return replace(quality, findings=(*quality.findings, *_lost(run, quality), *_noise_findings(quality)))
+
+
+def own_noise(run: Recorded, quality: Quality) -> Floats:
+    """Scatter (S, m) [m] of a run whose source and document state none: each channel's noise as its neighbours show it."""
+    scatter = run.scatter.copy()
+    for c, channel in enumerate(run.channels):
+        found = quality.noise[channel]
+        if np.isfinite(found.relative):
+            amplitude = np.abs(_smoothed(np.where(quality.usable[:, c], run.phasor[:, c], 0.0)))
+            modelled = np.sqrt((found.relative * amplitude) ** 2 + found.floor**2)
+            scatter[:, c] = np.where(run.scatter[:, c] > 0.0, run.scatter[:, c], np.where(modelled > 0, modelled, np.nan))
+    return scatter
+
+
+def too_few(quality: Quality) -> tuple[str, ...]:
+    """Words on a run that has hardly a usable point left."""
+    left = int(np.count_nonzero(quality.usable.any(axis=1)))
+    return (f"too few usable points: {left} samples, {FEWEST_USABLE} are needed",) if left < FEWEST_USABLE else ()
+
+
+def _smoothed(values: Complexes) -> Complexes:
+    """Weights from an amplitude's own error would favour what is too small."""
+    padded = np.pad(values, 1, mode="edge")
+    return np.asarray((padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4)
+
+
+def _runs_of(same: NDArray[np.bool_], length: int) -> NDArray[np.bool_]:
+    """Which of n samples belong to a row of `length` at least in which each is the same as the one before; same: (n - 1,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
+    found = np.zeros(same.size + 1, dtype=bool)
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        if end - begin + 1 >= length:
+            found[begin : end + 1] = True
+    return found
+
+
+def _frozen(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    found = np.zeros(phasor.shape, dtype=bool)
+    for c in range(phasor.shape[1]):
+        place = np.flatnonzero(good[:, c])
+        value = phasor[place, c]
+        if place.size >= SAME_IN_A_ROW:
+            same = np.abs(np.diff(value)) <= SAME_VALUE * np.abs(value[1:])
+            found[place[_runs_of(same, SAME_IN_A_ROW)], c] = True
+    return found
+
+
+def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    found = np.zeros(phasor.shape, dtype=bool)
+    for c in range(phasor.shape[1]):
+        place = np.flatnonzero(good[:, c])
+        amplitude = np.abs(phasor[place, c])
+        if place.size >= SAME_IN_A_ROW:
+            top = amplitude >= (1.0 - 1e3 * SAME_VALUE) * amplitude.max()
+            found[place[_runs_of(top[1:] & top[:-1], SAME_IN_A_ROW)], c] = True
+    return found
+
+
+def _outliers(
+    run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    found = np.zeros(good.shape, dtype=bool)
+    for c, channel in enumerate(run.channels):
+        own = seen[channel]
+        if np.isfinite(own.relative):
+            modelled = np.sqrt((own.relative * np.abs(run.phasor[:, c])) ** 2 + own.floor**2)
+            size = np.maximum(stated[:, c], np.where(np.isfinite(modelled), modelled, 0.0))
+            found[out_of_line(fits[c], size), c] = True
+    several = found.sum(axis=1) > SEVERAL_CHANNELS * np.maximum(1, good.sum(axis=1))
+    if len(run.channels) > 1:
+        found[several] = False
+    return found
+
+
+def _not_accepted(speed: Floats, rules: Rules) -> NDArray[np.bool_]:
+    if rules.accepted_rpm is None:
+        return np.zeros(speed.size, dtype=bool)
+    low, high = (rpm_to_rad_per_s(rpm) for rpm in rules.accepted_rpm)
+    return np.asarray((speed < low) | (speed > high))
+
+
+def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Between the half-power points of each channel's peaks, as far as the curve shows both."""
+    found = np.zeros(good.shape, dtype=bool)
+    for c in range(good.shape[1]):
+        place = np.flatnonzero(good[:, c])
+        place = place[np.argsort(run.speed[place], kind="stable")]
+        place = place[np.concatenate([[True], np.diff(run.speed[place]) > 0.0])] if place.size else place
+        if place.size < 5:
+            continue
+        speed, amplitude = run.speed[place], np.maximum(np.abs(_smoothed(run.phasor[place, c])), 1e-300)
+        resonances = []
+        for peak in peak_samples(amplitude):
+            try:
+                resonances.append(half_power_points(speed, amplitude, excitation="unbalance", near=float(speed[peak])))
+            except (HalfPowerNotReached, ValueError):
+                continue  # a bump that does not fall to half its power is no resonance of its own
+        found[place[~outside(speed, resonances)], c] = True
+    return found
+
+
+def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
+    """With the points at which a beat is seen flagged."""
+    beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
+    where = np.zeros(run.phasor.shape, dtype=bool)
+    words = []
+    for c, beat in enumerate(beats):
+        if beat is None:
+            continue
+        own = quality.noise[run.channels[c]]
+        limit = max(float(np.median(size[:, c])), 0.0 if not np.isfinite(own.floor) else own.floor)
+        where[:, c] = beat.deviation > RINGING_LIMIT * limit
+        words.append(
+            f"sweep rate: {run.channels[c]} beats behind {rad_per_s_to_rpm(beat.natural_frequency):.0f} rpm, "
+            f"{beat.turns:.1f} turns seen: the rotor rings after a resonance crossed at "
+            f"{abs(rad_per_s_to_rpm(beat.acceleration)):.3g} rpm/s by the beat itself{_clock(run, beat)}"
+        )
+    return replace(quality.with_flag(Flag.RINGING, where, *words), beats=beats)
+
+
+def _clock(run: Recorded, beat: Beat) -> str:
+    """What the times say of the rate, where that is something else."""
+    if run.time is None or run.time[-1] <= run.time[0]:
+        return ""
+    near = (
+        np.abs(run.speed - beat.natural_frequency)
+        <= np.sort(np.abs(run.speed - beat.natural_frequency))[min(run.speed.size - 1, FEWEST_USABLE)]
+    )
+    rate = abs(float(np.polyfit(run.time[near] - run.time[0], run.speed[near], 1)[0]))
+    if 1.0 / 3.0 < rate / abs(beat.acceleration) < 3.0:
+        return ""
+    return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} rpm/s and are not to be trusted"
+
+
+def _lost(run: Recorded, quality: Quality) -> tuple[str, ...]:
+    """Channels that gave nothing, or nothing for a part of the run."""
+    source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
+    words = []
+    for c, channel in enumerate(run.channels):
+        lost = (quality.flags[:, c] & np.uint16(source)) != 0
+        if lost.all():
+            words.append(f"channel lost: {channel} has no usable value in the whole run ({_why(quality.flags[:, c])})")
+            continue
+        pieces = _runs_of(lost[1:] & lost[:-1], max(LOST_SAMPLES, int(LOST_PART * lost.size)))
+        if pieces.any():
+            first, last = run.speed[pieces][[0, -1]]
+            words.append(
+                f"channel lost: {channel} has no usable value from {rad_per_s_to_rpm(first):.0f} to "
+                f"{rad_per_s_to_rpm(last):.0f} rpm ({_why(quality.flags[pieces, c])})"
+            )
+    return tuple(words)
+
+
+def _why(flags: NDArray[np.uint16]) -> str:
+    return ", ".join(one.label for one in Flag if np.any(flags & np.uint16(one)) and one & EXCLUDING)
+
+
+def _noise_findings(quality: Quality) -> tuple[str, ...]:
+    """Channels whose noise is clearly not the stated one."""
+    words = []
+    for channel, noise in quality.noise.items():
+        if np.isfinite(noise.seen) and noise.stated > 0.0 and noise.seen > OTHER_NOISE * noise.stated:
+            words.append(f"noise: {channel} scatters {noise.seen / noise.stated:.1f} times as much as stated")
+    return tuple(words)

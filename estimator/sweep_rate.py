@@ -1,0 +1,160 @@
+"""How far a sweep drives the 1× phasors off their steady state, from the modes of a model and the measured speed.
+
+Each mode k of the train, in the frame that turns with the shaft, obeys ẇ = (λ_k - jω) w + yᴴF with its eigenvalue λ_k, left
+vector y and the force F(ω, α) e^{jφ}. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w goes
+on ringing at the natural frequency while the 1× has moved on: the phasor beats. What the integrated w differs from the
+steady one by, seen at the probes through the mode's shape, is what a measured phasor must not be blamed on the machine for.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.modes import modes
+from estimator.parameters import unknowns
+from estimator.rotor import assemble_rotor
+from estimator.speed_law import SpeedLaw
+from estimator.synchronous_force import synchronous_force
+from estimator.system_matrices import SystemMatrices, system_matrices_over_speed
+from estimator.updated_model import UpdatedModel
+
+STEP_ANGLE = 0.02
+"""Largest α h² of a step [rad]: how far the speed turns the phasor within the step beyond its mean."""
+LARGEST_STEPS = 20_000
+"""Most steps of a whole run."""
+HIGHEST_MODE = 1.5
+"""Modes up to this part of the highest speed take part; those above follow without delay."""
+SPIN_STEP = 1e-3
+"""Relative change of the spin speed by which eigenvalues are differentiated."""
+
+
+@dataclass(frozen=True)
+class SweepTransient:
+    """Measured minus steady-state phasors (S, m) [m] that a model predicts for a sweep.
+
+    instant: of phasors that are taken at an instant. averaged: of phasors that are means over the time from halfway after the
+    sample before to halfway to the next, as the blocks of a tracking filter are.
+    """
+
+    instant: Complexes
+    averaged: Complexes
+
+
+def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats) -> SweepTransient:
+    """What the model predicts for a sweep.
+
+    time: (S,) [s], ascending. speed: (S,) [rad/s], as measured. Before the first sample the speed is taken to have changed
+    slowly. Modes that the model has undamped or growing are left out: they have no steady state to deviate from.
+    """
+    law = SpeedLaw.measured(time, speed)
+    grid, place = _grid(law, time)
+    spin = float(np.median(speed))
+    machine = model.scaled_machine
+    matrices = system_matrices_over_speed(machine, coefficients=model.coefficients)
+    direction = machine.direction
+    found = modes(matrices(spin), spin=direction * spin)
+    drift = _eigenvalue_drift(matrices, found.eigenvalue, found.shape, found.left, spin=spin, direction=direction)
+    near = (found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0)
+    rotor = assemble_rotor(machine)
+    force = synchronous_force(
+        rotor,
+        unknowns(machine, rotor).excitations,
+        values=model.excitations,
+        speed=law.speed(grid),
+        direction=direction,
+        acceleration=law.acceleration(grid),
+    )
+    steady = synchronous_force(
+        rotor, unknowns(machine, rotor).excitations, values=model.excitations, speed=law.speed(grid), direction=direction
+    )
+    seen, at_rest = probe_rows(machine, rotor) @ found.shape, found.left.conj().T
+    instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
+    for k in np.flatnonzero(near):
+        eigenvalue = found.eigenvalue[k] + (law.speed(grid) - spin) * drift[k]
+        course = _course(
+            law, grid, eigenvalue, np.asarray(force @ at_rest[k], complex), np.asarray(steady @ at_rest[k], complex)
+        )
+        instant += course.deviation[place, None] * seen[:, k]
+        averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
+    return SweepTransient(instant, averaged)
+
+
+def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complexes:
+    """What a single mode λ under unbalance deviates from its steady state by (n,), per unit of modal force over ω².
+
+    time: (n,) [s], dense enough to follow the phase.
+    """
+    steady = (law.speed(time) ** 2).astype(np.complex128)
+    force = steady - 1j * law.acceleration(time)
+    return _course(law, time, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
+
+
+def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Instants fine enough to follow the phase, and where the samples are among them, with an instant halfway between two."""
+    step = np.sqrt(STEP_ANGLE / max(float(np.max(np.abs(law.acceleration(time)))), 1e-12))
+    step = max(step, (time[-1] - time[0]) / LARGEST_STEPS)
+    pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
+    place = np.concatenate([[0], np.cumsum(pieces)])
+    return np.interp(np.arange(place[-1] + 1), place, time), place
+
+
+@dataclass(frozen=True)
+class _Course:
+    """A modal coordinate on the grid (n,): steady part, deviation from it, and the integral of both up to each instant."""
+
+    grid: Floats
+    rest: Complexes
+    deviation: Complexes
+    integral: Complexes
+
+    def mean(self, place: NDArray[np.intp]) -> Complexes:
+        """Mean of the coordinate around each of the instants (S,), half way to their neighbours."""
+        half = (place[1:] + place[:-1]) // 2
+        edges = np.concatenate([place[:1], half, place[-1:]])
+        return np.asarray(np.diff(self.integral[edges]) / np.diff(self.grid[edges]))
+
+
+def _course(law: SpeedLaw, grid: Floats, eigenvalue: Complexes, force: Complexes, steady: Complexes) -> _Course:
+    """A modal coordinate for the modal force (n,) and that of a steady speed.
+
+    Its deviation d obeys ḋ = (λ - jω) d - ẇ_steady + (force - steady force); within a step λ - jω is its mean.
+    """
+    exponent = eigenvalue - 1j * law.speed(grid)
+    rest = -steady / exponent
+    step = np.diff(grid)
+    z = (eigenvalue[1:] + eigenvalue[:-1]) / 2 * step - 1j * np.diff(law.angle(grid))
+    growth = np.exp(z)
+    beside = force - steady
+    driven = step * (beside[1:] + beside[:-1]) / 2 - np.diff(rest)
+    # Before the first sample the mode lagged behind its steady state as it does in a slow sweep.
+    lag = ((rest[1] - rest[0]) / step[0] - beside[0]) / exponent[0]
+    bands = np.ones((2, grid.size), dtype=complex)
+    bands[1, :-1] = -growth
+    right = np.concatenate([[lag], (growth - 1.0) / z * driven])
+    deviation = scipy.linalg.solve_banded((1, 0), bands, right, check_finite=False)
+    # The equation integrated over a step: the deviation's integral is exact however often it turns within it.
+    gained = step * ((np.diff(deviation) - driven) / z + (rest[1:] + rest[:-1]) / 2)
+    return _Course(grid, rest, np.asarray(deviation), np.concatenate([[0.0], np.cumsum(gained)]))
+
+
+def _eigenvalue_drift(
+    matrices: Callable[[float], SystemMatrices],
+    eigenvalue: Complexes,
+    shape: Complexes,
+    left: Complexes,
+    *,
+    spin: float,
+    direction: int,
+) -> Complexes:
+    """dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
+    found = np.empty(eigenvalue.size, dtype=complex)
+    other = spin * (1.0 + SPIN_STEP)
+    here, there = matrices(spin), matrices(other)
+    for k, value in enumerate(eigenvalue):
+        change = there.dynamic_stiffness(value, spin=direction * other) - here.dynamic_stiffness(value, spin=direction * spin)
+        found[k] = -np.vdot(left[:, k], change @ shape[:, k]) / (other - spin)
+    return found
