@@ -142,9 +142,9 @@ class BlockStream:
         elif chunk.anchor > at.anchor:
             self._position = replace(at, anchor=chunk.anchor, anchor_ns=chunk.anchor_ns)
         if self._values is None:
-            self._first, self._values = chunk.first, np.asarray(chunk.values)
+            self._first, self._values = chunk.first, np.ascontiguousarray(chunk.values)
         else:
-            self._values = np.concatenate([self._values, chunk.values], axis=1)
+            self._values = np.concatenate([self._values, np.ascontiguousarray(chunk.values)], axis=1)
         yield from self._work(ended=False)
 
     def finish(self) -> Iterator[Outcome]:
