@@ -21,6 +21,8 @@ Edge = Literal["rising", "falling"]
 LEVEL_QUANTILE = 0.002
 """Part of the samples beyond the first guess at each of the two levels: rarer spikes do not move it, pulses of half a percent
 of a turn are still seen."""
+FLANK = 0.125
+"""Samples farther from both levels than this part of the distance between them lie on a flank."""
 HYSTERESIS = 0.4
 """Hysteresis chosen from the signal, part of the distance between its two levels."""
 FEWEST_PULSES = 4
@@ -35,6 +37,14 @@ EXTRA_IN_A_ROW = 2
 """So many pulses too many between two due ones are dropped; more are a gap."""
 LARGEST_JITTER = 0.05
 """Random error of the edges [part of the interval] above which they are not those of a turning shaft."""
+MOST_MARKS = 8
+"""Marks on a shaft up to which undeclared ones are looked for."""
+UNEVEN_MARKS = 0.02
+"""Unevenness of the intervals over a turn [part of the turn] from which on it shows several marks, …"""
+UNEVEN_OVER_SPREAD = 5.0
+"""… if it is so many times the spread from turn to turn."""
+LARGEST_UNKNOWN_PART = 0.1
+"""Samples of the keyphasor that are no numbers: more leave nothing to be said. Pulses that fall on them are missing ones."""
 LARGEST_REPAIRED_PART = 0.2
 """Pulses missing or too many, and gaps, beside the good pulses: more are no keyphasor."""
 
@@ -49,6 +59,10 @@ class NoPulses(KeyphasorError):
 
 class InconsistentIntervals(KeyphasorError):
     """The intervals between the pulses are not those of a turning shaft."""
+
+
+class SeveralPulses(KeyphasorError):
+    """The intervals repeat as those of several marks on the shaft do, where one was declared."""
 
 
 @dataclass(frozen=True)
@@ -123,12 +137,14 @@ class ShaftAngle:
 
 def threshold_of(signal: Floats) -> Threshold:
     """Halfway between the two levels of a pulse waveform (N,). Raises NoPulses where it has but one level."""
+    signal = signal[np.isfinite(signal)]
     low, high = (float(level) for level in np.quantile(signal, (LEVEL_QUANTILE, 1.0 - LEVEL_QUANTILE)))
     if not high > low:
         raise NoPulses(f"the keyphasor stays at {low:g}: no pulses")
     # The outermost samples of the longer level reach farther into the noise; medians of the two parts do not.
-    above = signal >= (low + high) / 2.0
-    low, high = float(np.median(signal[~above])), float(np.median(signal[above]))
+    # Samples on the flanks belong to neither level.
+    flank = (high - low) * FLANK
+    low, high = float(np.median(signal[signal <= low + flank])), float(np.median(signal[signal >= high - flank]))
     return Threshold((low + high) / 2.0, HYSTERESIS * (high - low))
 
 
@@ -142,10 +158,19 @@ def edges(signal: Floats, *, sampling_rate: float, threshold: Threshold, edge: E
     height = sign * (np.asarray(signal, dtype=float) - threshold.level)
     state = (height > threshold.hysteresis / 2.0).astype(np.int8) - (height < -threshold.hysteresis / 2.0).astype(np.int8)
     outside = np.flatnonzero(state)
-    fired = outside[1:][np.diff(state[outside]) > 0]
-    last_below = np.maximum.accumulate(np.where(height < 0.0, np.arange(height.size), 0))[fired]
-    below, above = height[last_below], height[last_below + 1]
-    return np.asarray(start + (last_below + below / (below - above)) / sampling_rate)
+    into = np.flatnonzero(np.diff(state[outside]) > 0)
+    before, behind = outside[into], outside[into + 1]
+    # Noise can cross the level several times on the flank; the last crossing alone would be late, the first early.
+    place = np.arange(height.size)
+    last_below = np.maximum.accumulate(np.where(height < 0.0, place, 0))[behind]
+    first_above = np.minimum.accumulate(np.where(height >= 0.0, place, height.size - 1)[::-1])[::-1][before]
+    crossing = (_crossing(height, first_above - 1) + _crossing(height, last_below)) / 2.0
+    return np.asarray(start + crossing[np.isfinite(crossing)] / sampling_rate)
+
+
+def _crossing(height: Floats, below: NDArray[np.intp]) -> Floats:
+    """Where a straight line from sample `below` to the next one passes zero, in samples; not a number beside a gap."""
+    return np.asarray(below + height[below] / (height[below] - height[below + 1]))
 
 
 def monotone_slopes(time: Floats, angle: Floats) -> Floats:
@@ -172,7 +197,8 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     known up to a multiple of 2π / pulses_per_turn only, and nothing behind a gap is used. A turn with twice the marks
     declared cannot be told from twice the speed.
 
-    Raises NoPulses for fewer than four edges; InconsistentIntervals when no two intervals in a row agree, fewer than four
+    Raises NoPulses for fewer than four edges; SeveralPulses for an uneven pattern that repeats every few edges where one mark
+    is declared; InconsistentIntervals when no two intervals in a row agree, fewer than four
     edges are good, repairs and gaps are more than a fifth of them, gaps take more than half of the time, or the edges
     scatter by more than 5 % of the interval. Near standstill, where the speed changes by more than a tenth in a turn, a
     longer turn may pass for a missing pulse.
@@ -182,6 +208,8 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     if times.size < FEWEST_PULSES:
         raise NoPulses(f"{times.size} pulses: at least {FEWEST_PULSES} are needed")
     interval = np.diff(times)
+    if pulses_per_turn == 1 and (marks := repeated_pattern(interval)):
+        raise SeveralPulses(f"the intervals repeat every {marks} pulses: that many marks on the shaft, one is declared")
     local = scipy.ndimage.median_filter(interval, size=NEIGHBOURS, mode="mirror")
     good = np.abs(interval / local - 1.0) <= TOLERANCE
     anchors = np.flatnonzero(good[:-1] & good[1:])
@@ -227,6 +255,23 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     return ShaftAngle(edge_time, whole.edge_angle, scatter * spacing, whole.repairs, whole.gaps)
 
 
+def repeated_pattern(interval: Floats) -> int | None:
+    """After how many intervals (P,) an uneven pattern repeats, turn after turn; None where it does not."""
+    for marks in range(2, min(MOST_MARKS, interval.size // FEWEST_PULSES) + 1):
+        # Over a whole turn about an interval the pattern averages out, and a steady change of speed, too.
+        window = np.ones(marks) if marks % 2 else np.concatenate([[0.5], np.ones(marks - 1), [0.5]])
+        around = np.convolve(interval, window / marks, mode="valid")
+        margin = (interval.size - around.size) // 2
+        part = interval[margin : margin + around.size] / (marks * around)
+        turns = part[: part.size // marks * marks].reshape(-1, marks)
+        if len(turns) < FEWEST_PULSES - 1:
+            continue
+        unevenness = float(np.ptp(turns.mean(axis=0)))
+        if unevenness > max(UNEVEN_MARKS, UNEVEN_OVER_SPREAD * float(np.max(turns.std(axis=0)))):
+            return marks
+    return None
+
+
 def read_keyphasor(
     signal: Floats,
     *,
@@ -239,12 +284,13 @@ def read_keyphasor(
     """The angle of the shaft from a keyphasor's waveform (N,); arguments as in `edges` and `shaft_angle`, errors too.
 
     threshold: chosen from the signal unless given. An edge steeper than a sample is known to half a sample only: a keyphasor
-    wants the fastest sampling of all channels. Raises KeyphasorError for samples that are not finite.
+    wants the fastest sampling of all channels. Raises KeyphasorError when more than a tenth of the samples are not finite.
     """
-    if not np.all(np.isfinite(signal)):
-        raise KeyphasorError(f"{np.count_nonzero(~np.isfinite(signal))} samples of the keyphasor are not finite numbers")
     if not signal.size:
         raise NoPulses("the keyphasor has no samples")
+    unknown = int(np.count_nonzero(~np.isfinite(signal)))
+    if unknown > LARGEST_UNKNOWN_PART * signal.size:
+        raise KeyphasorError(f"{unknown} samples of the keyphasor's {signal.size} are not finite numbers")
     chosen = threshold_of(signal) if threshold is None else threshold
     times = edges(signal, sampling_rate=sampling_rate, threshold=chosen, edge=edge, start=start)
     return shaft_angle(times, pulses_per_turn=pulses_per_turn)

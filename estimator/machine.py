@@ -209,6 +209,59 @@ class SpeedRange(_Part):
         return self
 
 
+class Operation(_Part):
+    """How the machine is run, as far as its runs cannot be told from the speed alone."""
+
+    stopped_below_rpm: Positive | None = Field(
+        default=None, description="below this it stands still [r/min]; by default 1 % of maximum_rpm"
+    )
+    controlled_deceleration_rpm_per_s: Positive | None = Field(
+        default=None,
+        description="a run-down from speed that is faster than this is a trip [r/min per s]; by default twice the usual one",
+    )
+    longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
+        default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
+    )
+    longest_pause_s: Annotated[float, Field(ge=1, le=86_400)] = Field(
+        default=120.0, description="a pause in the data that is longer ends a run [s]"
+    )
+
+
+class RollingCollection(_Part):
+    """Bins over the speed range that are filled as the speed wanders, and when they make a run."""
+
+    bins: Annotated[int, Field(ge=5, le=200)] = Field(default=40, description="number of bins over the speed range")
+    samples_per_bin: Annotated[int, Field(ge=1, le=50)] = Field(default=5, description="the newest ones kept in each")
+    spacing_s: Annotated[float, Field(ge=0, le=86_400)] = Field(
+        default=1.0, description="least time between two samples of a bin [s]"
+    )
+    recency_s: Annotated[float, Field(ge=60, le=31_622_400)] = Field(
+        default=604_800.0, description="samples older than this are left out [s]"
+    )
+    coverage: Annotated[float, Field(gt=0, le=1)] = Field(default=0.6, description="part of the bins that must hold samples")
+    interval_s: Annotated[float, Field(ge=10, le=31_622_400)] = Field(
+        default=86_400.0, description="at most one run in this time [s]"
+    )
+
+
+class Collection(_Part):
+    """How samples become runs."""
+
+    runs: Literal["sweeps", "rolling", "both"] = Field(
+        default="sweeps", description="run-ups and run-downs, collections over speed bins, or both"
+    )
+    pre_trigger_s: Annotated[float, Field(ge=0, le=3600)] = Field(
+        default=5.0, description="samples so shortly before a run began belong to it [s]"
+    )
+    delta_rpm: Positive | None = Field(
+        default=None, description="a run keeps a sample when the speed has changed by this [r/min] …"
+    )
+    delta_s: Positive | None = Field(
+        default=None, description="… or when this time has passed since the last one kept [s]; by default every sample"
+    )
+    rolling: RollingCollection = RollingCollection()
+
+
 class Noise(_Part):
     """What a phasor's measurement error is expected to be: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
 
@@ -271,6 +324,8 @@ class Machine(_Part):
     seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     noise: Noise = Noise()
+    operation: Operation = Operation()
+    collection: Collection = Collection()
     damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
     parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
     impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
@@ -284,6 +339,11 @@ class Machine(_Part):
         if problems:
             raise ValidationError.from_exception_data("Machine", problems)
         return self
+
+    def describes_the_same_as(self, other: Machine) -> bool:
+        """Whether identifications under both documents can be compared: they differ in name, operation or collection only."""
+        said = {"name", "operation", "collection", "impact_test"}
+        return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:
         """The shaft of that id. Raises KeyError."""

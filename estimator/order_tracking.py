@@ -12,7 +12,11 @@ import numpy as np
 
 from estimator.condensation import Complexes, Floats
 from estimator.keyphasor import ShaftAngle
+from estimator.phasor_scatter import local_variance, quantisation_error
 from estimator.waveform_fault import UNUSABLE, WaveformFault, waveform_fault
+
+Rails = tuple[float, float] | None | list[tuple[float, float] | None]
+"""Measuring range in the unit of the waveforms, of all channels or a list with that of each."""
 
 ORDERS = (1, 2)
 """Multiples of the speed that are tracked."""
@@ -31,9 +35,8 @@ class Block:
     """Phasors of C channels from one block.
 
     time: its middle [s]. speed: there [rad/s]. turns: in the block. samples: used of each channel. phasors: (C, 2) 1× and 2×,
-    0-to-peak, unit of the waveform. scatter: (C, 2) rms of the complex error of each, from the block's own residual: right
-    where what the orders leave is white noise up to half the sampling rate, blind to lines near an order. Errors of the
-    keyphasor, which all channels share, come on top: in 1× phase about the angle's jitter over √turns. residual: (C,) rms of
+    0-to-peak, unit of the waveform. scatter: (C, 2) rms of the complex error of each, from the block's own residual beside the
+    order (`estimator/phasor_scatter.py`), with what the keyphasor's jitter and a converter's steps do. residual: (C,) rms of
     what is left. faults: (C,). Channels with an unusable fault are not a number.
     """
 
@@ -72,12 +75,13 @@ def track_orders(
     start: float = 0.0,
     seconds: float | None = None,
     turns: int | None = None,
-    rails: tuple[float, float] | None = None,
+    rails: Rails = None,
 ) -> OrderTracking:
     """Phasors of waveforms (C, N), in blocks of some seconds or of some turns that begin at the first edge.
 
     sampling_rate: [Hz]. start: instant of the first sample on the clock of `angle` [s]. rails: measuring range of all
-    channels, unit of the waveforms. Raises ValueError unless exactly one of seconds and turns is given, and positive.
+    channels, or of each, unit of the waveforms. Raises ValueError unless exactly one of seconds and turns is given, and
+    positive.
     """
     if waveforms.ndim != 2:
         raise ValueError(f"waveforms have the shape {waveforms.shape}: (channels, samples) is needed")
@@ -91,7 +95,15 @@ def track_orders(
     for begin, end in angle.pieces:
         bounds = _bounds(angle, max(begin, start), min(end, stop), seconds, turns)
         for first, last in zip(bounds[:-1], bounds[1:], strict=True):
-            block = _block(waveforms, sampling_rate, angle, start, float(first), float(last), rails)
+            block = track_block(
+                waveforms,
+                sampling_rate=sampling_rate,
+                angle=angle,
+                start=start,
+                begin=float(first),
+                end=float(last),
+                rails=rails,
+            )
             if isinstance(block, Block):
                 blocks.append(block)
             else:
@@ -117,15 +129,20 @@ def _bounds(angle: ShaftAngle, begin: float, end: float, seconds: float | None, 
     return np.asarray(np.unique(time[np.minimum(np.searchsorted(turned, wanted - 1e-6), time.size - 1)]))
 
 
-def _block(
+def track_block(
     waveforms: Floats,
+    *,
     sampling_rate: float,
     angle: ShaftAngle,
-    start: float,
     begin: float,
     end: float,
-    rails: tuple[float, float] | None,
+    start: float = 0.0,
+    rails: Rails = None,
 ) -> Block | LeftOut:
+    """Phasors of waveforms (C, N) in one block from `begin` to `end` [s], in which the angle is known throughout.
+
+    Other arguments as in `track_orders`.
+    """
     # Samples from begin up to, and without, end; a sample on a bound must not slip by rounding.
     first, last = (max(0, math.ceil((bound - start) * sampling_rate - 1e-6)) for bound in (begin, end))
     time = np.clip(start + np.arange(first, min(last, waveforms.shape[1])) / sampling_rate, begin, end)
@@ -143,7 +160,10 @@ def _block(
         return LeftOut(begin, end, "the instants of the samples do not tell the orders apart")
 
     signals = np.asarray(waveforms[:, first : first + time.size], dtype=float)
-    faults = tuple(waveform_fault(signal, samples_per_turn=per_turn, rails=rails) for signal in signals)
+    ranges = rails if isinstance(rails, list) else [rails] * len(signals)
+    faults = tuple(
+        waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in zip(signals, ranges, strict=True)
+    )
     lost = np.array([fault in UNUSABLE for fault in faults], dtype=bool)
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     signals = signals - signals.mean(axis=1, keepdims=True)
@@ -154,10 +174,26 @@ def _block(
     residual[lost] = math.nan
     phasors = np.stack([coefficients[:, 0] + 1j * coefficients[:, 1], coefficients[:, 2] + 1j * coefficients[:, 3]], axis=1)
     phasors[lost] = complex(math.nan, math.nan)
-    variance = np.diag(inverse)
-    spread = np.sqrt([variance[0] + variance[1], variance[2] + variance[3]])
+    scatter = _scatter(rest, residual, columns, np.diag(inverse), turned)
+    steps = [
+        quantisation_error(signal, amplitude=abs(phasor), variance=rms**2) if not gone else 0.0
+        for signal, phasor, rms, gone in zip(signals, phasors[:, 0], residual, lost, strict=True)
+    ]
+    scatter = np.hypot(scatter, np.array(steps)[:, None])
     speed = 2.0 * math.pi * turned / (end - begin)
-    return Block(middle, speed, turned, time.size, phasors, residual[:, None] * spread, residual, faults)
+    return Block(middle, speed, turned, time.size, phasors, scatter, residual, faults)
+
+
+def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, turns: float) -> Floats:
+    """Rms error (C, 2) of the phasors: the noise near each order through the least squares."""
+    scatter = np.empty((residual.size, len(ORDERS)))
+    for order in range(len(ORDERS)):
+        cosine, negative_sine = columns[2 * order], columns[2 * order + 1]
+        near = local_variance(rest, angle_cosine=cosine, angle_sine=-negative_sine, turns=turns)
+        spread = math.sqrt(variance[2 * order] + variance[2 * order + 1])
+        scatter[:, order] = spread * (residual if near is None else np.sqrt(near))
+    scatter[np.isnan(residual)] = math.nan
+    return scatter
 
 
 def _columns(angle: Floats, position: Floats) -> Floats:

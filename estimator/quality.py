@@ -110,6 +110,11 @@ class Recorded:
     scatter: Floats
     channels: tuple[str, ...]
 
+    def pick(self, which: NDArray[np.bool_]) -> "Recorded":
+        """Some of the samples, (S,) True for those wanted."""
+        time = None if self.time is None else self.time[which]
+        return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)
+
 
 @dataclass(frozen=True)
 class ChannelNoise:

@@ -87,9 +87,9 @@ def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complex
 
     time: (n,) [s], dense enough to follow the phase.
     """
-    steady = (law.speed(time) ** 2).astype(complex)
-    force = (steady - 1j * law.acceleration(time)).astype(complex)
-    return _course(law, time, np.full(time.size, eigenvalue), force, steady).deviation
+    steady = (law.speed(time) ** 2).astype(np.complex128)
+    force = steady - 1j * law.acceleration(time)
+    return _course(law, time, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:

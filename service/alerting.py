@@ -193,6 +193,8 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
     after = advance(before, event)
     if after == before:
         return
+    if isinstance(event, Raised) and after.condition is before.condition:
+        kind = "severity_changed"
     state_before = row.state
     row.condition, row.severity, row.state = after.condition.value, int(after.severity), after.state
     row.suppressions = sorted(after.suppressions)

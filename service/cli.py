@@ -19,7 +19,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine, field_path
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
-from estimator.quality import Rules
+from estimator.quality import Recorded, Rules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
@@ -27,9 +27,18 @@ from estimator.units import RAD_PER_S
 from estimator.updated_model import updated_model
 from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
+from service.edge.command import run_edge
 from service.model_report import model_text
-from service.offline import read_measurement, read_runs
-from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, quality_text, regression_text
+from service.offline import captured, read_measurement, read_runs, without_slow_roll
+from service.printing import (
+    EXPLAINED,
+    advice_text,
+    comparison_text,
+    identification_text,
+    quality_text,
+    regression_text,
+    slow_roll_text,
+)
 from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -37,6 +46,7 @@ from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
 from service.source import Source
+from service.source_log import LogError
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
 from service.wire import Key, Rejected
@@ -80,6 +90,24 @@ def serve(
     try:
         run_service(settings)
     except (DatabaseUnusable, PortUnusable, StreamUnusable) as error:
+        _fail(str(error))
+
+
+@app.command()
+def router(
+    listen: Annotated[list[str], typer.Option(help="endpoint to listen on; may be given again")] = [  # noqa: B006
+        DEFAULT_ZENOH_ENDPOINT
+    ],
+    connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
+) -> None:
+    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed."""
+    _log_to_terminal("INFO")
+    stop = _stop_on_signal()
+    try:
+        with zenoh_session(listen=listen, connect=connect):
+            logging.getLogger(__name__).info("routing on %s", ", ".join(listen))
+            stop.wait()
+    except StreamUnusable as error:
         _fail(str(error))
 
 
@@ -136,6 +164,20 @@ def replay(
 
 
 @app.command()
+def edge(
+    configuration: Annotated[Path, typer.Argument(help="what is measured, YAML or JSON; see docs/edge.md")],
+    leave: Annotated[bool, typer.Option("--exit", help="end behind the last file instead of answering replays")] = False,
+    speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
+) -> None:
+    """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
+    _log_to_terminal("INFO")
+    try:
+        run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
+    except (UnreadableFile, StreamUnusable, LogError) as error:
+        _fail(str(error))
+
+
+@app.command()
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
     try:
@@ -181,6 +223,9 @@ def identify_offline(
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
     gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
     half_power: Annotated[bool, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")] = False,
+    slow_roll: Annotated[
+        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
+    ] = None,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
@@ -191,9 +236,11 @@ def identify_offline(
     if method == "likelihood" and tikhonov is not None:
         _fail("--tikhonov goes with --method regression: the likelihood has its own prior")
     if method == "regression":
-        _regress(machine, files, sidecar, tikhonov)
+        _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
-    described, measurement, found = _gated(machine, files, sidecar, rules=Rules(half_power=half_power), gate=gate)
+    described, measurement, found = _gated(
+        machine, files, sidecar, rules=Rules(half_power=half_power), gate=gate, slow_roll=slow_roll
+    )
     text = quality_text([file.name for file in files], found.qualities, gate=gate)
     if found.identification is None:
         _fail("\n".join([found.error or "", text]).strip())
@@ -256,12 +303,25 @@ def compare(
     typer.echo(comparison_text(found))
 
 
-def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None) -> None:
+@app.command("slow-roll")
+def show_slow_roll(
+    machine: MachineFile,
+    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
+    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
+    sidecar: OtherSidecar = None,
+) -> None:
+    """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     try:
-        described = read_machine(machine)
-        measurement, left_out = read_measurement(described, files, sidecar)
-        for line in left_out:
-            typer.echo(line, err=True)
+        described, runs = _runs(machine, [file], sidecar)
+        typer.echo(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        _fail(str(error))
+
+
+def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
+    try:
+        described, runs = _runs(machine, files, sidecar, slow_roll)
+        measurement = joined([measured for _, measured in runs])
         with threadpoolctl.threadpool_limits(1):
             found = regress(described, measurement, tikhonov=tikhonov)
         typer.echo(regression_text(found))
@@ -269,6 +329,21 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
             raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
+
+
+def _runs(
+    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
+) -> tuple[Machine, list[tuple[Recorded, Measurement]]]:
+    """A document and its recorded runs, without the slow roll of a band where one is given."""
+    described = read_machine(machine)
+    runs, left_out = read_runs(described, files, sidecar)
+    for line in left_out:
+        typer.echo(line, err=True)
+    if slow_roll is None:
+        return described, runs
+    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
+    typer.echo(slow_roll_text(described, found), err=True)
+    return corrected, rest
 
 
 def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
@@ -279,13 +354,16 @@ def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple
 
 
 def _gated(
-    machine: Path, files: list[Path], sidecar: Path | None, *, rules: Rules | None = None, gate: bool = True
+    machine: Path,
+    files: list[Path],
+    sidecar: Path | None,
+    *,
+    rules: Rules | None = None,
+    gate: bool = True,
+    slow_roll: str | None = None,
 ) -> tuple[Machine, Measurement, Gated]:
     try:
-        described = read_machine(machine)
-        runs, left_out = read_runs(described, files, sidecar)
-        for line in left_out:
-            typer.echo(line, err=True)
+        described, runs = _runs(machine, files, sidecar, slow_roll)
         recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
         with threadpoolctl.threadpool_limits(1):
             found = identify_gated(described, recorded, measured, rules=rules, gate=gate)

@@ -1,27 +1,79 @@
-"""Run collection: new samples of a machine move its sweep state on; runs open and close with the samples they hold."""
+"""Run collection: new samples of a machine move its state on; runs open and close with the samples they hold."""
 
 import logging
 import time
-from dataclasses import asdict
-from typing import Any
+from dataclasses import asdict, dataclass, field
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
-from estimator.segmentation import RunEnded, RunEvent, RunStarted, SweepLimits, SweepState, advance, finish
-from storage import jobs, machines, runs, samples
+from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance, silence
+from estimator.segmentation import RunEnded, RunStarted
+from estimator.speed_bins import ROLLING, SpeedBins, filled
+from service.closing import close_sweep, close_with
+from service.late import Window, noted, settle
+from storage import machines, runs, samples
 from storage.blocks import Samples
-from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)
 
 ALIVE_PATIENCE = 10.0
 """A source that is connected is waited for this many times longer than one that is not."""
-FEWEST_SAMPLES = 20
-"""A run of fewer samples is not identified."""
-SMALLEST_SPAN = 0.2
-"""Nor is one that covers less than this part of the machine's speed range."""
+LATE_PATIENCE_S = 10.0
+"""Late samples are sorted in when no more of them have come for this long."""
+
+
+@dataclass
+class Standing:
+    """Where the collection of a machine stands; stored with the samples that brought it there.
+
+    revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
+    samples came late. bins, rolled_at: of rolling collection, and when it last began anew [ns].
+    """
+
+    revision: int
+    seen: int = 0
+    direction: int = 1
+    operating: OperatingState = field(default_factory=OperatingState)
+    late: list[Window] = field(default_factory=list)
+    bins: SpeedBins | None = None
+    rolled_at: int = 0
+
+    @classmethod
+    def restored(cls, stored: dict[str, Any]) -> Self:
+        """From what `stored` gave; an older release knew only the sweep."""
+        operating = stored.get("operating", {"sweep": stored.get("sweep", {})})
+        bins = stored.get("bins")
+        return cls(
+            revision=stored["revision"],
+            seen=stored["seen"],
+            direction=stored.get("direction", 1),
+            operating=OperatingState.restored(operating),
+            late=stored.get("late", []),
+            bins=None if bins is None else SpeedBins(tuple(tuple(one) for one in bins)),
+            rolled_at=stored.get("rolled_at", 0),
+        )
+
+    def stored(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "revision": self.revision,
+            "seen": self.seen,
+            "direction": self.direction,
+            "operating": asdict(self.operating),
+            "late": self.late,
+            "bins": None if self.bins is None else self.bins.times,
+            "rolled_at": self.rolled_at,
+        }
+
+
+def standing(session: Session, machine_id: str) -> Standing | None:
+    """Where the collection of a machine stands; None before its first sample."""
+    stored = runs.collector_state(session, machine_id)
+    return None if stored is None else Standing.restored(stored)
 
 
 class Collector:
@@ -29,102 +81,129 @@ class Collector:
 
     def __init__(self) -> None:
         self._heard: dict[str, float] = {}
+        self._heard_late: dict[str, float] = {}
+        self._silent: set[str] = set()
+        self._settled: set[str] = set()
 
     def seen(self, session: Session, machine_id: str) -> int:
-        """Time of the newest sample that run collection knows of [ns]; what comes later but lies before belongs to no run."""
+        """Time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
         stored = runs.collector_state(session, machine_id)
         return 0 if stored is None else int(stored["seen"])
 
     def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
-        """Take newly stored samples of one machine, by time. Those before the newest one known belong to no run."""
+        """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
         self._heard[machine.id] = time.monotonic()
-        stored = runs.collector_state(session, machine.id) or _fresh(revision)
-        if stored["revision"] != revision:
-            self._end(session, machine.id, stored, reason="the machine's document was revised")
-            stored = _fresh(revision) | {"seen": stored["seen"]}
-        limits = SweepLimits.of(machine.speed_range)
-        state, seen = SweepState(**stored["sweep"]), stored["seen"]
-        for moment, speed, direction in zip(new.time.tolist(), new.speed.tolist(), new.direction.tolist(), strict=True):
-            if moment <= seen:
-                continue
-            seen = moment
-            state, events = advance(state, limits, time=moment, speed=speed, direction=direction)
+        self._silent.discard(machine.id)
+        now = standing(session, machine.id) or Standing(revision)
+        limits = OperatingLimits.of(machine)
+        if now.revision != revision:
+            self._revise(session, machine.id, now, revision)
+        turning, late = now.direction, new.time <= now.seen
+        if late.any():
+            self._note_late(session, machine, now, new.time[late])
+        fresh = new.pick(~late)
+        _, first = np.unique(fresh.time, return_index=True)
+        fresh = fresh.pick(first)
+        for moment, speed, direction in zip(fresh.time.tolist(), fresh.speed.tolist(), fresh.direction.tolist(), strict=True):
+            now.seen, now.direction = moment, direction
+            now.operating, events = advance(now.operating, limits, time=moment, speed=speed, direction=direction)
             for event in events:
-                self._record(session, machine, revision, direction, event)
-        runs.save_collector_state(session, machine.id, _stored(state, revision, seen))
+                _record(session, machine, revision, direction, event)
+        if machine.collection.runs != "sweeps" and len(fresh):
+            _roll(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
+        runs.save_collector_state(session, machine.id, now.stored())
 
-    def close_silent(self, session: Session, machine: Machine, *, silence_s: float, alive: bool) -> None:
+    def close_silent(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
         """Close the open run of a machine that has sent nothing for so long; a source that is alive may take its time."""
-        heard = self._heard.setdefault(machine.id, time.monotonic())
-        if time.monotonic() - heard < silence_s * (ALIVE_PATIENCE if alive else 1.0):
+        heard = self._heard.setdefault(machine_id, time.monotonic())
+        waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
+        if not waited or machine_id in self._silent:
             return
-        stored = runs.collector_state(session, machine.id)
-        if stored is not None and stored["sweep"]["sweep"] != 0:
-            self._end(session, machine.id, stored, reason="the source fell silent")
-            fresh = _fresh(stored["revision"]) | {"seen": stored["seen"]}
-            runs.save_collector_state(session, machine.id, fresh)
+        self._silent.add(machine_id)
+        now = standing(session, machine_id)
+        if now is not None and (now.operating.mode != "unknown" or now.operating.sweep.sweep):
+            _silence(session, machine_id, now, reason="the source fell silent")
+            runs.save_collector_state(session, machine_id, now.stored())
 
-    def _end(self, session: Session, machine_id: str, stored: dict[str, Any], *, reason: str) -> None:
-        _, events = finish(SweepState(**stored["sweep"]), reason=reason)
-        row = runs.current(session, machine_id)
-        for event in events:
-            if isinstance(event, RunEnded) and row is not None:
-                _close(session, row, event)
-
-    def _record(self, session: Session, machine: Machine, revision: int, direction: int, event: RunEvent) -> None:
-        if isinstance(event, RunStarted):
-            runs.open_run(session, machine.id, revision=revision, kind=event.kind, direction=direction, time_first=event.time)
-            logger.info("%s: a %s has begun", machine.id, event.kind)
+    def settle_late(self, session: Session, machine_id: str) -> None:
+        """Sort in what came late, once no more of it comes."""
+        if machine_id in self._settled:
             return
+        now = standing(session, machine_id)
+        if now is None or not now.late:
+            self._settled.add(machine_id)
+            return
+        heard = self._heard_late.setdefault(machine_id, time.monotonic())
+        if time.monotonic() - heard < LATE_PATIENCE_S:
+            return
+        now.late = [window for window in now.late if not settle(session, machine_id, window)]
+        runs.save_collector_state(session, machine_id, now.stored())
+
+    def _note_late(self, session: Session, machine: Machine, now: Standing, times: NDArray[np.int64]) -> None:
+        """Remember what must be sorted in; what lies in the open run will be read when that is closed."""
         row = runs.current(session, machine.id)
         if row is not None:
-            _close(session, row, event)
+            times = times[times < row.time_first]
+        if times.size:
+            self._heard_late[machine.id] = time.monotonic()
+            self._settled.discard(machine.id)
+            now.late = noted(now.late, now.revision, times.tolist())
+
+    def _revise(self, session: Session, machine_id: str, now: Standing, revision: int) -> None:
+        _silence(session, machine_id, now, reason="the machine's document was revised")
+        now.revision, now.bins, now.rolled_at = revision, None, 0
 
 
-def _close(session: Session, row: RunRow, event: RunEnded) -> None:
-    machine = machines.document(session, row.machine_id, row.revision)
-    held = samples.between(
-        session,
-        row.machine_id,
-        revision=row.revision,
-        channels=len(machine.probes),
-        first=event.start,
-        last=event.time,
-    )
-    held = _once(held.pick(held.direction == row.direction))
-    weakness = _weakness(machine, held)
-    runs.close(
-        row,
-        samples=held,
-        state=runs.DISCARDED if weakness else runs.CLOSED,
-        reason=f"{event.reason}; {weakness}" if weakness else event.reason,
-    )
-    logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(held), row.reason)
-    if not weakness:
-        jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id])
+def _silence(session: Session, machine_id: str, now: Standing, *, reason: str) -> None:
+    machine = machines.document(session, machine_id, now.revision)
+    now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
+    for event in events:
+        _record(session, machine, now.revision, now.direction, event)
 
 
-def _once(held: Samples) -> Samples:
-    """One sample per instant: a source that began anew, or a second one, may have told of the same instants again."""
-    _, first = np.unique(held.time, return_index=True)
-    return held.pick(first)
+def _record(session: Session, machine: Machine, revision: int, direction: int, event: Event) -> None:
+    if isinstance(event, ModeChanged):
+        runs.add_state(session, machine.id, since=event.time, mode=event.mode, speed=event.speed)
+    elif machine.collection.runs == ROLLING:
+        return
+    elif isinstance(event, RunStarted):
+        runs.open_run(session, machine.id, revision=revision, kind=event.kind, direction=direction, time_first=event.time)
+        logger.info("%s: a %s has begun", machine.id, event.kind)
+    else:
+        _close(session, machine, revision, event)
 
 
-def _weakness(machine: Machine, held: Samples) -> str | None:
-    """Why a run is not worth an identification, if it is not."""
-    if len(held) < FEWEST_SAMPLES:
-        return f"not identified: {len(held)} samples, {FEWEST_SAMPLES} are needed"
-    limits = SweepLimits.of(machine.speed_range)
-    covered = float(held.speed.max() - held.speed.min())
-    if covered < limits.span(SMALLEST_SPAN):
-        percent = 100 * covered / limits.span(1.0)
-        return f"not identified: it covers {percent:.0f} % of the speed range, {100 * SMALLEST_SPAN:.0f} % are needed"
-    return None
+def _close(session: Session, machine: Machine, revision: int, event: RunEnded) -> None:
+    row = runs.current(session, machine.id)
+    if row is None:
+        return
+    if row.revision != revision:
+        machine = machines.document(session, row.machine_id, row.revision)
+    close_sweep(session, machine, row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _fresh(revision: int) -> dict[str, Any]:
-    return _stored(SweepState(), revision, 0)
-
-
-def _stored(state: SweepState, revision: int, seen: int) -> dict[str, Any]:
-    return {"sweep": asdict(state), "revision": revision, "seen": seen}
+def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
+    """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
+    rules = machine.collection.rolling
+    if now.bins is None or now.rolled_at == 0:
+        now.bins, now.rolled_at = SpeedBins.empty(machine), int(fresh.time[0])
+    same = fresh.pick(fresh.direction == now.direction)
+    if turned:
+        now.bins = SpeedBins.empty(machine)  # the other sense of rotation is another run
+    now.bins = filled(now.bins, machine, time=same.time, speed=same.speed)
+    if now.seen - now.rolled_at < 1e9 * rules.interval_s:
+        return
+    now.bins = now.bins.recent(machine, now.seen)
+    if now.bins.coverage < rules.coverage:
+        return
+    # Its samples may be gone where the document's recency is longer than the store's.
+    held = samples.at(session, machine.id, revision=now.revision, channels=len(machine.probes), times=now.bins.all_times)
+    if len(held):
+        began = int(held.time[0])
+        row = runs.open_run(
+            session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=began
+        )
+        reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
+        close_with(session, machine, row, held, reason=reason)
+    # The next run shares no sample with this one: what is compared later must be independent.
+    now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

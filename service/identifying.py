@@ -7,16 +7,16 @@ import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
-from importlib.metadata import version
+from importlib.metadata import version as version_of_the_code
 
 from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
-from estimator.machine import DocumentError
-from service import watching, worker
+from estimator.machine import DocumentError, parse_machine
+from service import requesting, watching, worker
 from service.settings import Settings
-from storage import identifications, jobs, machines, runs
+from storage import identifications, jobs, machines, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.identifications import Origin
@@ -172,8 +172,18 @@ def _task(session: Session, row: JobRow, options: Options, settings: Settings) -
     revision = runs.get(session, row.run_ids[0]).revision
     blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
     document = machines.revision(session, row.machine_id, revision).document
-    earlier = _earlier(session, row) if row.scope == jobs.RUN else None
-    return worker.Task(document, blocks, options, settings.identification_timeout_s, earlier=earlier)
+    version = requesting.slow_roll_version(session, row)
+    vectors = None
+    if version is not None:
+        vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), parse_machine(document))
+    return worker.Task(
+        document,
+        blocks,
+        requesting.fit_options(row, options),
+        settings.identification_timeout_s,
+        earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
+        slow_roll=vectors,
+    )
 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
@@ -191,14 +201,20 @@ def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
 
 def _origin(session: Session, row: JobRow, options: Options) -> Origin:
     used = [runs.get(session, run_id) for run_id in row.run_ids]
+    version = requesting.slow_roll_version(session, row)
+    described = asdict(requesting.fit_options(row, options))
+    if version is not None:
+        machine = machines.document(session, row.machine_id, used[0].revision)
+        described["slow_roll_left_out"] = slow_roll.doubtful(slow_roll.get(session, row.machine_id, version), machine)
     return Origin(
         machine_id=row.machine_id,
         revision=used[0].revision,
         job_id=row.id,
         scope=row.scope,
-        run_kind=used[0].kind if row.scope == jobs.RUN else GATHERED_KIND,
+        run_kind=GATHERED_KIND if row.scope == jobs.GATHERED else used[0].kind,
         run_ids=row.run_ids,
         measured_at=max(run.time_last or run.time_first for run in used),
-        options=asdict(options),
-        code_version=version("rundown"),
+        options=described,
+        code_version=version_of_the_code("rundown"),
+        slow_roll_version=version,
     )

@@ -10,17 +10,20 @@ from collections.abc import Set
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
+from service import holes
 from service.collection import Collector
 from service.order import Order
-from service.wire import Fault, Rejected, SampleBatch, source_key, to_samples
+from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, samples
 from storage.blocks import Samples, join
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
+from storage.tables import SourceRow
 
 logger = logging.getLogger(__name__)
 
@@ -67,11 +70,27 @@ class Journal:
         self._collector = collector
         self._orders: dict[SourceKey, Order] = {}
         self._plants: dict[str, str] = {}
+        self._documents: dict[str, tuple[int, Machine]] = {}
 
     def next_sequence(self, key: SourceKey) -> int:
         """Number of the next sample expected from a source; 0 when it was never heard of."""
         with self._database.reading() as session:
             return samples.source(session, key).next_sequence
+
+    def received(self, machine_id: str) -> list[SourceReceived]:
+        """How far each source of a machine is durable."""
+        with self._database.reading() as session:
+            return [
+                SourceReceived(
+                    source=row.source,
+                    epoch=row.epoch,
+                    next_sequence=row.next_sequence,
+                    received=row.received,
+                    duplicates=row.duplicates,
+                    lost=row.lost,
+                )
+                for row in samples.sources(session, machine_id)
+            ]
 
     def plant_of(self, machine_id: str) -> str | None:
         """The plant of a machine, which never changes; None when the machine is unknown."""
@@ -95,11 +114,28 @@ class Journal:
             raise
 
     def close_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
-        """Close the runs of machines that have fallen silent. alive: machines of which a source is connected."""
+        """Close the runs of machines that have fallen silent, and sort in what came late.
+
+        alive: machines of which a source is connected.
+        """
         with self._database.transaction() as session:
             for row in machines.every(session):
-                machine = machines.document(session, row.id)
-                self._collector.close_silent(session, machine, silence_s=silence_s, alive=row.id in alive)
+                self._collector.close_silent(session, row.id, silence_s=silence_s, alive=row.id in alive)
+                self._collector.settle_late(session, row.id)
+
+    def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
+        """Raises Rejected for a batch of which nothing can be taken."""
+        with self._database.reading() as session:
+            _, machine = self._document(session, batch.machine)
+        to_samples(batch, machine, received_at=received_at)
+
+    def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
+        """The revision in force and its document, which is parsed once."""
+        revision = machines.get(session, machine_id).revision
+        known = self._documents.get(machine_id)
+        if known is None or known[0] != revision:
+            known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
+        return known
 
     def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
         pending = _Pending(rejections=list(rejections))
@@ -107,8 +143,7 @@ class Journal:
         for one in arrived:
             machine_id = one.batch.machine
             if machine_id not in documents:
-                revision = machines.get(session, machine_id).revision
-                documents[machine_id] = revision, machines.document(session, machine_id, revision)
+                documents[machine_id] = self._document(session, machine_id)
             pending.outcomes.append(self._take(session, pending, one, documents[machine_id][1]))
         fresh: dict[str, list[Samples]] = defaultdict(list)
         for key, parts in pending.parts.items():
@@ -119,7 +154,7 @@ class Journal:
             late = int(np.count_nonzero(joined.time <= self._collector.seen(session, key.machine_id)))
             if late:
                 samples.source(session, key).late += late
-                logger.warning("%s: %d samples are older than what is known and belong to no run", key.machine_id, late)
+                logger.warning("%s: %d samples are older than what is known; they are sorted in", key.machine_id, late)
         session.flush()
         for machine_id, parts in fresh.items():
             revision, machine = documents[machine_id]
@@ -131,38 +166,81 @@ class Journal:
         return pending.outcomes
 
     def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> Outcome:
-        """Number, convert and check one batch; what is left of it joins `pending`."""
+        """Number, convert and check one batch; what is left of it joins `pending`.
+
+        Its samples are known already, fill holes that were counted as lost, or follow what came so far.
+        """
         batch, key = one.batch, source_key(one.batch)
         row = samples.source(session, key)
         count = len(batch.time_ns)
-        known = min(max(row.next_sequence - batch.sequence, 0), count)
-        row.duplicates += known
-        if known == count:
-            return Outcome(duplicates=known)
         gap = max(batch.sequence - row.next_sequence, 0)
         if gap > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
             return Outcome(rejected=Rejected("sequence_out_of_range", detail))
-        row.lost += gap
-        row.next_sequence = batch.sequence + count
+        filling = holes.pieces(row.missing or (), first=batch.sequence, count=count)
+        following = min(max(row.next_sequence - batch.sequence, 0), count)
+        fresh = np.arange(count) >= following
+        for piece in filling:
+            fresh[piece.start : piece.stop] = True
+        known = int(np.count_nonzero(~fresh))
+        row.duplicates += known
+        if known == count:
+            return Outcome(duplicates=known)
+        row.lost += gap - sum(piece.stop - piece.start for piece in filling)
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
         except Rejected as rejected:
             pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
+            _advance(row, batch, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
             return Outcome(duplicates=known, lost=gap, rejected=rejected)
-        taken[:known] = False
-        order = self._orders.setdefault(key, Order(time=row.last_time))
-        faults += order.check(machine, converted, taken)
-        new = tuple(fault for fault in faults if fault.index >= known)
+        taken &= fresh
+        for piece in filling:
+            order = Order(time=piece.hole[2], before=piece.hole[3])
+            faults += _check(order, machine, converted, taken, piece.start, piece.stop)
+        latest = self._orders.setdefault(key, Order(time=row.last_time))
+        faults += _check(latest, machine, converted, taken, following, count)
+        _advance(row, batch, filling, converted.time, taken, following)
+        new = tuple(fault for fault in faults if fresh[fault.index])
         pending.rejections += [_sample_rejection(one, fault) for fault in new]
         if taken.any():
             kept = converted.pick(taken)
             pending.parts[key].append(kept)
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
-            row.last_time = int(kept.time[-1])
         return Outcome(int(np.count_nonzero(taken)), known, gap, new)
+
+
+def _check(order: Order, machine: Machine, converted: Samples, taken: NDArray[np.bool_], start: int, stop: int) -> list[Fault]:
+    """Clear `taken` where samples start to before stop of a batch are not in order; returns why."""
+    here = np.zeros_like(taken)
+    here[start:stop] = taken[start:stop]
+    faults = order.check(machine, converted, here)
+    taken[start:stop] = here[start:stop]
+    return faults
+
+
+def _advance(
+    row: SourceRow,
+    batch: SampleBatch,
+    filling: list[holes.Piece],
+    time: NDArray[np.int64],
+    taken: NDArray[np.bool_],
+    following: int,
+) -> None:
+    """Note how far a source has come with a batch: holes filled, a new one before it, its newest number and time."""
+    missing = list(row.missing or ())
+    for piece in filling:
+        inside = slice(piece.start, piece.stop)
+        missing = holes.filled(missing, piece, first=batch.sequence, times=time[inside][taken[inside]])
+    new = time[following:][taken[following:]]
+    if batch.sequence > row.next_sequence:
+        before = int(new[0]) if new.size else holes.NEVER
+        missing = holes.noted(missing, [row.next_sequence, batch.sequence - 1, row.last_time, before])
+    row.missing = missing or None
+    row.next_sequence = max(row.next_sequence, batch.sequence + taken.size)
+    if new.size:
+        row.last_time = int(new[-1])
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:

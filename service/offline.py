@@ -1,4 +1,4 @@
-"""Recorded runs as one measurement of a machine, without a service."""
+"""Recorded runs as one measurement of a machine, without a service, and without the slow roll where that is wanted."""
 
 import math
 from collections.abc import Sequence
@@ -9,6 +9,8 @@ import numpy as np
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.quality import Recorded
+from estimator.slow_roll import Capture, capture, corrected
+from estimator.units import rpm_to_rad_per_s
 from service.documents import UnreadableFile
 from service.recording import Sidecar, read_recording, read_sidecar
 from service.wire import to_samples
@@ -43,6 +45,41 @@ def read_runs(
         added = read_sidecar(sidecar or file.with_suffix(".yaml"))
         runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
     return runs, left_out
+
+
+def speed_band(text: str) -> tuple[float, float]:
+    """Lowest and highest speed [rad/s] of a band such as 200:400 [r/min]. Raises ValueError."""
+    parts = text.split(":")
+    try:
+        lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
+    except ValueError:
+        raise ValueError(f"'{text}' is no speed band; one is written as 200:400, in rpm") from None
+    if not 0.0 < lowest < highest < math.inf:
+        raise ValueError(f"'{text}' is no speed band: it needs two positive speeds, the lower one first")
+    return lowest, highest
+
+
+def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
+    """Slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
+    lowest, highest = speed_band(band)
+    return capture(machine, measurement, lowest=lowest, highest=highest)
+
+
+def without_slow_roll(
+    machine: Machine, runs: Sequence[tuple[Recorded, Measurement]], band: str
+) -> tuple[Machine, list[tuple[Recorded, Measurement]], Capture]:
+    """A machine and its runs without the vectors of a band of all of them; raises as `captured`.
+
+    The band's own samples are left out of what follows: they have said what they know.
+    """
+    found = captured(machine, joined([measurement for _, measurement in runs]), band)
+    lowest, highest = speed_band(band)
+    described, rest = machine, []
+    for run, measurement in runs:
+        outside = (measurement.speed < lowest) | (measurement.speed > highest)
+        described, without = corrected(machine, measurement.pick(outside), found.slow_roll)
+        rest.append((run.pick(outside), without))
+    return described, rest, found
 
 
 def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:

@@ -12,17 +12,21 @@ from storage.blocks import Samples
 
 FASTEST_CHANGE = 0.5
 """Largest change of speed that is believed: this part of the machine's maximum speed in a second, …"""
-JITTER = 0.02
-"""… and this part of it on top, for the errors of single speed readings."""
+JITTER = 0.08
+"""… and this part of it on top, for the errors of single speed readings: more than five times that of two of 1 % each."""
 STRIKES = 3
 """So many speeds in a row that agree with each other are believed after all: the one before them was wrong."""
 
 
 @dataclass
 class Order:
-    """What was last believed of one source. time [ns], speed [rad/s]; doubted: the last speed not believed."""
+    """What was last believed of one source. time [ns], speed [rad/s]; doubted: the last speed not believed.
+
+    before: time [ns] of a sample that comes later in number and is known already.
+    """
 
     time: int = 0
+    before: int | None = None
     speed: float | None = None
     doubted: tuple[int, float] | None = None
     strikes: int = 0
@@ -44,6 +48,8 @@ class Order:
     def _fault(self, index: int, time: int, speed: float, highest: float) -> Fault | None:
         if time <= self.time:
             return Fault(index, "time_out_of_order", f"time {time} ns is not after {self.time} ns, the sample before it")
+        if self.before is not None and time >= self.before:
+            return Fault(index, "time_out_of_order", f"time {time} ns is not before {self.before} ns, a sample after it")
         if self.speed is None or _follows((self.time, self.speed), (time, speed), highest):
             return None
         agrees = self.doubted is not None and _follows(self.doubted, (time, speed), highest)

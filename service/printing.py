@@ -11,8 +11,9 @@ from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.model_comparison import Comparison
 from estimator.quality import Quality
+from estimator.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
-from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
 EXPLAINED = 2.0
@@ -85,6 +86,21 @@ def comparison_text(comparison: Comparison) -> str:
     best = comparison.views[0].identification
     shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
     return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
+
+
+def slow_roll_text(machine: Machine, found: Capture) -> str:
+    """The vectors of a capture, a line a channel, and why channels have none."""
+    speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
+    lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
+    width = max(map(len, machine.channels))
+    scale = METRES["um"] * PEAK["peak-to-peak"]
+    for channel, vector, error in zip(machine.channels, found.slow_roll.vector, found.slow_roll.standard_error, strict=True):
+        if channel in found.reasons:
+            lines.append(f"  {channel:<{width}}  none: {found.reasons[channel]}")
+        else:
+            lag = float(-np.degrees(np.angle(vector))) % 360.0
+            lines.append(f"  {channel:<{width}}  {abs(vector) / scale:8.3f} ± {error / scale:.2g} µm pp, lag {lag:6.1f}°")
+    return "\n".join(lines)
 
 
 def _value(estimate: Estimate) -> str:

@@ -16,6 +16,7 @@ from service.ingest import Ingest
 from service.journal import Journal
 from service.settings import Settings
 from service.stream import connected, open_session
+from service.submissions import Submissions
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
@@ -31,8 +32,9 @@ def serve(settings: Settings) -> None:
     database = Database(settings.database)
     database.claim()
     listener = _listen(settings.host, settings.port)
-    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect)
-    ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s)
+    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True)
+    submissions = Submissions()
+    ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s, submissions=submissions)
     identifying = Identifying(database, settings)
     dispatcher = Dispatcher(database, session, settings)
     last_states = LastStates(session, database)
@@ -51,13 +53,8 @@ def serve(settings: Settings) -> None:
         dispatcher.start()
         if not settings.zenoh_listen and not connected(session):
             logger.warning(_waiting(settings))
-        config = uvicorn.Config(
-            application(database, parts, try_out=dispatcher.try_out),
-            log_config=None,
-            access_log=False,
-            lifespan="off",
-            timeout_graceful_shutdown=5,
-        )
+        app = application(database, parts, try_out=dispatcher.try_out, submissions=submissions, depth=lambda: ingest.depth)
+        config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5)
         host, port = listener.getsockname()[:2]
         logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
         if not asked_to_stop.is_set():

@@ -6,13 +6,14 @@ without a log work too: what they lose is counted, not healed.
 """
 
 import logging
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
 import zenoh
 
 from service.source_log import LARGEST_REPLY_COUNT, Entry, LogError, MemoryLog, SourceLog
-from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
+from service.wire import JSON, MESSAGEPACK, Key, SampleBatch, encode_batch
 
 logger = logging.getLogger(__name__)
 
@@ -30,6 +31,20 @@ class Source:
         self._publisher = session.declare_publisher(key.samples, congestion_control=zenoh.CongestionControl.DROP)
         self._queryable = session.declare_queryable(key.log, self._answer)
         self._token = session.liveliness().declare_token(key.live)
+        self._session = session
+        self._status: zenoh.Queryable[None] | None = None
+
+    def declare_status(self, status: Callable[[], bytes]) -> None:
+        """Answer queries on `…/status` with what `status` gives, in JSON."""
+
+        def answer(query: zenoh.Query) -> None:
+            with query:
+                try:
+                    query.reply(self.key.status, status(), encoding=JSON)
+                except (LogError, zenoh.ZError) as error:
+                    logger.error("a status query is not answered: %s", error)
+
+        self._status = self._session.declare_queryable(self.key.status, answer)
 
     @property
     def epoch(self) -> int:
@@ -55,6 +70,8 @@ class Source:
         """Send what is still to be logged, then leave the network."""
         self._token.undeclare()
         self._queryable.undeclare()
+        if self._status is not None:
+            self._status.undeclare()
         self.log.close()
         self._publisher.undeclare()
 

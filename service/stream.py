@@ -17,15 +17,16 @@ class StreamUnusable(RuntimeError):
     """A zenoh session cannot be opened; the message says on which endpoints and why."""
 
 
-def open_session(*, listen: list[str], connect: list[str]) -> zenoh.Session:
-    """Open a session: a router where it listens, else a peer that keeps trying its endpoints.
+def open_session(*, listen: list[str], connect: list[str], routes: bool = False) -> zenoh.Session:
+    """Open a session: a router where it listens or `routes`, else a peer that keeps trying its endpoints.
 
+    Two peers do not hear each other by way of a router between them: the service, which is heard through routers, routes.
     Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
     """
     config = zenoh.Config()
     settings: dict[str, object] = {
         # A client would block in `open` until a router answers, and could not be interrupted; a peer tries in background.
-        "mode": ROUTER if listen else PEER,
+        "mode": ROUTER if listen or routes else PEER,
         "listen/endpoints": listen,
         "connect/endpoints": connect,
         "connect/timeout_ms": -1,

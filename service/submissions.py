@@ -1,6 +1,7 @@
 """What comes over HTTP on its way to the ingest thread: a bounded queue, each entry with a promise of what became of it."""
 
 import queue
+import threading
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
@@ -36,6 +37,7 @@ class Submissions:
 
     def __init__(self, size: int = QUEUE_SIZE) -> None:
         self._queue: queue.Queue[Submission] = queue.Queue(size)
+        self._arrival = threading.Event()
         self.trouble: str | None = None
         """Why nothing can be stored at present."""
 
@@ -48,7 +50,13 @@ class Submissions:
             self._queue.put_nowait(one)
         except queue.Full:
             raise Busy(f"{self._queue.maxsize} batches wait to be stored") from None
+        self._arrival.set()
         return one.promise
+
+    def wait(self, seconds: float) -> None:
+        """Pause until something is offered, at most so long."""
+        if self._arrival.wait(seconds):
+            self._arrival.clear()
 
     def take(self) -> Submission | None:
         """The one that has waited longest and that somebody still waits for."""

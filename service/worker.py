@@ -18,8 +18,10 @@ from estimator.gathering import combined
 from estimator.identification import Identification, Options
 from estimator.machine import Machine, parse_machine
 from estimator.noise import error_size
+from estimator.orbit import orbit_findings
 from estimator.quality import Quality, Recorded, Rules
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
+from estimator.slow_roll import SlowRoll, corrected
 from storage.blocks import decode
 
 
@@ -27,7 +29,8 @@ from storage.blocks import decode
 class Task:
     """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
 
-    rules: what may be left out. earlier: name and block of a run that a single run is compared with.
+    rules: what may be left out. earlier: name and block of a run that a single run is compared with. slow_roll: vectors that
+    are subtracted before the fit.
     """
 
     document: dict[str, Any]
@@ -36,6 +39,7 @@ class Task:
     timeout_s: float
     rules: Rules = Rules()  # noqa: RUF009 - frozen
     earlier: tuple[str, bytes] | None = None
+    slow_roll: SlowRoll | None = None
 
 
 @dataclass(frozen=True)
@@ -77,11 +81,18 @@ def compute(task: Task) -> Outcome:
 
 def _gated(machine: Machine, block: bytes, task: Task) -> Gated:
     samples = decode(block)
-    run = samples.recorded(machine.channels)
-    gated = identify_gated(machine, [run], [samples.measurement()], options=task.options, rules=task.rules)
-    if task.earlier is None:
-        return gated
-    return replace(gated, qualities=(_compared(machine, run, gated.qualities[0], task.earlier),))
+    run, measurement = samples.recorded(machine.channels), samples.measurement()
+    described, without = machine, measurement
+    if task.slow_roll is not None:
+        described, without = corrected(machine, measurement, task.slow_roll)
+    gated = identify_gated(described, [run], [without], options=task.options, rules=task.rules)
+    quality = gated.qualities[0]
+    good = replace(measurement, usable=measurement.usable & quality.usable)
+    wiring = tuple(finding.words for finding in orbit_findings(machine, good))
+    quality = replace(quality, findings=(*quality.findings, *wiring))
+    if task.earlier is not None:
+        quality = _compared(machine, run, quality, task.earlier)
+    return replace(gated, qualities=(quality,))
 
 
 def _compared(machine: Machine, run: Recorded, quality: Quality, earlier: tuple[str, bytes]) -> Quality:

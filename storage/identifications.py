@@ -1,19 +1,20 @@
 """Repository of identifications and of the parameter history that they make."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Select, select
+from sqlalchemy import Select, Text, cast, func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.baseline import Point
 from estimator.identification import Identification
 from estimator.parameters import is_direct
 from storage.clock import now
-from storage.jobs import RUN
-from storage.tables import EstimateRow, IdentificationRow
+from storage.jobs import GATHERED, RUN
+from storage.runs import DISCARDED
+from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
 class IdentificationUnknown(KeyError):
@@ -33,6 +34,20 @@ class Origin:
     measured_at: int
     options: dict[str, Any]
     code_version: str
+    slow_roll_version: int | None = None
+
+
+@dataclass(frozen=True)
+class Like:
+    """What identifications must have in common to be compared: one of these machine revisions, kind of run, slow-roll vectors.
+
+    since: measured at that time or later [ns].
+    """
+
+    revisions: tuple[int, ...]
+    run_kind: str
+    slow_roll_version: int | None = None
+    since: int = 0
 
 
 def add(session: Session, origin: Origin, result: Identification) -> IdentificationRow:
@@ -58,6 +73,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         iterations=result.iterations,
         options=origin.options,
         code_version=origin.code_version,
+        slow_roll_version=origin.slow_roll_version,
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
         noise_relative=result.noise.relative,
@@ -123,28 +139,51 @@ def of_machine(
     return session.scalars(query.limit(limit)).all()
 
 
-def first_accepted(
-    session: Session, machine_id: str, *, revision: int, run_kind: str, limit: int
-) -> Sequence[IdentificationRow]:
-    """The first accepted identifications of single runs of one kind and revision, oldest first."""
-    query = _accepted_runs(machine_id, revision, run_kind)
+def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
+    """The first accepted identifications of single runs that are alike, oldest first."""
+    query = _accepted_runs(machine_id, like)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
-def last_accepted(
-    session: Session, machine_id: str, *, revision: int, run_kind: str, limit: int
-) -> Sequence[IdentificationRow]:
-    """The newest accepted identifications of single runs of one kind and revision, newest first."""
-    query = _accepted_runs(machine_id, revision, run_kind)
+def last_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
+    """The newest accepted identifications of single runs that are alike, newest first."""
+    query = _accepted_runs(machine_id, like)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def _accepted_runs(machine_id: str, revision: int, run_kind: str) -> Select[IdentificationRow]:
+def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
+    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured."""
+    query = _accepted_runs(machine_id, replace(like, since=0)).where(IdentificationRow.id.in_(ids))
+    return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
+
+
+def counting(machine_id: str) -> Select[int]:
+    """Ids of the identifications that trends, baselines and alerts use.
+
+    A run may be identified again: after late samples, or with other slow-roll vectors in force. Of the identifications with
+    the usual options (scope RUN, not VARIANT) the newest accepted one counts, and where none is accepted the newest. The
+    others stay readable. One of a run that was discarded since, for late samples have joined it to another, counts no more.
+    """
+    gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED)
+    newest = func.row_number().over(
+        partition_by=(IdentificationRow.scope, cast(IdentificationRow.run_ids, Text)),
+        order_by=(IdentificationRow.accepted.desc(), IdentificationRow.id.desc()),
+    )
+    of_machine = select(IdentificationRow.id, newest.label("place")).where(IdentificationRow.machine_id == machine_id)
+    of_one_gone = (IdentificationRow.scope != GATHERED) & IdentificationRow.run_ids[0].as_integer().in_(gone)
+    ranked = of_machine.where(~of_one_gone).subquery()
+    return select(ranked.c.id).where(ranked.c.place == 1)
+
+
+def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     return (
         select(IdentificationRow)
-        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision == revision)
-        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == run_kind, IdentificationRow.accepted)
+        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
+        .where(IdentificationRow.measured_at >= like.since)
+        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
+        .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
+        .where(IdentificationRow.id.in_(counting(machine_id)))
         .options(undefer(IdentificationRow.covariance))
     )
 
@@ -167,12 +206,12 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
 def history(
     session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
 ) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
-    """The history of some parameters between two times [ns], oldest first."""
+    """The history of some parameters between two times [ns], oldest first: one point per run, see `counting`."""
     query = (
         select(EstimateRow, IdentificationRow)
         .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
         .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(IdentificationRow.scope == scope)
+        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
         .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
     )
     if first is not None:

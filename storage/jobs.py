@@ -13,8 +13,8 @@ from storage.tables import JobRow
 
 QUEUED, RUNNING, DONE, FAILED = "queued", "running", "done", "failed"
 
-RUN, GATHERED = "run", "gathered"
-"""Scope of a job: a run just closed, or the newest runs gathered so far."""
+RUN, GATHERED, VARIANT = "run", "gathered", "variant"
+"""Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""
 
 LARGEST_ATTEMPTS = 3
 
@@ -27,16 +27,13 @@ def ask(
     session: Session, machine_id: str, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None
 ) -> JobRow | None:
     """Queue an identification of these runs; None when the same was asked for before, with the same options."""
-    request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
-    if options:
-        request += ":" + hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:32]
-    if session.scalars(select(JobRow.id).where(JobRow.request == request)).first() is not None:
+    if asked(session, scope=scope, run_ids=run_ids, options=options) is not None:
         return None
     row = JobRow(
         machine_id=machine_id,
         scope=scope,
         run_ids=run_ids,
-        request=request,
+        request=_request(scope, run_ids, options),
         state=QUEUED,
         attempts=0,
         created_at=now(),
@@ -47,6 +44,18 @@ def ask(
     session.add(row)
     session.flush()
     return row
+
+
+def asked(session: Session, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None) -> JobRow | None:
+    """The job that was asked for with the same runs and options."""
+    return session.scalars(select(JobRow).where(JobRow.request == _request(scope, run_ids, options))).first()
+
+
+def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> str:
+    request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
+    if options:
+        request += ":" + hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:32]
+    return request
 
 
 def take(session: Session, limit: int) -> Sequence[JobRow]:

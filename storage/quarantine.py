@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, cast
 
-from sqlalchemy import delete, func, select
+from sqlalchemy import CursorResult, delete, func, select
 from sqlalchemy.orm import Session
 
 from storage.tables import QuarantineCountRow, QuarantineRow
@@ -64,6 +65,19 @@ def counts(session: Session) -> dict[str, int]:
     """How much was ever rejected, by reason."""
     query = select(QuarantineCountRow.reason, QuarantineCountRow.count).order_by(QuarantineCountRow.reason)
     return {reason: count for reason, count in session.execute(query)}  # noqa: C416 - dict() loses the types
+
+
+def purge(session: Session, *, before: int | None, reason: str | None) -> int:
+    """Let go of entries that were received before a moment [ns] or have a reason, or both; the counts stay as they are.
+
+    Returns how many were let go.
+    """
+    query = delete(QuarantineRow)
+    if before is not None:
+        query = query.where(QuarantineRow.received_at < before)
+    if reason is not None:
+        query = query.where(QuarantineRow.reason == reason)
+    return int(cast("CursorResult[Any]", session.execute(query)).rowcount)
 
 
 def _storable(text: str) -> str:

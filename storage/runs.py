@@ -8,17 +8,22 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
+from estimator.coverage import Coverage
 from estimator.quality import Quality
+from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
-from storage.tables import CollectorRow, RunRow
+from storage.tables import CollectorRow, MachineStateRow, RunRow
 
 _FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
 _FLAGS_FORMAT = 1
 
 OPEN, CLOSED, DISCARDED = "open", "closed", "discarded"
+LEFT_OUT = "late_samples_left_out"
+"""Field of `runs.coverage`: samples that came too late even for a run made anew."""
+LAST_TIME = 2**63 - 1
 
 
 class RunUnknown(KeyError):
@@ -26,7 +31,7 @@ class RunUnknown(KeyError):
 
 
 def open_run(session: Session, machine_id: str, *, revision: int, kind: str, direction: int, time_first: int) -> RunRow:
-    """Record that a run has begun."""
+    """Record that a run has begun. Where another one begins at the very same instant, it begins a nanosecond later."""
     row = RunRow(
         machine_id=machine_id,
         revision=revision,
@@ -34,7 +39,7 @@ def open_run(session: Session, machine_id: str, *, revision: int, kind: str, dir
         direction=direction,
         state=OPEN,
         reason=None,
-        time_first=time_first,
+        time_first=free_start(session, machine_id, time_first),
         time_last=None,
         speed_minimum=None,
         speed_maximum=None,
@@ -46,22 +51,54 @@ def open_run(session: Session, machine_id: str, *, revision: int, kind: str, dir
     return row
 
 
+def free_start(session: Session, machine_id: str, time: int) -> int:
+    """The first moment from a time on [ns] at which no other run of the machine begins."""
+    while session.scalars(select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.time_first == time)).first():
+        time += 1
+    return time
+
+
 def current(session: Session, machine_id: str) -> RunRow | None:
     """The open run of a machine."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state == OPEN)
     return session.scalars(query).one_or_none()
 
 
-def close(row: RunRow, *, samples: Samples, state: str, reason: str) -> None:
+def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: Coverage | None = None) -> None:
     """Freeze a run with its samples. `state` is CLOSED, or DISCARDED when the run is not worth an identification."""
     row.state = state
     row.reason = reason
-    row.time_last = int(samples.time[-1])
-    row.speed_minimum = float(np.min(samples.speed))
-    row.speed_maximum = float(np.max(samples.speed))
     row.count = len(samples)
     row.data = encode(samples)
+    row.coverage = None if coverage is None else asdict(coverage) | {LEFT_OUT: 0}
     row.quality = row.flags = None  # of other samples, if there is any
+    if len(samples):
+        row.time_last = max(int(samples.time[-1]), row.time_first)
+        row.speed_minimum = float(np.min(samples.speed))
+        row.speed_maximum = float(np.max(samples.speed))
+
+
+def leave_out(row: RunRow, count: int) -> None:
+    """Note samples that came after a run had been reopened: they are counted, and not part of it."""
+    if row.coverage is not None:  # it is null in a run without samples
+        row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
+
+
+def touching(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
+    """Sweeps of one revision that overlap the time from first to last [ns], oldest first; open ones among them."""
+    query = (
+        select(RunRow)
+        .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.kind != ROLLING)
+        .where(RunRow.time_first <= last, func.coalesce(RunRow.time_last, LAST_TIME) >= first)
+        .order_by(RunRow.time_first)
+    )
+    return session.scalars(query).all()
+
+
+def end_before(session: Session, machine_id: str, time: int) -> int:
+    """When the last sweep ended that was over by a time [ns]; 0 when there was none."""
+    query = select(func.max(RunRow.time_last)).where(RunRow.machine_id == machine_id, RunRow.kind != ROLLING)
+    return session.scalar(query.where(RunRow.time_last <= time)) or 0
 
 
 def get(session: Session, run_id: int) -> RunRow:
@@ -143,10 +180,11 @@ def of_machine(
 
 
 def newest_closed(session: Session, machine_id: str, *, revision: int, limit: int) -> Sequence[RunRow]:
-    """The newest closed runs of one revision, newest first."""
+    """The newest closed sweeps of one revision, newest first."""
     query = (
         select(RunRow)
         .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.state == CLOSED)
+        .where(RunRow.kind != ROLLING)
         .order_by(RunRow.time_first.desc())
         .limit(limit)
     )
@@ -166,3 +204,20 @@ def save_collector_state(session: Session, machine_id: str, state: dict[str, Any
         session.add(CollectorRow(machine_id=machine_id, state=state))
     else:
         row.state = state
+
+
+def add_state(session: Session, machine_id: str, *, since: int, mode: str, speed: float | None) -> None:
+    """Note what a machine does from a time on [ns]; speed: then, where known [rad/s]."""
+    session.add(MachineStateRow(machine_id=machine_id, since=since, mode=mode, speed=speed))
+
+
+def states(
+    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+) -> Sequence[MachineStateRow]:
+    """What a machine did, newest first: every state that began between two times [ns]."""
+    query = select(MachineStateRow).where(MachineStateRow.machine_id == machine_id)
+    if first is not None:
+        query = query.where(MachineStateRow.since >= first)
+    if last is not None:
+        query = query.where(MachineStateRow.since <= last)
+    return session.scalars(query.order_by(MachineStateRow.since.desc(), MachineStateRow.id.desc()).limit(limit)).all()

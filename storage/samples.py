@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.blocks import Samples, decode, encode, join
@@ -20,8 +20,20 @@ class SourceKey:
     epoch: int
 
 
+@dataclass(frozen=True)
+class Totals:
+    """Samples of all sources of a machine together; last_time: of the newest one stored [ns], 0 where there is none."""
+
+    machine_id: str
+    received: int
+    duplicates: int
+    lost: int
+    late: int
+    last_time: int
+
+
 def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence: int, samples: Samples) -> None:
-    """Store consecutive samples."""
+    """Store samples of one source, of which `first_sequence` is the number of one that no other block holds."""
     session.add(
         SampleBlockRow(
             machine_id=key.machine_id,
@@ -37,15 +49,62 @@ def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence
     )
 
 
-def between(session: Session, machine_id: str, *, revision: int, channels: int = 0, first: int, last: int) -> Samples:
-    """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none."""
-    query = (
-        select(SampleBlockRow.data)
-        .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
-        .where(SampleBlockRow.time_last >= first, SampleBlockRow.time_first <= last)
-        .order_by(SampleBlockRow.time_first, SampleBlockRow.id)
+def between(
+    session: Session,
+    machine_id: str,
+    *,
+    revision: int,
+    channels: int = 0,
+    first: int,
+    last: int,
+    largest: int | None = None,
+) -> Samples:
+    """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none.
+
+    largest: where there may be more of them, every second, third, … is taken, so that not many more than this are in memory.
+    """
+    within = (
+        (SampleBlockRow.machine_id == machine_id)
+        & (SampleBlockRow.revision == revision)
+        & (SampleBlockRow.time_last >= first)
+        & (SampleBlockRow.time_first <= last)
     )
-    return _by_time([decode(data) for data in session.scalars(query)], channels).between(first, last)
+    every = 1
+    if largest is not None:
+        count = session.scalar(select(func.sum(SampleBlockRow.count)).where(within)) or 0
+        every = max(1, -(-int(count) // largest))
+    query = select(SampleBlockRow.data).where(within).order_by(SampleBlockRow.time_first, SampleBlockRow.id)
+    if every > 1:
+        query = query.execution_options(yield_per=100)
+    parts, passed = [], 0
+    for data in session.scalars(query):
+        block = decode(data).between(first, last)
+        parts.append(block.pick(slice(-passed % every, None, every)))
+        passed += len(block)
+    return _by_time(parts, channels)
+
+
+def at(session: Session, machine_id: str, *, revision: int, channels: int = 0, times: Sequence[int]) -> Samples:
+    """Samples of one revision at these times [ns], ascending; where several sources tell of an instant, one of them."""
+    parts: list[Samples] = []
+    waiting = list(reversed(times))
+    while waiting:
+        moment = waiting.pop()
+        query = (
+            select(SampleBlockRow.data)
+            .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
+            .where(SampleBlockRow.time_last >= moment, SampleBlockRow.time_first <= moment)
+            .order_by(SampleBlockRow.id)
+        )
+        for data in session.scalars(query):
+            block = decode(data)
+            which = np.flatnonzero(block.time == moment)
+            if which.size:
+                parts.append(block.pick(which[:1]))
+                while waiting and waiting[-1] in block.time:
+                    parts.append(block.pick(np.flatnonzero(block.time == waiting.pop())[:1]))
+                break
+    return _by_time(parts, channels)
 
 
 def latest(session: Session, machine_id: str, *, revision: int, channels: int = 0, count: int) -> Samples:
@@ -72,6 +131,14 @@ def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceR
     if machine_id is not None:
         query = query.where(SourceRow.machine_id == machine_id)
     return session.scalars(query).all()
+
+
+def totals(session: Session) -> list[Totals]:
+    """What was received, per machine, by id."""
+    row = SourceRow
+    sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
+    query = select(row.machine_id, *sums, func.max(row.last_time)).group_by(row.machine_id).order_by(row.machine_id)
+    return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
 
 
 def source(session: Session, key: SourceKey) -> SourceRow:

@@ -61,7 +61,7 @@ class SlowRollRow(Base):
     origin: Mapped[str] = mapped_column(String(16))
     direction: Mapped[int]
     vectors: Mapped[dict[str, Any]]
-    """Per channel real, imaginary and standard error of each [m]."""
+    """Per channel real and imaginary part, rms of the complex error [m] and the probe that it is of, or why there is none."""
     speed_minimum: Mapped[float | None]
     speed_maximum: Mapped[float | None]
     time_first: Mapped[int | None]
@@ -95,11 +95,11 @@ class SourceRow(Base):
     late: Mapped[int]
     last_time: Mapped[int]
     missing: Mapped[list[list[int]] | None]
-    """Sequence numbers that never came, as [first, last], while they may still come."""
+    """Sequence numbers that never came, while they may still come: [first, last, after, before], the latter times [ns]."""
 
 
 class SampleBlockRow(Base):
-    """Consecutive samples of one source, compressed; see `storage.blocks`."""
+    """Samples of one source that were stored together, compressed; see `storage.blocks`."""
 
     __tablename__ = "sample_blocks"
     __table_args__ = (
@@ -127,6 +127,19 @@ class CollectorRow(Base):
 
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     state: Mapped[dict[str, Any]]
+
+
+class MachineStateRow(Base):
+    """What a machine did from a moment on, until the next row."""
+
+    __tablename__ = "machine_states"
+    __table_args__ = (Index(None, "machine_id", "since"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    since: Mapped[int]
+    mode: Mapped[str] = mapped_column(String(16))
+    speed: Mapped[float | None]
 
 
 class RunRow(Base):
@@ -334,6 +347,24 @@ class TimelineRow(Base):
     at: Mapped[int]
     kind: Mapped[str] = mapped_column(String(32))
     text: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_at: Mapped[int]
+
+
+class BaselineRow(Base):
+    """From when on a machine is compared with itself: the first identifications behind `since`, or those that are named.
+
+    Never changed: a newer one takes its place and this one stays readable.
+    """
+
+    __tablename__ = "baselines"
+    __table_args__ = (Index(None, "machine_id", "since"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    since: Mapped[int]
+    identification_ids: Mapped[list[int] | None]
+    reason: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(String(120))
     created_at: Mapped[int]
 

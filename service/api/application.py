@@ -1,5 +1,6 @@
 """The web application: all routers over one database."""
 
+from collections.abc import Callable
 from importlib.metadata import version
 
 from fastapi import APIRouter, FastAPI
@@ -8,12 +9,18 @@ from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
+    baselines,
     event_stream,
     identifications,
+    ingestion,
+    machine_state,
     machines,
     measurements,
+    metrics,
     operations,
+    orbits,
     run_quality,
+    slow_roll,
     subscriptions,
     suppressions,
 )
@@ -21,14 +28,23 @@ from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
+from service.submissions import Submissions
 from storage.database import Database
 
 PREFIX = "/api/v1"
 
 
-def application(database: Database, parts: Parts, *, try_out: TryOut | None = None) -> FastAPI:
+def application(
+    database: Database,
+    parts: Parts,
+    *,
+    try_out: TryOut | None = None,
+    submissions: Submissions | None = None,
+    depth: Callable[[], int] | None = None,
+) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
-    to a subscription, where this process delivers.
+    to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
+    this process stores.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -44,23 +60,30 @@ def application(database: Database, parts: Parts, *, try_out: TryOut | None = No
     app.state.database = database
     app.state.parts = parts
     app.state.try_out = try_out
+    app.state.submissions = submissions
+    app.state.depth = depth
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
-    told = (
+    for part in (
         machines,
+        machine_state,
+        slow_roll,
         measurements,
+        ingestion,
+        orbits,
         run_quality,
         identifications,
         event_stream,
         alerts,
         suppressions,
+        baselines,
         subscriptions,
         operations,
-    )
-    for part in told:
+    ):
         router.include_router(part.router)
     app.include_router(router)
+    app.include_router(metrics.router)
 
     @app.get("/", include_in_schema=False)
     def root() -> RedirectResponse:

@@ -2,11 +2,12 @@
 
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Body, Query, Request, status
 
+from service import requesting
 from service.api import rendering, schemas
-from service.api.access import From, Limit, MachineId, Number, Reading, To, moment
-from service.api.problems import RESPONSES
+from service.api.access import From, Limit, MachineId, Number, Reading, To, database, moment
+from service.api.problems import RESPONSES, Problem
 from storage import identifications, jobs, machines
 
 router = APIRouter(tags=["identifications"], responses=RESPONSES)
@@ -34,6 +35,23 @@ def read_identification(session: Reading, identification_id: Number, covariance:
         coordinates=row.coordinates if covariance else None,
         covariance=identifications.covariance(row).tolist() if covariance else None,
     )
+
+
+@router.post(
+    "/runs/{run_id}/identifications",
+    operation_id="identify_run",
+    status_code=status.HTTP_202_ACCEPTED,
+    responses={409: {"model": Problem}},
+)
+def identify_run(request: Request, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]) -> schemas.JobOut:
+    """Identify a closed run again; the answer is the job.
+
+    With the usual options the new identification takes the place of earlier ones of this run in trends and baselines, once it
+    is accepted. With other ones it stands beside them, as a variant that nothing follows.
+    """
+    with database(request).transaction() as session:
+        row = requesting.ask(session, run_id, requesting.Request(**body.model_dump()))
+    return rendering.job(row)
 
 
 @router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")

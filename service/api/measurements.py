@@ -6,9 +6,9 @@ from fastapi import APIRouter, Query
 
 from service.api import rendering, schemas
 from service.api.access import From, Limit, MachineId, Number, Reading, To, moment
+from service.api.corrections import SlowRollChoice, corrected_phasors, run_samples
 from service.api.problems import RESPONSES
 from storage import machines, runs, samples
-from storage.clock import now
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 
@@ -20,13 +20,14 @@ def read_samples(
     session: Reading,
     machine_id: MachineId,
     limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
+    slow_roll: SlowRollChoice = "none",
 ) -> schemas.Phasors:
     """The newest samples, as they were received under the document in force, oldest of them first."""
     revision = machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, revision)
     channels = len(machine.probes)
     newest = samples.latest(session, machine_id, revision=revision, channels=channels, count=limit)
-    return rendering.phasors(machine, newest)
+    return corrected_phasors(session, machine, newest, slow_roll)
 
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
@@ -46,14 +47,7 @@ def read_run(session: Reading, run_id: Number) -> schemas.Run:
 
 
 @router.get("/runs/{run_id}/phasors", operation_id="read_run_phasors")
-def read_run_phasors(session: Reading, run_id: Number) -> schemas.Phasors:
+def read_run_phasors(session: Reading, run_id: Number, slow_roll: SlowRollChoice = "none") -> schemas.Phasors:
     """The run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
-    row = runs.get(session, run_id)
-    machine = machines.document(session, row.machine_id, row.revision)
-    held = runs.samples(session, run_id)
-    if held is None:
-        channels = len(machine.probes)
-        held = samples.between(
-            session, row.machine_id, revision=row.revision, channels=channels, first=row.time_first, last=now()
-        )
-    return rendering.phasors(machine, held)
+    machine, held = run_samples(session, run_id)
+    return corrected_phasors(session, machine, held, slow_roll)

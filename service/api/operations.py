@@ -1,13 +1,14 @@
 """How the service itself is doing: health, readiness, sources, quarantine."""
 
 from collections.abc import Callable
+from datetime import datetime
 from importlib.metadata import version
-from typing import Annotated, get_args
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, Response, status
 
 from service.api import rendering, schemas
-from service.api.access import Limit, Reading, database
+from service.api.access import Limit, Reading, database, moment
 from service.wire import Reason
 from storage import jobs, quarantine, samples
 from storage.database import DatabaseUnusable
@@ -57,13 +58,26 @@ def list_sources(session: Reading) -> list[schemas.SourceOut]:
     return [rendering.source(row) for row in samples.sources(session)]
 
 
+WhichReason = Annotated[Reason | None, Query(description="only entries with this reason")]
+
+
 @router.get("/quarantine", operation_id="read_quarantine")
 def read_quarantine(
-    session: Reading,
-    reason: Annotated[str | None, Query(description="one of " + ", ".join(get_args(Reason)))] = None,
-    machine: Annotated[str | None, Query()] = None,
-    limit: Limit = 100,
+    session: Reading, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None, limit: Limit = 100
 ) -> schemas.Quarantine:
-    """Rejected input: counts by reason since ever, and the newest entries."""
+    """Rejected input: counts by reason since ever, and the newest entries that are still kept."""
     rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=limit)
     return schemas.Quarantine(counts=quarantine.counts(session), entries=[rendering.quarantine_entry(row) for row in rows])
+
+
+@router.delete("/quarantine", operation_id="purge_quarantine")
+def purge_quarantine(
+    request: Request,
+    before: Annotated[
+        datetime | None, Query(description="only what was received before; RFC 3339, UTC without a zone")
+    ] = None,
+    reason: WhichReason = None,
+) -> schemas.Purged:
+    """Delete entries for good. What was counted stays counted."""
+    with database(request).transaction() as session:
+        return schemas.Purged(deleted=quarantine.purge(session, before=moment(before), reason=reason))

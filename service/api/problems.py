@@ -12,14 +12,18 @@ from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.machine import DocumentError, problems_of
+from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
+from service.baselining import BaselineRefused
 from service.delivery.addresses import TargetRefused
+from service.requesting import NotToIdentify
 from storage.alerts import AlertUnknown
 from storage.database import DatabaseUnusable
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
 from storage.machines import MachineExists, MachineUnknown, PlantChanged
 from storage.runs import RunUnknown
+from storage.slow_roll import SlowRollUnknown
 from storage.suppressions import SuppressionUnknown
 
 
@@ -40,15 +44,24 @@ class Problem(BaseModel):
     errors: list[FieldProblem] = Field(default_factory=list)
 
 
+class Unsuitable(ValueError):
+    """What is asked for cannot be made from what is given, and why."""
+
+
 _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}"),
     RunUnknown: (HTTPStatus.NOT_FOUND, "no run {0}"),
     IdentificationUnknown: (HTTPStatus.NOT_FOUND, "no identification {0}"),
+    SlowRollUnknown: (HTTPStatus.NOT_FOUND, "no slow-roll vectors: {0}"),
+    NotSlowRoll: (HTTPStatus.UNPROCESSABLE_ENTITY, "no slow roll: {0}"),
+    Unsuitable: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
+    NotToIdentify: (HTTPStatus.CONFLICT, "{0}"),
     AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}"),
     SuppressionUnknown: (HTTPStatus.NOT_FOUND, "no suppression {0}"),
     SubscriptionUnknown: (HTTPStatus.NOT_FOUND, "no subscription {0}"),
     DeliveryUnknown: (HTTPStatus.NOT_FOUND, "no delivery {0}"),
     Forbidden: (HTTPStatus.CONFLICT, "{0}"),
+    BaselineRefused: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),

@@ -85,6 +85,8 @@ def run(row: RunRow) -> schemas.Run:
         samples=row.count,
         speed_minimum_rpm=_rpm(row.speed_minimum),
         speed_maximum_rpm=_rpm(row.speed_maximum),
+        reopened_at=_time(row.reopened_at),
+        coverage=None if row.coverage is None else schemas.RunCoverage.model_validate(row.coverage),
         quality=None if row.quality is None else schemas.QualitySummary.model_validate(row.quality),
     )
 
@@ -114,6 +116,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
         noise_relative=row.noise_relative,
         noise_floor=row.noise_floor,
         outliers=row.outliers,
+        slow_roll_version=row.slow_roll_version,
     )
 
 
@@ -144,6 +147,7 @@ def job(row: JobRow) -> schemas.JobOut:
         error=row.error,
         created_at=to_datetime(row.created_at),
         finished_at=_time(row.finished_at),
+        options=row.options,
     )
 
 

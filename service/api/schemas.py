@@ -1,9 +1,9 @@
 """What the API answers with. Times are RFC 3339 in UTC; a value that is not there is null, never NaN."""
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.machine import Machine
 
@@ -37,6 +37,20 @@ class Phasors(BaseModel):
     direction: list[str] = Field(description="positive turns +x towards +y")
     amplitude_um_pp: list[list[float | None]] = Field(description="per channel, peak-to-peak [µm]; null where unusable")
     phase_lag_deg: list[list[float | None]] = Field(description="per channel, lag behind the keyphasor [°], 0 to 360")
+    slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")
+    slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
+
+
+class RunCoverage(BaseModel):
+    """What the samples of a run cover."""
+
+    part: float = Field(description="of the machine's speed range, 0 to 1")
+    critical_speeds_rpm: list[float] = Field(description="of the document's nominal model, between the run's speeds")
+    samples_per_rpm: float
+    largest_hole_rpm: float = Field(description="between neighbours in speed")
+    usable: dict[str, float] = Field(description="per channel the part of the samples that are good, 0 to 1")
+    duration_s: float
+    late_samples_left_out: int = Field(description="they came when the run had been reopened before")
 
 
 class QualitySummary(BaseModel):
@@ -70,7 +84,7 @@ class RunQuality(QualitySummary):
 
 
 class Run(BaseModel):
-    """A run-up or run-down."""
+    """A run-up, a run-down, or a rolling collection over speed bins."""
 
     id: int
     machine: str
@@ -84,6 +98,8 @@ class Run(BaseModel):
     samples: int | None
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
+    reopened_at: datetime | None = Field(description="when late samples made it anew; its newest identification counts")
+    coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")
 
 
@@ -109,7 +125,7 @@ class IdentificationSummary(BaseModel):
     id: int
     machine: str
     revision: int
-    scope: str = Field(description="run: of one run; gathered: of the newest runs together")
+    scope: str = Field(description="run: of one run; gathered: of the newest runs together; variant: of one run, in no trend")
     run_kind: str
     runs: list[int]
     measured_at: datetime
@@ -129,6 +145,7 @@ class IdentificationSummary(BaseModel):
     noise_relative: float | None = Field(description="relative error of a phasor as stated or estimated, rms [-]")
     noise_floor: float | None = Field(description="its floor, 0-to-peak [m]")
     outliers: dict[str, int] | None = Field(description="per channel the phasors left out because no noise explains them")
+    slow_roll_version: int | None = Field(description="slow-roll vectors that were subtracted; null: none")
 
 
 class IdentificationDetail(IdentificationSummary):
@@ -151,6 +168,20 @@ class JobOut(BaseModel):
     error: str | None
     created_at: datetime
     finished_at: datetime | None
+    options: dict[str, Any] | None = Field(description="what differs from the usual")
+
+
+class IdentificationAsked(BaseModel):
+    """How to identify a run again; what is left out stays as usual."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
+        default="in_force", description="vectors to subtract: `none`, `in_force` or a version"
+    )
+    starts: int | None = Field(default=None, ge=1, le=50, description="most starts tried before a misfit is reported")
+    seed: int | None = Field(default=None, ge=0, le=2**31, description="of the random starts")
+    robust: bool | None = Field(default=None, description="leave out phasors that cannot be noise")
 
 
 class Series(BaseModel):
@@ -188,7 +219,7 @@ class SourceOut(BaseModel):
     received: int
     duplicates: int
     lost: int
-    late: int = Field(description="stored, but older than what run collection had seen: part of no run")
+    late: int = Field(description="older than what run collection had seen when they were stored; they reopen runs")
     newest_sample_at: datetime | None
 
 
@@ -212,6 +243,12 @@ class Quarantine(BaseModel):
     entries: list[QuarantineEntry]
 
 
+class Purged(BaseModel):
+    """How many entries of the quarantine were deleted."""
+
+    deleted: int
+
+
 class Health(BaseModel):
     """Whether each part of the service works, and what is the matter where it does not."""
 
@@ -220,3 +257,20 @@ class Health(BaseModel):
     ready: bool
     parts: dict[str, str] = Field(description="`ok`, or what is wrong, per part")
     jobs: dict[str, int] = Field(description="identification jobs by state")
+
+
+class SampleFault(BaseModel):
+    """A sample, or one channel's value in it, that was not taken."""
+
+    index: int = Field(description="its place in the batch")
+    reason: str
+    detail: str
+
+
+class Submitted(BaseModel):
+    """What became of a batch; all of it is durable."""
+
+    received: int = Field(description="samples stored now")
+    duplicates: int = Field(description="samples that were stored before")
+    missing_before: int = Field(description="sequence numbers left out just before this batch: counted as lost")
+    faults: list[SampleFault]

@@ -10,7 +10,7 @@ import ipaddress
 import socket
 from dataclasses import dataclass
 
-import httpx
+from yarl import URL
 
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
@@ -22,37 +22,39 @@ class TargetRefused(ValueError):
 
 @dataclass(frozen=True)
 class Target:
-    """A checked URL: `url` with the looked-up address in the place of the name, which goes into `host`."""
+    """A checked URL: `url` with the looked-up address in the place of its name; the name, and the port with it as a header."""
 
-    url: httpx.URL
-    host: str
+    url: URL
+    name: str
+    host_header: str
 
 
-def parsed(text: str) -> httpx.URL:
+def parsed(text: str) -> URL:
     """A URL that something can be sent to. Raises TargetRefused."""
     try:
-        url = httpx.URL(text)
-    except (httpx.InvalidURL, TypeError) as error:
-        raise TargetRefused(f"'{text[:200]}' is no URL: {error}") from error
-    if url.scheme not in ("http", "https") or not url.host:
-        raise TargetRefused(f"'{text[:200]}' is not a URL that begins with http:// or https:// and names a host")
-    if url.userinfo:
-        raise TargetRefused("a URL with a user or a password in it is not taken: it would be shown to everybody")
+        url = URL(text)
+        if url.scheme not in ("http", "https") or not url.host:
+            raise TargetRefused(f"'{text[:200]}' is not a URL that begins with http:// or https:// and names a host")
+        if url.user is not None or url.password is not None:
+            raise TargetRefused("a URL with a user or a password in it is not taken: it would be shown to everybody")
+        _ = url.port
+    except (ValueError, TypeError) as error:
+        raise error if isinstance(error, TargetRefused) else TargetRefused(f"'{text[:200]}' is no URL: {error}") from error
     return url
 
 
 async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     """Look a URL's host up and check every address it has. Raises TargetRefused."""
     url = parsed(text)
-    port = url.port or (443 if url.scheme == "https" else 80)
+    name = url.host or ""
     try:
-        found = await asyncio.get_running_loop().getaddrinfo(url.host, port, type=socket.SOCK_STREAM)
+        found = await asyncio.get_running_loop().getaddrinfo(name, url.port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError) as error:
-        raise TargetRefused(f"the host {url.host} is not known: {error}") from error
+        raise TargetRefused(f"the host {name} is not known: {error}") from error
     addresses = [_address(str(one[4][0])) for one in found]
     for address in addresses:
-        _require(url.host, address, allowed)
-    return Target(url.copy_with(host=str(addresses[0])), url.netloc.decode("ascii"))
+        _require(name, address, allowed)
+    return Target(url.with_host(str(addresses[0])), name, url.authority)
 
 
 def _address(text: str) -> Address:

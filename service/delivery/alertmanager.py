@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-import httpx
+from aiohttp import ClientSession
 
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent
@@ -22,7 +22,7 @@ FIRING = frozenset({"unacknowledged", "acknowledged"})
 class Alertmanager:
     """One Alertmanager."""
 
-    client: httpx.AsyncClient
+    client: ClientSession
     target: str
     allowed: tuple[Network, ...]
     public_url: str

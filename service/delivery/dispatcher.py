@@ -10,8 +10,8 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 
-import httpx
 import zenoh
+from aiohttp import ClientSession, ClientTimeout, DummyCookieJar, TCPConnector
 from sqlalchemy.exc import DBAPIError
 
 from service import alerting
@@ -59,7 +59,7 @@ class Task:
 class Channels:
     """Makes the channel of a subscription."""
 
-    client: httpx.AsyncClient
+    client: ClientSession
     session: zenoh.Session
     settings: Settings
 
@@ -75,10 +75,14 @@ class Channels:
         return Network(self.session)
 
 
-def new_client() -> httpx.AsyncClient:
-    """For all receivers: no proxies from the environment, no connection kept by those who hang."""
-    limits = httpx.Limits(max_connections=None, max_keepalive_connections=100)
-    return httpx.AsyncClient(timeout=httpx.Timeout(TIMEOUT_S, pool=None), limits=limits, trust_env=False)
+def new_client() -> ClientSession:
+    """For all receivers, as many connections as it takes: those of receivers that hang must not be missing for others."""
+    return ClientSession(
+        connector=TCPConnector(limit=0),
+        timeout=ClientTimeout(total=TIMEOUT_S),
+        cookie_jar=DummyCookieJar(),
+        auto_decompress=False,
+    )
 
 
 class Dispatcher:

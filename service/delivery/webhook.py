@@ -2,8 +2,9 @@
 
 import time
 from dataclasses import dataclass
+from http import HTTPStatus
 
-import httpx
+from aiohttp import ClientError, ClientResponse, ClientSession
 
 from service.delivery.addresses import Network, TargetRefused, checked
 from service.delivery.channel import Message, Outcome
@@ -20,7 +21,7 @@ ANSWER_BYTES = 1024
 class Webhook:
     """One receiver."""
 
-    client: httpx.AsyncClient
+    client: ClientSession
     target: str
     secret: str
     allowed: tuple[Network, ...]
@@ -33,45 +34,35 @@ class Webhook:
 
 
 async def post(
-    client: httpx.AsyncClient, target: str, body: bytes, headers: dict[str, str], allowed: tuple[Network, ...]
+    client: ClientSession, target: str, body: bytes, headers: dict[str, str], allowed: tuple[Network, ...]
 ) -> Outcome:
     """Post to a checked target; redirects are not followed."""
     try:
         where = await checked(target, allowed)
-        async with client.stream(
-            "POST",
+        async with client.post(
             where.url,
-            content=body,
-            headers=headers | {"host": where.host, "user-agent": "rundown"},
-            extensions={"sni_hostname": httpx.URL(target).host},
-            follow_redirects=False,
+            data=body,
+            headers=headers | {"host": where.host_header, "user-agent": "rundown"},
+            server_hostname=where.name if where.url.scheme == "https" else None,
+            allow_redirects=False,
         ) as answer:
-            text = await _beginning(answer)
+            text = (await answer.content.read(ANSWER_BYTES)).decode("utf-8", "replace")
             return _outcome(answer, text)
     except TargetRefused as error:
         return Outcome("failed", str(error))
-    except httpx.TimeoutException:
+    except TimeoutError:
         return Outcome("failed", f"no answer within {TIMEOUT_S:.0f} s")
-    except (httpx.HTTPError, OSError, ValueError) as error:
+    except (ClientError, OSError, ValueError) as error:
         return Outcome("failed", f"{type(error).__name__}: {error}")
 
 
-async def _beginning(answer: httpx.Response) -> str:
-    taken = b""
-    async for part in answer.aiter_raw(ANSWER_BYTES):
-        taken += part
-        if len(taken) >= ANSWER_BYTES:
-            break
-    return taken[:ANSWER_BYTES].decode("utf-8", "replace")
-
-
-def _outcome(answer: httpx.Response, text: str) -> Outcome:
-    said = f"{answer.status_code} {text}".strip()
-    if answer.is_success:
+def _outcome(answer: ClientResponse, text: str) -> Outcome:
+    said = f"{answer.status} {text}".strip()
+    if answer.status < HTTPStatus.MULTIPLE_CHOICES:
         return Outcome("delivered", said)
-    if answer.status_code == httpx.codes.GONE:
+    if answer.status == HTTPStatus.GONE:
         return Outcome("gone", said)
-    if answer.has_redirect_location or answer.is_redirect:
-        return Outcome("failed", f"{answer.status_code}: redirects are not followed, give the final URL")
+    if answer.status < HTTPStatus.BAD_REQUEST:
+        return Outcome("failed", f"{answer.status}: redirects are not followed, give the final URL")
     after = answer.headers.get("retry-after", "")
     return Outcome("failed", said, float(after) if after.isascii() and after.isdigit() else None)

@@ -2,6 +2,7 @@
 encodings and the conversion to SI. `docs/integrators.md` describes it for those who write sources.
 """
 
+from service.wire.answers import Received, SourceReceived
 from service.wire.conversion import (
     EARLIEST_TIME,
     FUTURE_TOLERANCE,
@@ -46,8 +47,10 @@ __all__ = [
     "Fault",
     "Key",
     "Reason",
+    "Received",
     "Rejected",
     "SampleBatch",
+    "SourceReceived",
     "decode_batch",
     "decode_body",
     "encode_batch",

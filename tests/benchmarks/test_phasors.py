@@ -28,7 +28,7 @@ def test_the_figures_asked_for_hold() -> None:
     """With 100 draws the rms error is known to 1/√200 of itself: 1.2 is 2.8 of these above the bound."""
     noise, ramp = outcome(NOISE, 100), outcome(RAMP, 20)
     assert noise.own.rms / noise.bound < 1.2
-    assert noise.claimed == pytest.approx(noise.bound, rel=0.02)
+    assert noise.claimed == pytest.approx(noise.bound, rel=0.1)
     assert noise.thesis.rms > 5.0 * noise.own.rms
     assert abs(ramp.own.amplitude_percent) < 0.5
     assert abs(ramp.own.phase_deg) < 0.5

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -35,12 +36,17 @@ def rundown(*arguments: str, timeout: float = 60.0) -> subprocess.CompletedProce
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
 
+def process(log: Path, *arguments: str, **environment: str) -> AbstractContextManager[subprocess.Popen[bytes]]:
+    """A command of Rundown in the background, ended by its process id at the end."""
+    return python(log, "-m", "service", *arguments, **environment)
+
+
 @contextlib.contextmanager
-def process(log: Path, *arguments: str, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
-    """A command in the background, ended by its process id at the end."""
+def python(log: Path, *arguments: str, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
+    """A Python process in the background, ended by its process id at the end."""
     with log.open("ab") as output:
         started = subprocess.Popen(
-            [sys.executable, "-m", "service", *arguments],
+            [sys.executable, *arguments],
             stdout=output,
             stderr=subprocess.STDOUT,
             stdin=subprocess.DEVNULL,
@@ -72,21 +78,29 @@ def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
 
 
 class Service:
-    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again."""
+    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again.
 
-    def __init__(self, folder: Path, **environment: str) -> None:
+    endpoint: where sources connect, to the service itself or, if one is given, to that router.
+    """
+
+    def __init__(self, folder: Path, *, router: str | None = None, **environment: str) -> None:
         self.folder = folder
         self.port = free_port()
-        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.endpoint = router or f"tcp/127.0.0.1:{free_port()}"
+        self._network = "--zenoh-connect" if router else "--zenoh-listen"
         self.log = folder / "serve.log"
         self._environment = {"RUNDOWN_SILENCE_S": "2"} | environment
         self.client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=20.0)
 
+    def started(self) -> AbstractContextManager[subprocess.Popen[bytes]]:
+        """The service, on its way to be ready."""
+        flags = ["--database", f"sqlite:///{self.folder / 'rundown.db'}", "--port", str(self.port)]
+        return process(self.log, "serve", *flags, self._network, self.endpoint, **self._environment)
+
     @contextlib.contextmanager
     def running(self) -> Iterator[subprocess.Popen[bytes]]:
         """The service, ready."""
-        flags = ["--database", f"sqlite:///{self.folder / 'rundown.db'}", "--port", str(self.port)]
-        with process(self.log, "serve", *flags, "--zenoh-listen", self.endpoint, **self._environment) as started:
+        with self.started() as started:
             until(lambda: self._ready(started), within_s=30, what="the service is ready")
             yield started
 

@@ -12,6 +12,7 @@ from estimator.keyphasor import (
     InconsistentIntervals,
     KeyphasorError,
     NoPulses,
+    SeveralPulses,
     ShaftAngle,
     Threshold,
     edges,
@@ -189,10 +190,40 @@ def test_what_gives_no_angle_is_named() -> None:
         shaft_angle(np.sort(rng.uniform(0.0, 10.0, 500)))
     with pytest.raises(InconsistentIntervals, match="scatter"):
         shaft_angle(ramp_instants(TURN, 0.0, 200) + rng.normal(0.0, 0.07, 200))
-    with pytest.raises(InconsistentIntervals, match="scatter"):
-        shaft_angle(np.cumsum(np.tile([0.3, 0.7], 40)))
     with pytest.raises(InconsistentIntervals, match="no two intervals"):
-        shaft_angle(np.cumsum(np.tile([1.0, 3.0, 9.0], 40)))
+        shaft_angle(np.cumsum([1.0, 3.0, 9.0, 27.0, 1.0, 9.0, 3.0, 27.0]))
+
+
+@pytest.mark.parametrize("parts", [(0.3, 0.7), (0.49, 0.53), (1.0, 3.0, 9.0), (1.0, 1.0, 1.0, 1.3)])
+@pytest.mark.parametrize("acceleration", [0.0, 5.0])
+def test_several_marks_that_were_not_declared_are_named(parts: tuple[float, ...], acceleration: float) -> None:
+    """Marks at fixed angles of a shaft at 100 rad/s and more."""
+    marks = np.cumsum(parts) / sum(parts)
+    turned = TURN * (np.arange(40)[:, None] + marks).ravel()
+    times = 2.0 * turned / (100.0 + np.sqrt(100.0**2 + 2.0 * acceleration * turned))
+    times = times + np.random.default_rng(6).normal(0.0, 5e-5, times.size)
+    with pytest.raises(SeveralPulses, match=f"repeat every {len(parts)} pulses"):
+        shaft_angle(times)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_one_mark_is_not_taken_for_several(seed: int) -> None:
+    """Jitter of 1 % of a turn, a steep ramp, few turns."""
+    rng = np.random.default_rng(seed)
+    times = ramp_instants(50.0, rng.uniform(-5.0, 5.0), int(rng.integers(9, 40)))
+    assert shaft_angle(times + rng.normal(0.0, 0.01 * TURN / 50.0, times.size)).jitter > 0.0
+
+
+def test_samples_that_are_no_numbers_cost_the_pulses_they_fall_on() -> None:
+    instants = 0.0137 + 0.0413 * np.arange(20)
+    time = np.arange(8500) / 10_000.0
+    signal = trapezoids(time, instants)
+    at = round(instants[7] * 10_000.0)
+    signal[at - 15 : at + 15] = math.nan
+    signal[4300:4305] = math.nan  # between two pulses
+    angle = read_keyphasor(signal, sampling_rate=10_000.0)
+    assert angle.edge_time == pytest.approx(np.delete(instants, 7), abs=1e-9)
+    assert [one.kind for one in angle.repairs] == ["missing"]
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -210,8 +241,10 @@ def test_several_pulses_per_turn_give_the_same_speed() -> None:
 
 
 def test_too_many_repairs_are_no_keyphasor() -> None:
-    """Every fourth pulse missing: each one alone could be bridged."""
+    """Every fourth or fifth pulse missing: each one alone could be bridged."""
     true = ramp_instants(100.0, 0.0, 200)
     with pytest.raises(InconsistentIntervals, match="pulses missing or too many"):
-        shaft_angle(np.delete(true, np.arange(3, 197, 4)))
-    assert len(shaft_angle(np.delete(true, np.arange(3, 197, 8))).repairs) == 25
+        shaft_angle(np.delete(true, np.random.default_rng(8).choice(np.arange(3, 197), 45, replace=False)))
+    # Pulses missing at even distances would be a pattern of several marks.
+    some = np.random.default_rng(9).choice(np.arange(3, 197), 25, replace=False)
+    assert len(shaft_angle(np.delete(true, some)).repairs) >= 20

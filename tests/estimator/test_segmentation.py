@@ -7,12 +7,13 @@ import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from trains import few_examples
 
-from estimator.machine import SpeedRange
+from estimator.machine import Operation, SpeedRange
 from estimator.segmentation import (
     REVERSAL_SPAN,
     START_SPAN,
@@ -89,7 +90,7 @@ def test_a_run_up_begins_with_the_first_sample_in_the_range() -> None:
     samples = every_second([0.0, 150.0, 299.0], ramp(310.0, 2990.0))
     state, events = follow(samples)
     assert words(events) == ["run-up from 3"]
-    assert words(finish(state, reason="enough")[1]) == ["run-up 3 to 52: enough"]
+    assert words(finish(state, LIMITS, reason="enough")[1]) == ["run-up 3 to 52: enough"]
 
 
 def test_a_run_begins_where_the_speed_last_stood() -> None:
@@ -104,24 +105,30 @@ def test_a_hold_is_no_run() -> None:
 
 
 def test_a_run_needs_its_span() -> None:
-    assert told(every_second([1000.0, 1000.0 + 0.999 * START])) == []
-    assert told(every_second([1000.0, 1000.0 + 1.001 * START])) == ["run-up from 0"]
-    assert told(every_second([1000.0, 1000.0 - 1.001 * START])) == ["run-down from 0"]
+    assert told(every_second([1000.0, *[1000.0 + 0.999 * START] * 3])) == []
+    assert told(every_second([1000.0, *[1000.0 + 1.001 * START] * 3])) == ["run-up from 0"]
+    assert told(every_second([1000.0, *[1000.0 - 1.001 * START] * 3])) == ["run-down from 0"]
 
 
 def test_a_run_up_that_turns_back_is_followed_by_a_run_down_from_the_top() -> None:
-    samples = every_second(ramp(310.0, 2500.0), ramp(2450.0, 400.0))
-    assert told(samples) == ["run-up from 0", "run-up 0 to 49: the speed turned back", "run-down from 49"]
+    samples = every_second(ramp(310.0, 2500.0), [2500.0], ramp(2450.0, 400.0))
+    assert told(samples) == ["run-up from 0", "run-up 0 to 49: the speed turned back", "run-down from 50"]
 
 
 def test_a_run_down_that_turns_back_is_followed_by_a_run_up_from_the_bottom() -> None:
-    samples = every_second(ramp(2900.0, 800.0), ramp(840.0, 2900.0))
-    assert told(samples) == ["run-down from 0", "run-down 0 to 49: the speed turned back", "run-up from 49"]
+    samples = every_second(ramp(2900.0, 800.0), [800.0], ramp(840.0, 2900.0))
+    assert told(samples) == ["run-down from 0", "run-down 0 to 49: the speed turned back", "run-up from 50"]
 
 
 def test_one_step_back_may_be_the_next_run_already() -> None:
-    samples = every_second(ramp(2900.0, 800.0), [800.0 + 1.01 * START])
-    assert told(samples) == ["run-down from 0", "run-down 0 to 49: the speed turned back", "run-up from 49"]
+    samples = every_second(ramp(2900.0, 800.0), [800.0, *[800.0 + 1.01 * START] * 2])
+    assert told(samples) == ["run-down from 0", "run-down 0 to 49: the speed turned back", "run-up from 50"]
+
+
+def test_a_sharp_turn_is_placed_to_a_sample() -> None:
+    """The one sample at the very top cannot be told from a wrong reading."""
+    samples = every_second(ramp(310.0, 2500.0), ramp(2450.0, 400.0))
+    assert told(samples) == ["run-up from 0", "run-up 0 to 48: the speed turned back", "run-down from 49"]
 
 
 def test_a_short_hold_between_run_up_and_run_down_belongs_to_neither() -> None:
@@ -136,7 +143,7 @@ def test_a_long_hold_ends_a_run_where_it_began_to_stand() -> None:
 
 
 def test_a_run_stands_for_a_while_and_goes_on() -> None:
-    samples = every_second(ramp(2990.0, 1500.0), [1500.0] * 119, ramp(1490.0, 310.0), [200.0])
+    samples = every_second(ramp(2990.0, 1500.0), [1500.0] * 119, ramp(1490.0, 310.0), [200.0] * 2)
     assert told(samples) == ["run-down from 0", "run-down 0 to 218: the speed left the speed range"]
 
 
@@ -183,16 +190,77 @@ def test_below_the_range_a_pause_or_a_change_of_direction_is_nothing() -> None:
 
 def test_finish_without_a_run_says_nothing() -> None:
     state, _ = follow(every_second([1500.0] * 5))
-    assert finish(state, reason="enough") == (SweepState(), ())
+    assert finish(state, LIMITS, reason="enough") == (SweepState(readings=state.readings.forgotten()), ())
 
 
 @pytest.mark.parametrize("turns", [1, 2, 5])
 def test_every_sweep_of_many_is_one_run(turns: int) -> None:
     sweeps = [sweep for _ in range(turns) for sweep in (ramp(310.0, 2990.0), ramp(2980.0, 310.0))]
-    state, events = follow(every_second(*sweeps, [100.0]))
+    state, events = follow(every_second(*sweeps, [100.0] * 2))
     kinds = [event.kind for event in events if isinstance(event, RunEnded)]
     assert kinds == ["run-up", "run-down"] * turns
     assert state.sweep == 0
+
+
+# --- wrong and noisy readings, heat soaks ---------------------------------------------------------------------------
+
+
+def test_one_wrong_reading_neither_breaks_a_run_nor_makes_one() -> None:
+    sweep = ramp(310.0, 2990.0)
+    for wrong in (0.0, 900.0, 3000.0):
+        samples = every_second([*sweep[:20], wrong, *sweep[20:], *[2990.0] * 300])
+        assert told(samples) == ["run-up from 0", "run-up 0 to 50: the speed stood still"]
+        assert told(every_second([*[2000.0] * 50, wrong, *[2000.0] * 50])) == []
+
+
+def test_a_heat_soak_does_not_end_a_run_up() -> None:
+    samples = every_second(ramp(310.0, 1500.0), [1500.0] * 3500, ramp(1510.0, 2990.0), [2990.0] * 300)
+    assert told(samples) == ["run-up from 0", "run-up 0 to 3599: the speed stood still"]
+
+
+def test_a_longer_hold_on_the_way_ends_a_run_up_where_it_began() -> None:
+    samples = every_second(ramp(310.0, 1500.0), [1500.0] * 3700, ramp(1510.0, 2990.0))
+    assert told(samples) == ["run-up from 0", "run-up 0 to 49: the speed stood still", "run-up from 3749"]
+
+
+def test_the_document_says_how_long_a_hold_may_last() -> None:
+    limits = SweepLimits.of(SpeedRange(minimum_rpm=300, maximum_rpm=3000), Operation(longest_hold_s=600, longest_pause_s=60))
+    assert (limits.hold, limits.gap) == (600 * SECOND, 60 * SECOND)
+
+
+NOISE = [0.0, 0.002, 0.005, 0.01, 0.015]
+"""Standard deviation of a reading, part of the highest speed."""
+
+
+def noisy(rpm: Sequence[float], noise: float, seed: int) -> list[float]:
+    readings = np.asarray(rpm) + 3000.0 * noise * np.random.default_rng(seed).standard_normal(len(rpm))
+    return [max(0.0, reading) for reading in readings.tolist()]
+
+
+@pytest.mark.parametrize("noise", NOISE)
+def test_noise_makes_no_sweep_at_any_sampling_rate(noise: float) -> None:
+    for seed, (step, speed) in enumerate(
+        (step, speed) for step in (0.02, 0.1, 1.0, 10.0) for speed in (800.0, 1800.0, 2950.0)
+    ):
+        samples = [(step * i, reading, 1) for i, reading in enumerate(noisy([speed] * 2000, noise, seed))]
+        assert told(samples) == []
+
+
+@pytest.mark.parametrize("noise", NOISE)
+@pytest.mark.parametrize("step", [0.1, 1.0, 5.0])
+def test_noise_breaks_no_sweep(noise: float, step: float) -> None:
+    """Five minutes each of hold, coast-down, standstill, run-up, hold: two runs, with nearly all of their samples."""
+    count = round(300.0 / step)
+    cycle = [[2900.0] * count, ramp(2900.0, 150.0, count), [0.0] * count, ramp(150.0, 2900.0, count), [2900.0] * count]
+    for seed in range(8 if step >= 1.0 else 2):
+        readings = noisy([speed for stretch in cycle for speed in stretch], noise, seed)
+        _, events = follow([(step * i, reading, 1) for i, reading in enumerate(readings)])
+        ended = [event for event in events if isinstance(event, RunEnded)]
+        assert [event.kind for event in ended] == ["run-down", "run-up"]
+        for event, (first, last) in zip(ended, [(300.0, 583.6), (916.4, 1200.0)], strict=True):
+            assert event.start / SECOND == pytest.approx(first, abs=30 if noise else 3 * step)
+            # At the top of a run-up noise may climb on for a while.
+            assert last - 30 <= event.time / SECOND <= last + (120 if noise else 3 * step)
 
 
 # --- properties -----------------------------------------------------------------------------------------------------
@@ -211,7 +279,7 @@ def test_a_sweep_with_jitter_below_the_hysteresis_is_one_run(jitter: list[float]
     (started,) = events
     assert isinstance(started, RunStarted)
     assert started.kind == ("run-up" if upwards else "run-down")
-    _, (ended,) = finish(state, reason="enough")
+    _, (ended,) = finish(state, LIMITS, reason="enough")
     assert isinstance(ended, RunEnded)
     assert ended.start == started.time
     # All but the ends, where jitter decides which sample was the extreme one.
@@ -240,7 +308,7 @@ def test_a_restart_anywhere_changes_nothing(steps: list[tuple[float, float, int]
     samples = in_time(steps)
     cut = data.draw(st.integers(0, len(samples)))
     before, first = follow(samples[:cut])
-    restored = SweepState(**json.loads(json.dumps(asdict(before))))
+    restored = SweepState.restored(json.loads(json.dumps(asdict(before))))
     assert restored == before
     after, second = follow(samples[cut:], restored)
     assert (after, first + second) == follow(samples)
@@ -250,7 +318,7 @@ def test_a_restart_anywhere_changes_nothing(steps: list[tuple[float, float, int]
 @given(samples_anyhow)
 def test_runs_follow_each_other_and_end_after_they_began(steps: list[tuple[float, float, int]]) -> None:
     state, events = follow(in_time(steps))
-    events += finish(state, reason="enough")[1]
+    events += finish(state, LIMITS, reason="enough")[1]
     assert len(events) % 2 == 0
     last = -1
     for started, ended in zip(events[::2], events[1::2], strict=True):

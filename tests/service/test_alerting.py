@@ -1,6 +1,5 @@
 """Stored alerts: one open per episode, every transition written down and queued once, restarts change nothing."""
 
-import random
 import time
 from typing import Any
 
@@ -9,6 +8,7 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
+from benchmarks.alert_life import check, live
 from service import alerting
 from service.alert_life import Forbidden, Severity, Suppression
 from service.alerting import Finding, Person
@@ -196,59 +196,9 @@ def test_nobody_acknowledges_what_is_closed(plant: Database, found: Identificati
             alerting.shelve(session, row, ANNA, until=time.time_ns() + SECOND)
 
 
-STEPS = ("raise", "danger", "clear", "acknowledge", "reset", "shelve", "unshelve", "suppress", "release", "expire")
-
-
-def step(session: Session, found: IdentificationRow, what: str, *, latching: bool) -> None:
-    row = alerts.open_alert(session, MACHINE, rule=RULE, element=ELEMENT)
-    if what in ("raise", "danger"):
-        raised(session, found, severity=Severity.DANGER if what == "danger" else Severity.ALERT, latching=latching)
-    elif what == "suppress":
-        alerting.suppress(session, MACHINE, Suppression.OUT_OF_SERVICE, ANNA)
-    elif what == "release":
-        held = [one for one in suppressions.in_force(session, MACHINE) if one.kind == Suppression.OUT_OF_SERVICE]
-        if held:
-            alerting.release(session, held[0], ANNA)
-    elif what == "expire":
-        alerting.release_over(session)
-    elif row is not None:
-        {
-            "clear": lambda: alerting.clear_alert(session, row),
-            "acknowledge": lambda: alerting.acknowledge(session, row, ANNA),
-            "reset": lambda: alerting.reset(session, row, ANNA),
-            "shelve": lambda: alerting.shelve(session, row, ANNA, until=time.time_ns() + 1_000_000),
-            "unshelve": lambda: alerting.unshelve(session, row, ANNA),
-        }[what]()
-
-
 @pytest.mark.parametrize("seed", range(3))
-def test_any_life_with_restarts_between_leaves_an_unbroken_history(
-    plant: Database, found: IdentificationRow, seed: int
-) -> None:
-    """A restart is a new connection that knows nothing but the database; a kill in the middle leaves nothing behind."""
-    rng = random.Random(seed)
-    with plant.transaction() as session:
-        deliveries.subscribe(session, kind="webhook", name="historian", target="http://127.0.0.1/", secret=None)
-    for _ in range(150):
-        if rng.random() < 0.1:
-            plant.engine.dispose()
-        killed = rng.random() < 0.1
-        try:
-            with plant.transaction() as session:
-                step(session, found, rng.choice(STEPS), latching=rng.random() < 0.3)
-                if killed:
-                    raise InterruptedError
-        except (Forbidden, InterruptedError):
-            continue
-    with plant.reading() as session:
-        events = session.scalars(select(AlertEventRow).order_by(AlertEventRow.id)).all()
-        assert len(events) > 30
-        for row in session.scalars(select(AlertRow)):
-            own = [event for event in events if event.alert_id == row.id]
-            assert [event.number for event in own] == list(range(1, len(own) + 1))
-            assert len(own) == row.event_count
-            assert [event.state_before for event in own[1:]] == [event.state for event in own[:-1]]
-            assert own[-1].state == row.state
-            assert (row.closed_at is not None) == (row.condition == "normal")
-        queued = session.scalars(select(DeliveryRow.event_id).order_by(DeliveryRow.event_id)).all()
-        assert queued == [event.id for event in events]
+def test_any_life_with_restarts_between_leaves_an_unbroken_history(plant: Database, seed: int) -> None:
+    happened = live(plant, steps=300, seed=seed)
+    assert min(happened["restarts"], happened["kills"], happened["refused"]) > 0
+    kinds = check(plant)
+    assert {"raised", "cleared", "acknowledged", "shelved", "commented"} <= set(kinds)

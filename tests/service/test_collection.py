@@ -59,7 +59,7 @@ def only_run(database: Database) -> RunRow:
 
 
 DOWN, UP = sweep_rpm(2990.0, 310.0), sweep_rpm(310.0, 2990.0)
-STANDSTILL = [250.0]
+STANDSTILL = [250.0] * 2
 
 
 def test_a_run_down_is_open_until_it_is_over(plant: Database, stream: Stream) -> None:

@@ -1,7 +1,9 @@
 """The journal: every sample stored once, whatever comes twice or in pieces; what is missing counted, what is wrong kept
 apart; all of a call or nothing of it; and a restart that nobody notices in the data."""
 
+import shutil
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -30,6 +32,7 @@ from tests.plant import (
     batch,
     few_examples,
     machine,
+    sqlite_url,
     sweep_rpm,
 )
 
@@ -106,31 +109,33 @@ def test_a_gap_is_counted_as_lost(plant: Database, journal: Journal) -> None:
 @few_examples
 @given(st.lists(st.tuples(st.integers(0, 11), st.integers(1, 6), st.booleans()), min_size=1, max_size=8))
 def test_any_pieces_in_any_order_store_each_sample_at_most_once(
-    tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
+    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
 ) -> None:
-    """A sample counts as received, as lost or not at all, and what is not stored is never called received."""
-    database = Database(f"sqlite:///{tmp_path_factory.mktemp('journal') / 'rundown.db'}")
-    with database.transaction() as session:
-        machines.create(session, machine())
+    """Each sample that comes at all is stored, once; what never came is lost, and what came again a duplicate."""
+    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("journal"))))
     journal = Journal(database, Collector())
     waiting: list[Arrived] = []
-    expected: list[int] = []
-    next_number = 0
+    expected: set[int] = set()
+    sent = 0
     for first, size, last_of_call in pieces:
         last = min(first + size, 12)
-        expected += range(max(first, next_number), last)
-        next_number = max(next_number, last)
+        expected |= set(range(first, last))
+        sent += last - first
         waiting.append(arrived(piece(first, last)))
         if last_of_call:
             journal.store(waiting, [])
             waiting = []
     journal.store(waiting, [])
-    assert numbers(database) == expected
-    next_sequence, received, _, lost = counts(database)
-    database.close()
-    assert next_sequence == next_number
+    assert numbers(database) == sorted(expected)
+    next_sequence, received, duplicates, lost = counts(database)
+    assert next_sequence == max(expected) + 1
     assert received == len(expected)
     assert received + lost == next_sequence
+    assert received + duplicates == sent
+    with database.reading() as session:
+        missing = sample_store.source(session, MONITOR).missing or []
+    assert {n for first, last, *_ in missing for n in range(first, last + 1)} == set(range(next_sequence)) - expected
+    database.close()
 
 
 def test_the_next_sequence_outlives_the_service(plant: Database, journal: Journal) -> None:
@@ -348,7 +353,7 @@ def test_an_absurd_sequence_is_rejected_and_deafens_nothing(plant: Database, jou
 def test_a_run_told_again_by_a_new_start_counts_each_instant_once(plant: Database, journal: Journal) -> None:
     sweep = sweep_rpm(2900.0, 310.0, 60)
     store(journal, batch(sweep[:30], epoch=1))
-    store(journal, batch([*sweep, 200.0], epoch=2))
+    store(journal, batch([*sweep, 200.0, 200.0], epoch=2))
     with plant.reading() as session:
         (run,) = runs.of_machine(session, KEY.machine)
         kept = runs.samples(session, run.id)

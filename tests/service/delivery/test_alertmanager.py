@@ -122,4 +122,4 @@ def test_an_unreachable_alertmanager_keeps_its_deliveries(
     with plant.reading() as session:
         (row,) = deliveries.of_subscription(session, subscription, limit=9)
         assert row.state == "pending"
-        assert "ConnectError" in (row.answer or "")
+        assert "ClientConnectorError" in (row.answer or "")

@@ -55,7 +55,7 @@ def test_private_targets_are_refused_unless_allowed(url: str) -> None:
 def test_a_network_that_the_operator_names_is_allowed_and_no_other() -> None:
     found = asyncio.run(checked("http://localhost:8000/hook?a=1", (*LOOPBACK, ipaddress.ip_network("::1/128"))))
     assert str(found.url) in ("http://127.0.0.1:8000/hook?a=1", "http://[::1]:8000/hook?a=1")
-    assert found.host == "localhost:8000"
+    assert found.host_header == "localhost:8000"
     with pytest.raises(TargetRefused, match="RUNDOWN_DELIVERY_NETWORKS"):
         asyncio.run(checked("http://10.0.0.1/", LOOPBACK))
 

@@ -1,0 +1,58 @@
+"""Which samples of a stretch make a run: captured by change of speed and by time, and thinned where there are far too many.
+
+A fit gains little from more than some hundreds of speeds and takes longer with each. Samples are picked, not averaged: a mean
+over a band of speeds is no steady state at any of them where the response curves, and its error is not what the source or the
+document says of a sample's. `python -m benchmarks.capture` shows both.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.condensation import Floats
+
+Indices = NDArray[np.intp]
+
+LARGEST_COUNT = 1000
+"""A run of more samples is thinned to about so many."""
+
+
+def captured(
+    *, time: NDArray[np.int64], speed: Floats, delta_speed: float | None = None, delta_time: int | None = None
+) -> Indices:
+    """Indices of the samples to keep: the first, and each that differs enough from the last one kept.
+
+    time: (S,) [ns], ascending. speed: (S,) [rad/s]. delta_speed [rad/s], delta_time [ns]: enough is either of them; without
+    both every sample is kept.
+    """
+    if delta_speed is None and delta_time is None:
+        return np.arange(time.size)
+    change = np.inf if delta_speed is None else delta_speed
+    wait = np.inf if delta_time is None else delta_time
+    kept: list[int] = []
+    last_time, last_speed = 0, 0.0
+    for i, (moment, value) in enumerate(zip(time.tolist(), speed.tolist(), strict=True)):
+        if not kept or abs(value - last_speed) >= change or moment - last_time >= wait:
+            kept.append(i)
+            last_time, last_speed = moment, value
+    return np.array(kept, dtype=np.intp)
+
+
+def thinned(*, time: NDArray[np.int64], speed: Floats, count: int = LARGEST_COUNT) -> Indices:
+    """Indices of at most `count` samples, all where there are no more: even along the path in speed and time together.
+
+    time: (S,) [ns], ascending. speed: (S,) [rad/s]. Half of the path is change of speed, half time: a resonance crossed fast
+    keeps its share, and so does a long hold.
+    """
+    if time.size <= count:
+        return np.arange(time.size)
+    path = _share(np.abs(np.diff(speed))) + _share(np.diff(time).astype(float))
+    wanted = np.linspace(0.0, path[-1], count)
+    after = np.clip(np.searchsorted(path, wanted), 1, path.size - 1)
+    nearer = wanted - path[after - 1] < path[after] - wanted
+    return np.unique(np.where(nearer, after - 1, after))
+
+
+def _share(steps: Floats) -> Floats:
+    """How much of the sum of the steps lies before each sample, from 0 to 1; 0 where there are none."""
+    total = float(steps.sum())
+    return np.concatenate([[0.0], np.cumsum(steps) / total if total > 0 else np.zeros(steps.size)])

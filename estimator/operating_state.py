@@ -1,0 +1,175 @@
+"""What a machine is doing: stopped, in slow roll, running up, at speed, running down, tripped; and since when.
+
+A pure state machine on top of `estimator.segmentation`: `advance` takes the state so far and one sample and returns the next
+state and what happened. The state is plain data, stored with the samples, so that a restart goes on exactly.
+
+A trip is a run-down from the upper half of the speed range whose deceleration over its first tenth of that range is beyond
+what the machine's document calls controlled. Without such a number it is compared with the machine's own earlier run-downs
+from speed: a trip is TRIP_RATIO times as fast as their median, and the first few are never called one.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from statistics import median
+from typing import Any, Literal
+
+from estimator.machine import Machine
+from estimator.segmentation import AT_REST, RunEnded, RunEvent, SweepLimits, SweepState, finish, is_leaving, thresholds
+from estimator.segmentation import advance as advance_sweep
+from estimator.units import rpm_to_rad_per_s
+
+Mode = Literal["unknown", "stopped", "slow roll", "run-up", "at speed", "run-down", "trip"]
+
+STOPPED_PART = 0.01
+"""Below this part of its maximum speed a machine stands still, unless its document says otherwise."""
+TURNING_AGAIN = 1.5
+"""It turns again above this many times that speed."""
+TRIP_SPAN = 0.1
+"""Part of the speed range over which the deceleration of a run-down from speed is measured."""
+FROM_SPEED = 0.5
+"""A run-down from above this part of the speed range is one from speed."""
+TRIP_RATIO = 2.0
+"""So many times the usual deceleration is a trip, where the document does not say what is controlled."""
+USUAL_RUNS, FEWEST_RUNS = 9, 3
+"""What is usual is the median of so many run-downs, and known from so many on."""
+
+
+@dataclass(frozen=True)
+class OperatingLimits:
+    """What the states of one machine are told apart by.
+
+    stopped: [rad/s]. controlled: fastest controlled deceleration [rad/s²], None to compare with earlier run-downs.
+    """
+
+    sweep: SweepLimits
+    stopped: float
+    controlled: float | None
+
+    @classmethod
+    def of(cls, machine: Machine) -> "OperatingLimits":
+        """The limits that a machine's document implies."""
+        given = machine.operation
+        below = given.stopped_below_rpm or STOPPED_PART * machine.speed_range.maximum_rpm
+        controlled = given.controlled_deceleration_rpm_per_s
+        return cls(
+            SweepLimits.of(machine.speed_range, given),
+            rpm_to_rad_per_s(below),
+            None if controlled is None else rpm_to_rad_per_s(controlled),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingState:
+    """What is remembered between samples. Times [ns], speeds [rad/s].
+
+    mode, since: what the machine does and since when; unknown before the first sample and after a silence. judged: whether
+    the run-down in progress was compared with what is controlled. decelerations: of the last controlled run-downs from speed
+    [rad/s²], oldest first.
+    """
+
+    mode: Mode = "unknown"
+    since: int = 0
+    judged: bool = False
+    decelerations: tuple[float, ...] = ()
+    sweep: SweepState = AT_REST
+
+    @classmethod
+    def restored(cls, stored: Mapping[str, Any]) -> "OperatingState":
+        """From what `dataclasses.asdict` made of it, by way of JSON or not."""
+        known = {field.name: stored[field.name] for field in fields(cls) if field.name in stored}
+        known["decelerations"] = tuple(known.get("decelerations", ()))
+        known["sweep"] = SweepState.restored(known.get("sweep", {}))
+        return cls(**known)
+
+
+@dataclass(frozen=True)
+class ModeChanged:
+    """The machine does something else since `time` [ns]; speed: then, as far as known [rad/s]."""
+
+    time: int
+    mode: Mode
+    speed: float | None
+
+
+Event = RunEvent | ModeChanged
+
+
+def advance(
+    state: OperatingState, limits: OperatingLimits, *, time: int, speed: float, direction: int
+) -> tuple[OperatingState, tuple[Event, ...]]:
+    """Take one sample, later than all before it: time [ns], spin speed [rad/s], direction +1 or -1."""
+    sweep, events = advance_sweep(state.sweep, limits.sweep, time=time, speed=speed, direction=direction)
+    return _told(replace(state, sweep=sweep), limits, events)
+
+
+def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> tuple[OperatingState, tuple[Event, ...]]:
+    """No more samples came for a while: the run in progress ends, and what the machine does is unknown."""
+    last = state.sweep.readings.last_time
+    sweep, events = finish(state.sweep, limits.sweep, reason=reason)
+    state = replace(state, sweep=sweep)
+    if state.mode == "unknown":
+        return state, events
+    state, changed = _changed(state, "unknown", max(state.since, last or 0), None)
+    return state, (*events, *changed)
+
+
+def _told(
+    state: OperatingState, limits: OperatingLimits, events: tuple[RunEvent, ...]
+) -> tuple[OperatingState, tuple[Event, ...]]:
+    """What the mode becomes after a sample, put behind the events of its sweep."""
+    told: tuple[Event, ...] = events
+    time, speed = state.sweep.believed_time, state.sweep.believed_speed
+    if any(isinstance(event, RunEnded) for event in events):
+        state = replace(state, judged=False)
+    mode = _mode(state, limits, speed)
+    if mode == "run-down" and state.mode != "trip":
+        state, tripped = _judged(state, limits, time, speed)
+        if tripped:
+            mode = "trip"
+    elif mode == "run-down" and not events:
+        mode = "trip"
+    if mode == state.mode:
+        return state, told
+    began = state.sweep.run_start if state.sweep.sweep else time
+    state, changed = _changed(state, mode, max(state.since, began), speed)
+    return state, (*told, *changed)
+
+
+def _changed(
+    state: OperatingState, mode: Mode, time: int, speed: float | None
+) -> tuple[OperatingState, tuple[ModeChanged, ...]]:
+    return replace(state, mode=mode, since=time), (ModeChanged(time, mode, speed),)
+
+
+def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
+    """By the speed and the sweep alone; a trip counts as a run-down."""
+    if state.sweep.sweep:
+        return "run-up" if state.sweep.sweep > 0 else "run-down"
+    standing = limits.stopped * (TURNING_AGAIN if state.mode == "stopped" else 1.0)
+    if speed < standing:
+        return "stopped"
+    # From below the range the machine is at speed only once it has left the lower end clearly behind and settled.
+    below = state.mode in ("stopped", "slow roll")
+    turning = state.mode != "unknown" and is_leaving(state.sweep, limits.sweep)
+    start = thresholds(state.sweep, limits.sweep)[0]
+    if speed < limits.sweep.minimum + (start if below else 0.0) or (below and turning):
+        return "slow roll"
+    return state.mode if turning else "at speed"
+
+
+def _judged(state: OperatingState, limits: OperatingLimits, time: int, speed: float) -> tuple[OperatingState, bool]:
+    """Whether the run-down in progress is a trip, asked once, as soon as it has covered enough."""
+    top, sweep = state.sweep.high_speed, limits.sweep
+    covered = top - speed
+    if state.judged or covered < max(sweep.span(TRIP_SPAN), thresholds(state.sweep, sweep)[0]):
+        return state, False
+    state = replace(state, judged=True)
+    if top < sweep.minimum + sweep.span(FROM_SPEED) or time <= state.sweep.run_start:
+        return state, False
+    deceleration = covered / ((time - state.sweep.run_start) / 1e9)
+    controlled = limits.controlled
+    if controlled is None and len(state.decelerations) >= FEWEST_RUNS:
+        controlled = TRIP_RATIO * median(state.decelerations)
+    if controlled is not None and deceleration > controlled:
+        return state, True
+    return replace(state, decelerations=(*state.decelerations, deceleration)[-USUAL_RUNS:]), False

@@ -1,0 +1,85 @@
+"""How well a block's phasor is known, from what the block's own residual holds in the neighbourhood of the order.
+
+The phasor is the mean of the waveform turned back by the shaft's angle, so its error is the residual's spectral density at
+the order itself. What lies at other frequencies, such as harmonics, does not reach it; a line within a few blocks' widths
+(mains hum) and errors of the shaft's angle (the keyphasor's jitter) do, and show beside the order.
+"""
+
+import math
+
+import numpy as np
+import scipy.fft
+
+from estimator.condensation import Complexes, Floats
+
+BINS = 16
+"""Frequencies on each side of the order, 1/T apart for blocks of length T, that make its neighbourhood."""
+FEWEST_BINS = 4
+"""With fewer, in blocks of less than ten turns, the residual is taken to be white."""
+LINE = 3.0
+"""The component next to the order so many times above the density is a line: noise does that in one of twenty blocks."""
+LARGEST_LEAKAGE = 2.0
+"""Most that a line adds to the phasor, as a multiple of that component's power: reached for a line 0.6 bins away, below
+which block and line cannot be told apart."""
+DISTINCT_PART = 0.25
+"""Different values among the samples of a waveform: more are not counted as steps of a converter."""
+STEP_SAMPLES = 2_000
+"""Samples of a waveform that are looked at for steps."""
+
+
+def local_variance(residual: Floats, *, angle_cosine: Floats, angle_sine: Floats, turns: float) -> Floats | None:
+    """Variance (C,) of white noise that would be as strong near the order as the residual (C, N) is.
+
+    angle_cosine, angle_sine: (N,) of the order's angle, which makes `turns` turns of the shaft in the block. None for blocks
+    so short that the order has no neighbourhood.
+    """
+    bins = min(BINS, int(turns / 2.0) - 1)
+    if bins < FEWEST_BINS:
+        return None
+    size = residual.shape[1]
+    spectrum: Complexes = scipy.fft.fft(residual * (angle_cosine - 1j * angle_sine), axis=1)
+    above, below = spectrum[:, 1 : bins + 1], spectrum[:, -1 : -bins - 1 : -1]
+    # The fit has taken the linear trend out: 6/(πk)² of the odd half of component k.
+    left = 1.0 - 3.0 / (math.pi * np.arange(2, bins + 1)) ** 2
+    power = np.concatenate([np.abs(above[:, 1:]) ** 2 / left, np.abs(below[:, 1:]) ** 2 / left], axis=1)
+    density = np.median(power, axis=1) / _median_of_exponential(power.shape[1])
+    # Only what is even about the middle moves the phasor there; the spectrum counts time from the block's begin.
+    first, second = ((-1) ** k * (above[:, k - 1] + below[:, k - 1]) / math.sqrt(2.0) for k in (1, 2))
+    nearest = np.abs(first) ** 2
+    line = np.minimum(_leakage(first, second), LARGEST_LEAKAGE * nearest)
+    return np.asarray(np.where(nearest > LINE * density, density + line, density) / size)
+
+
+def _leakage(first: Complexes, second: Complexes) -> Floats:
+    """Power (C,) that a single line adds to the mean, from the even components one and two bins away.
+
+    A line ν bins away with mean s has there (-1)^k √2 s ν²/(ν² - k²): ν goes out of the two.
+    """
+    together = first + 4.0 * second
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = np.where(together == 0.0, math.inf, np.abs(first * second) / np.abs(together))
+    return np.asarray(4.5 * mean**2)
+
+
+def quantisation_error(signal: Floats, *, amplitude: float, variance: float) -> float:
+    """Rms error of an amplitude that a converter's steps bring about, as the amplitude moves against the steps.
+
+    signal: (N,). amplitude: of the 1×. variance: of the residual. The fundamental of a sine through a staircase with steps q
+    is off by (2q/π) Σ (-1)^m J₁(2πmA/q)/m; its rms over A is 0.157 q √(q/A). Noise of a third of a step smooths it out. Zero
+    for a waveform without steps.
+    """
+    some = signal[:STEP_SAMPLES]
+    values = np.unique(some)
+    if not 2 <= values.size <= DISTINCT_PART * some.size or amplitude <= 0.0:
+        return 0.0
+    step = float(np.min(np.diff(values)))
+    noise = max(0.0, variance - step**2 / 12.0)
+    smoothed = math.exp(-2.0 * math.pi**2 * noise / step**2)
+    return 0.157 * step * math.sqrt(min(1.0, step / amplitude)) * smoothed
+
+
+def _median_of_exponential(count: int) -> float:
+    """Expected median of an even number of independent exponential values of mean 1, from those of the two middle ones."""
+    half = count // 2
+    lower = sum(1.0 / (count - place) for place in range(half))
+    return lower + 0.5 / half

@@ -1,0 +1,104 @@
+"""What each machine is doing, since when, and what it did before."""
+
+from datetime import datetime
+from typing import Literal
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+from sqlalchemy.orm import Session
+
+from estimator.machine import Machine
+from estimator.operating_state import Mode
+from estimator.units import rad_per_s_to_rpm
+from service.api import rendering
+from service.api.access import From, Limit, MachineId, Reading, To, moment
+from service.api.problems import RESPONSES
+from service.collection import Standing, standing
+from storage import machines, runs
+from storage.clock import to_datetime
+
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
+
+
+class OpenRun(BaseModel):
+    """The run that is being collected."""
+
+    id: int
+    kind: str
+    started_at: datetime
+    progress: float = Field(description="part of the speed range that lies behind it, 0 to 1")
+
+
+class MachineState(BaseModel):
+    """What a machine is doing, by its newest samples."""
+
+    machine: str
+    state: Mode = Field(description="unknown before the first sample and after a silence")
+    since: datetime | None
+    speed_rpm: float | None = Field(description="of the newest sample")
+    direction: Literal["positive", "negative"] | None = Field(description="positive turns +x towards +y")
+    newest_sample_at: datetime | None
+    run: OpenRun | None
+
+
+class PastState(BaseModel):
+    """A state that a machine entered."""
+
+    state: Mode
+    since: datetime
+    speed_rpm: float | None = Field(description="when it was noticed")
+
+
+@router.get("/{machine_id}/state", operation_id="read_machine_state")
+def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
+    """Stopped, slow roll, run-up, at speed, run-down or trip; the open run and how far it has come."""
+    machine = machines.document(session, machine_id)
+    now = standing(session, machine_id)
+    if now is None:
+        return MachineState(
+            machine=machine_id, state="unknown", since=None, speed_rpm=None, direction=None, newest_sample_at=None, run=None
+        )
+    last = now.operating.sweep.readings.last_time
+    return MachineState(
+        machine=machine_id,
+        state=now.operating.mode,
+        since=to_datetime(now.operating.since) if now.operating.since else None,
+        speed_rpm=rad_per_s_to_rpm(now.operating.sweep.readings.last_speed) if last is not None else None,
+        direction=rendering.direction(now.direction),
+        newest_sample_at=to_datetime(now.seen),
+        run=_open_run(session, machine, now),
+    )
+
+
+def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | None:
+    row = runs.current(session, machine.id)
+    if row is None:
+        return None
+    limits, sweep = machine.speed_range, now.operating.sweep
+    part = (rad_per_s_to_rpm(sweep.believed_speed) - limits.minimum_rpm) / (limits.maximum_rpm - limits.minimum_rpm)
+    part = min(1.0, max(0.0, part))
+    return OpenRun(
+        id=row.id,
+        kind=row.kind,
+        started_at=to_datetime(row.time_first),
+        progress=part if row.kind == "run-up" else 1.0 - part,
+    )
+
+
+@router.get("/{machine_id}/states", operation_id="list_machine_states")
+def list_machine_states(
+    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
+) -> list[PastState]:
+    """States entered in a time range, newest first. Samples that come late change runs, not this history."""
+    machines.get(session, machine_id)
+    rows = runs.states(session, machine_id, first=moment(first), last=moment(last), limit=limit)
+    return [
+        PastState.model_validate(
+            {
+                "state": row.mode,
+                "since": to_datetime(row.since),
+                "speed_rpm": None if row.speed is None else rad_per_s_to_rpm(row.speed),
+            }
+        )
+        for row in rows
+    ]

@@ -1,0 +1,99 @@
+"""`GET /metrics`: how the service is doing, as OpenMetrics text for a monitoring system to scrape.
+
+The counts are those of the store, so a restart does not set them back.
+"""
+
+from collections.abc import Iterable, Mapping
+
+from fastapi import APIRouter, Request, Response
+from prometheus_client.core import CollectorRegistry, CounterMetricFamily, GaugeMetricFamily, Metric
+from prometheus_client.openmetrics.exposition import CONTENT_TYPE_LATEST, generate_latest
+from prometheus_client.registry import Collector
+
+from service.api.access import Reading
+from storage import jobs, quarantine, samples
+from storage.clock import now
+from storage.samples import Totals
+
+router = APIRouter(tags=["operations"])
+
+LARGEST_MACHINE_COUNT = 1_000
+"""Machines that are told apart; …"""
+OTHERS = "*"
+"""… the label of all further ones together, which no machine can have as its id."""
+
+
+class _Figures(Collector):
+    """One scrape: families of metrics from figures that were read before."""
+
+    def __init__(
+        self, totals: list[Totals], rejected: Mapping[str, int], by_state: Mapping[str, int], gauges: Mapping[str, int]
+    ) -> None:
+        self._totals = totals
+        self._rejected = rejected
+        self._by_state = by_state
+        self._gauges = gauges
+
+    def collect(self) -> Iterable[Metric]:
+        """The families, in the order in which they are written."""
+        received = CounterMetricFamily("rundown_samples_received", "samples stored", labels=["machine"])
+        duplicates = CounterMetricFamily("rundown_samples_duplicate", "samples that came again", labels=["machine"])
+        late = CounterMetricFamily("rundown_samples_late", "samples older than what was known", labels=["machine"])
+        lost = GaugeMetricFamily("rundown_samples_lost", "samples that never came; some may yet", labels=["machine"])
+        age = GaugeMetricFamily(
+            "rundown_newest_sample_age_seconds", "since the newest sample was taken, by its source's clock", labels=["machine"]
+        )
+        moment = now()
+        for one in self._totals:
+            labels = [one.machine_id]
+            received.add_metric(labels, one.received)
+            duplicates.add_metric(labels, one.duplicates)
+            late.add_metric(labels, one.late)
+            lost.add_metric(labels, one.lost)
+            if one.last_time:
+                age.add_metric(labels, (moment - one.last_time) / 1e9)
+        yield from (received, duplicates, late, lost, age)
+        rejected = CounterMetricFamily("rundown_rejected", "messages, samples and values not taken", labels=["reason"])
+        for reason, count in self._rejected.items():
+            rejected.add_metric([reason], count)
+        yield rejected
+        by_state = GaugeMetricFamily("rundown_identification_jobs", "identification jobs", labels=["state"])
+        for state, count in self._by_state.items():
+            by_state.add_metric([state], count)
+        yield by_state
+        for name, value in self._gauges.items():
+            yield GaugeMetricFamily(name, _GAUGES[name], value=value)
+
+
+_GAUGES = {
+    "rundown_ingest_queue_messages": "messages from zenoh that waited when the ingest last looked",
+    "rundown_http_queue_batches": "batches from HTTP that wait",
+    "rundown_ingest_storing": "1 while samples can be stored",
+}
+
+
+@router.get("/metrics", operation_id="read_metrics", response_class=Response)
+def read_metrics(request: Request, session: Reading) -> Response:
+    """Counters and gauges as OpenMetrics text."""
+    state = request.app.state
+    gauges = {}
+    if state.depth is not None:
+        gauges["rundown_ingest_queue_messages"] = state.depth()
+    if state.submissions is not None:
+        gauges["rundown_http_queue_batches"] = len(state.submissions)
+        gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
+    totals = _bounded(samples.totals(session))
+    registry = CollectorRegistry(auto_describe=False)
+    registry.register(_Figures(totals, quarantine.counts(session), jobs.count(session), gauges))
+    return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
+
+
+def _bounded(totals: list[Totals]) -> list[Totals]:
+    """At most LARGEST_MACHINE_COUNT machines, and the others as one."""
+    shown, others = totals[:LARGEST_MACHINE_COUNT], totals[LARGEST_MACHINE_COUNT:]
+    if others:
+        received, duplicates, lost, late = (
+            sum(getattr(one, name) for one in others) for name in ("received", "duplicates", "lost", "late")
+        )
+        shown.append(Totals(OTHERS, received, duplicates, lost, late, last_time=0))
+    return shown

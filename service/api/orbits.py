@@ -1,0 +1,124 @@
+"""1× orbits of a run at the stations whose probes see both axes, and what they tell of the wiring."""
+
+from typing import Annotated
+
+import numpy as np
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+
+from estimator.condensation import Floats
+from estimator.orbit import Finding, StationOrbits, orbit_findings, station_orbits
+from estimator.probe_axes import probe_stations
+from estimator.slow_roll import corrected
+from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
+from service.api.access import Number, Reading
+from service.api.corrections import SlowRollChoice, chosen, run_samples
+from service.api.problems import RESPONSES
+
+router = APIRouter(tags=["measurements"], responses=RESPONSES)
+
+UNDETERMINED_DEG = 45.0
+"""An inclination with a larger standard error than this is not told."""
+
+
+class AxisPhasor(BaseModel):
+    """A displacement along an axis, 0-to-peak [µm], x(t) = Re((real + j imaginary) e^{jωt})."""
+
+    real_um: float
+    imaginary_um: float
+
+
+class OrbitOut(BaseModel):
+    """The 1× orbit at one station in the sample nearest to the speed asked for; errors are standard errors."""
+
+    shaft: str
+    station: float = Field(description="[m] from the shaft's driver-side end")
+    channels: list[str]
+    angles_condition: float = Field(description="condition number of the probes' angles, 1 at right angles")
+    speed_rpm: float
+    x: AxisPhasor
+    y: AxisPhasor
+    semi_major_um: float
+    semi_major_error_um: float
+    semi_minor_um: float = Field(description="positive with the rotation, negative against it")
+    semi_minor_error_um: float
+    inclination_deg: float | None = Field(description="of the major axis, from +x towards +y; null for too round an orbit")
+    inclination_error_deg: float | None
+    sense: str = Field(description="forward, backward, or undecided where the orbit is too flat for the noise")
+
+
+class FindingOut(BaseModel):
+    """What the orbits show of the wiring, or cannot show."""
+
+    code: str
+    channels: list[str]
+    words: str
+
+
+class Orbits(BaseModel):
+    """Orbits of a run near one speed. A station without an orbit has one axis only, or no good sample."""
+
+    run: int
+    asked_rpm: float
+    slow_roll_version: int | None
+    orbits: list[OrbitOut]
+    without: list[list[str]] = Field(description="channels of the stations that have no orbit")
+    findings: list[FindingOut]
+
+
+@router.get("/runs/{run_id}/orbits", operation_id="read_orbits")
+def read_orbits(
+    session: Reading,
+    run_id: Number,
+    rpm: Annotated[float, Query(gt=0, lt=1e6, description="speed; the nearest sample with all it takes is used")],
+    slow_roll: SlowRollChoice = "none",
+) -> Orbits:
+    """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
+    machine, held = run_samples(session, run_id)
+    version, vectors, _ = chosen(session, machine, slow_roll)
+    measurement = held.measurement()
+    described, without = (machine, measurement) if vectors is None else corrected(machine, measurement, vectors)
+    nearest = [(one, _nearest(one, without.speed, rpm_to_rad_per_s(rpm))) for one in station_orbits(described, without)]
+    seen = {one.place.channels for one, sample in nearest if sample is not None}
+    return Orbits(
+        run=run_id,
+        asked_rpm=rpm,
+        slow_roll_version=version,
+        orbits=[_rendered(one, sample, without.speed) for one, sample in nearest if sample is not None],
+        without=[list(place.channels) for place in probe_stations(machine) if place.channels not in seen],
+        findings=[_finding(one) for one in orbit_findings(machine, measurement)],
+    )
+
+
+def _nearest(orbits: StationOrbits, speed: Floats, wanted: float) -> int | None:
+    known = np.flatnonzero(np.isfinite(orbits.semi_major))
+    return None if known.size == 0 else int(known[np.argmin(np.abs(speed[known] - wanted))])
+
+
+def _rendered(one: StationOrbits, sample: int, speed: Floats) -> OrbitOut:
+    def micrometres(values: Floats) -> float:
+        return float(values[sample]) / METRES["um"]
+
+    x, y = complex(one.x[sample]) / METRES["um"], complex(one.y[sample]) / METRES["um"]
+    error = float(one.inclination_error[sample]) / RADIANS["deg"]
+    told = error <= UNDETERMINED_DEG
+    return OrbitOut(
+        shaft=one.place.shaft,
+        station=one.place.station,
+        channels=list(one.place.channels),
+        angles_condition=one.place.condition,
+        speed_rpm=rad_per_s_to_rpm(float(speed[sample])),
+        x=AxisPhasor(real_um=x.real, imaginary_um=x.imag),
+        y=AxisPhasor(real_um=y.real, imaginary_um=y.imag),
+        semi_major_um=micrometres(one.semi_major),
+        semi_major_error_um=micrometres(one.semi_major_error),
+        semi_minor_um=micrometres(one.semi_minor),
+        semi_minor_error_um=micrometres(one.semi_minor_error),
+        inclination_deg=float(one.inclination[sample]) / RADIANS["deg"] if told else None,
+        inclination_error_deg=error if told else None,
+        sense=one.sense(sample),
+    )
+
+
+def _finding(one: Finding) -> FindingOut:
+    return FindingOut(code=one.code, channels=list(one.channels), words=one.words)

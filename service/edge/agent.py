@@ -1,0 +1,266 @@
+"""The agent: waveforms → blocks → samples → log → network, and how it is doing."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from estimator.channel_status import ChannelStatus
+from estimator.keyphasor import Threshold
+from estimator.order_tracking import Block
+from estimator.units import rad_per_s_to_rpm
+from estimator.waveform_fault import UNUSABLE
+from service.edge.blocks import BlockSettings, BlockStream, Outcome, Position
+from service.edge.condition import Conditions, Found
+from service.edge.configuration import EdgeConfiguration, InputFile
+from service.edge.files import read_chunks
+from service.edge.topic import Topic
+from service.source import Source
+from service.source_log import LogError
+from service.wire import WIRE_SCHEMA, SampleBatch
+
+logger = logging.getLogger(__name__)
+
+BATCH_SAMPLES = 20
+"""Samples in one message, …"""
+BATCH_S = 0.2
+"""… or what has come in so long."""
+LOG_RETRY_S = 0.5
+"""Pause after the log refused a batch."""
+
+
+class Progress(msgspec.Struct, kw_only=True):
+    """How far the agent has come: the position that its log keeps with each batch.
+
+    time_ns: of the last sample; nothing that is not later is ever published again. file: that is being read, as configured;
+    place: where in it, None when it is done with. mark in place: see `blocks.Position`.
+    """
+
+    time_ns: int = 0
+    file: str | None = None
+    place: Position | None = None
+
+
+class Agent:
+    """Works off the configured input and publishes what comes of it. The source's log tells where it was."""
+
+    def __init__(self, configuration: EdgeConfiguration, source: Source) -> None:
+        self.conditions = Conditions()
+        self._configuration = configuration
+        self._source = source
+        self._settings = block_settings(configuration)
+        self._factors = np.array(configuration.factors)
+        self._progress = Progress()
+        if source.log.position is not None:
+            self._progress = msgspec.json.decode(source.log.position, type=Progress)
+        self._batch: SampleBatch | None = None
+        self._batch_began = 0.0
+        self._pace_began: tuple[float, int] | None = None
+        self._samples = 0
+        self._blocks = 0
+
+    def read_files(self, stop: threading.Event, *, speedup: float | None = None) -> None:
+        """All files of the configuration from where it was, or until `stop`. speedup: over real time, if it is to be paced."""
+        files = self._configuration.waveforms.files
+        names = [str(file.path) for file in files]
+        at = names.index(self._progress.file) if self._progress.file in names else 0
+        for file in files[at:]:
+            place = self._progress.place if self._progress.file == str(file.path) else None
+            if self._progress.file == str(file.path) and place is None:
+                continue  # done with
+            logger.info("reading %s", file.path)
+            self._read(file, place, stop, speedup)
+            if stop.is_set():
+                return
+            self._publish(stop)
+        self._settle(stop)
+
+    def follow(self, topic: Topic, stop: threading.Event) -> None:
+        """What comes on a topic, until `stop`."""
+        stream = BlockStream(self._settings)
+        for chunk in topic.chunks(stop):
+            if chunk is not None:
+                for outcome in stream.feed(chunk):
+                    self._take(outcome, self._progress_at(None, None), stop)
+            if self._batch is not None and time.monotonic() - self._batch_began > BATCH_S:
+                self._publish(stop)
+        for outcome in stream.finish():
+            self._take(outcome, self._progress_at(None, None), stop)
+        self._publish(stop)
+
+    def status(self) -> dict[str, Any]:
+        """How it is doing."""
+        log = self._source.log.status()
+        return {
+            "source": self._source.name,
+            "epoch": log.epoch,
+            "next_sequence": log.next_sequence,
+            "time_ns": self._progress.time_ns,
+            "file": self._progress.file,
+            "blocks": self._blocks,
+            "samples": self._samples,
+            "log": {name: value for name, value in asdict(log).items() if name not in ("epoch", "next_sequence")},
+            **self.conditions.report(),
+        }
+
+    def _read(self, file: InputFile, place: Position | None, stop: threading.Event, speedup: float | None) -> None:
+        stream = BlockStream(self._settings, place)
+        waveforms = self._configuration.waveforms
+        anchor = None if place is None else (place.anchor, place.anchor_ns)
+        chunks = read_chunks(
+            file, waveforms, self._configuration.columns, self.conditions, first=stream.first_needed(), anchor=anchor
+        )
+        for chunk in chunks:
+            for outcome in stream.feed(chunk):
+                if not self._paced(outcome.time_ns, stop, speedup):
+                    return
+                self._take(outcome, self._progress_at(file.path, outcome.position), stop)
+        for outcome in stream.finish():
+            if not self._paced(outcome.time_ns, stop, speedup):
+                return
+            self._take(outcome, self._progress_at(file.path, outcome.position), stop)
+        self.conditions.block([])
+        self._progress = self._progress_at(file.path, None)
+
+    def _progress_at(self, file: Path | None, place: Position | None) -> Progress:
+        return Progress(time_ns=self._progress.time_ns, file=None if file is None else str(file), place=place)
+
+    def _paced(self, time_ns: int, stop: threading.Event, speedup: float | None) -> bool:
+        """Wait until it is a block's turn; False when the agent is to stop."""
+        if speedup is not None:
+            if self._pace_began is None:
+                self._pace_began = time.monotonic(), time_ns
+            due = self._pace_began[0] + (time_ns - self._pace_began[1]) / 1e9 / speedup
+            if due - time.monotonic() > 0.0:
+                self._publish(stop)
+                stop.wait(due - time.monotonic())
+        return not stop.is_set()
+
+    def _take(self, outcome: Outcome, progress: Progress, stop: threading.Event) -> None:
+        """One outcome, in order."""
+        self._blocks += 1
+        found = list(outcome.found)
+        if outcome.block is not None:
+            time_ns = outcome.time_ns
+            if time_ns > self._progress.time_ns:
+                progress.time_ns = time_ns
+                self._add(outcome.block, time_ns, bad=any(one.name == "phase_reference_lost" for one in found))
+            else:
+                found.append(Found("time_reversed", None, "the block is not later than what was published before"))
+        self.conditions.block(found)
+        self._progress = progress
+        if self._batch is not None and (
+            len(self._batch.time_ns) >= BATCH_SAMPLES or time.monotonic() - self._batch_began > BATCH_S
+        ):
+            self._publish(stop)
+
+    def _add(self, block: Block, time_ns: int, *, bad: bool) -> None:
+        if self._batch is None:
+            self._batch, self._batch_began = self._empty_batch(), time.monotonic()
+        batch = self._batch
+        size = np.abs(block.phasors) * self._factors[:, None]
+        phase = np.degrees(np.angle(block.phasors))
+        scatter = block.scatter[:, 0] * self._factors
+        batch.time_ns.append(time_ns)
+        batch.speed.append(rad_per_s_to_rpm(block.speed))
+        for table, row in (
+            (batch.amplitude, size[:, 0]),
+            (batch.phase, phase[:, 0]),
+            (batch.amplitude_2x, size[:, 1]),
+            (batch.phase_2x, phase[:, 1]),
+            (batch.scatter, scatter),
+        ):
+            assert table is not None
+            table.append([float(value) if np.isfinite(value) else None for value in row])
+        assert batch.status is not None
+        batch.status.append([status.label for status in channel_statuses(block, bad=bad)])
+
+    def _publish(self, stop: threading.Event) -> None:
+        """Hand over what is gathered; while the log takes nothing, try again."""
+        batch, self._batch = self._batch, None
+        if batch is None:
+            return
+        position = msgspec.json.encode(self._progress).decode()
+        if self._insist(lambda: self._source.publish(batch, position=position), stop):
+            self._samples += len(batch.time_ns)
+
+    def _settle(self, stop: threading.Event) -> None:
+        """Wait until all is in the log."""
+        if self._insist(self._source.log.flush, stop):
+            self.conditions.block([])
+
+    def _insist(self, action: Callable[[], None], stop: threading.Event) -> bool:
+        """Do something with the log, again and again while it cannot be used; False when stopped before it was done."""
+        while True:
+            try:
+                action()
+            except LogError as error:
+                if not self.conditions.holds("log_unusable"):
+                    self.conditions.begin("log_unusable", None, str(error))
+                if stop.wait(LOG_RETRY_S):
+                    return False
+            else:
+                return True
+
+    def _empty_batch(self) -> SampleBatch:
+        configuration = self._configuration
+        return SampleBatch(
+            schema=WIRE_SCHEMA,
+            plant=configuration.plant,
+            machine=configuration.machine,
+            source=configuration.source,
+            epoch=0,
+            sequence=0,
+            channels=[channel.probe for channel in configuration.channels],
+            speed_unit="rpm",
+            amplitude_unit=configuration.amplitude_unit,
+            amplitude_kind="peak",
+            phase_convention="lead",
+            phase_unit="deg",
+            direction=configuration.direction,
+            time_ns=[],
+            speed=[],
+            amplitude=[],
+            phase=[],
+            status=[],
+            scatter=[],
+            amplitude_2x=[],
+            phase_2x=[],
+        )
+
+
+def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
+    """Of each channel; bad: whether all of them are."""
+    return [
+        ChannelStatus.BAD
+        if bad or fault in UNUSABLE
+        else ChannelStatus.OUT_OF_RANGE
+        if fault is not None
+        else ChannelStatus.GOOD
+        for fault in block.faults
+    ]
+
+
+def block_settings(configuration: EdgeConfiguration) -> BlockSettings:
+    """The part of the configuration that decides what comes of a waveform."""
+    keyphasor = configuration.keyphasor
+    threshold = None
+    if keyphasor.threshold is not None and keyphasor.hysteresis is not None:
+        threshold = Threshold(keyphasor.threshold, keyphasor.hysteresis)
+    return BlockSettings(
+        channels=tuple(channel.probe for channel in configuration.channels),
+        lowest_rpm=configuration.speed_range.minimum_rpm,
+        highest_rpm=configuration.speed_range.maximum_rpm,
+        rails=tuple(configuration.all_rails),
+        seconds=configuration.block.seconds,
+        turns=configuration.block.turns,
+        edge=keyphasor.edge,
+        pulses_per_turn=keyphasor.pulses_per_turn,
+        threshold=threshold,
+    )

@@ -1,0 +1,51 @@
+"""`rundown edge`: the agent as a process, from its configuration to its end."""
+
+import threading
+from pathlib import Path
+
+import msgspec
+
+from service.durable_log import DurableLog
+from service.edge.agent import Agent
+from service.edge.configuration import ENCODINGS, EdgeConfiguration, read_configuration
+from service.edge.topic import Topic
+from service.source import Source
+from service.stream import session as zenoh_session
+from service.stream import wait_connected
+from service.wire import Key
+
+LINGER_S = 5.0
+"""How long it still answers replay queries with `--exit`."""
+
+
+def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float | None) -> None:
+    """Run until `stop`; with `leave` files end it, too. Raises UnreadableFile, StreamUnusable, LogError."""
+    configuration = read_configuration(path)
+    with zenoh_session(listen=[], connect=configuration.connect) as session:
+        key = Key(configuration.plant, configuration.machine)
+        with Source(
+            session,
+            key,
+            name=configuration.source,
+            encoding=ENCODINGS[configuration.encoding],
+            log=open_log(configuration),
+        ) as source:
+            agent = Agent(configuration, source)
+            source.declare_status(lambda: msgspec.json.encode(agent.status()))
+            topic = configuration.waveforms.topic
+            if topic is not None:
+                rate = configuration.waveforms.sampling_rate
+                with Topic(session, topic, configuration.columns, agent.conditions, sampling_rate=rate) as opened:
+                    agent.follow(opened, stop)
+                return
+            # Unpaced, most of it would go nowhere while nobody is there, and come by replay.
+            if wait_connected(session, configuration.connect, give_up=stop.wait):
+                agent.read_files(stop, speedup=speedup)
+                stop.wait(LINGER_S if leave else None)
+
+
+def open_log(configuration: EdgeConfiguration) -> DurableLog:
+    """The agent's log. Raises LogError."""
+    log = configuration.log
+    owner = f"{configuration.plant}/{configuration.machine}/{configuration.source}"
+    return DurableLog(log.path, source=owner, samples=log.samples, payload_bytes=round(log.megabytes * (1 << 20)))

@@ -1,0 +1,113 @@
+"""What can be wrong with what the edge agent gets: the names, and what holds right now.
+
+A condition begins, lasts and ends; its beginning and end go to the log output, and all that hold are in the agent's status.
+"""
+
+import logging
+import threading
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from storage.clock import now
+
+logger = logging.getLogger(__name__)
+
+CONDITIONS = {
+    "no_pulses": "the keyphasor gives no pulses, or too few: no samples",
+    "inconsistent_pulses": "the keyphasor's intervals are not those of a turning shaft: no samples",
+    "several_pulses": "the keyphasor's intervals repeat as those of several marks do: no samples until they are declared",
+    "keyphasor_not_finite": "more than a tenth of the keyphasor's samples are no numbers: no samples",
+    "pulses_repaired": "pulses were missing or too many; the angle was bridged",
+    "keyphasor_gap": "the angle is known in a part of the block only; that part is used",
+    "phase_reference_lost": "with several marks per turn, the count of the marks was lost while turning: values are bad",
+    "speed_out_of_range": "the speed is beyond what the machine can do: wrong sampling rate or pulses per turn; no samples",
+    "too_slow": "a block holds fewer than three turns, or fewer than five samples a turn: no samples",
+    "rail": "half of the samples or more are at an end of the measuring range: the channel is bad",
+    "flat_line": "one value for a turn or longer, such as of an unplugged probe: the channel is bad",
+    "not_finite": "samples that are no numbers: the channel is bad",
+    "clipped": "flat tops: the channel is out of range",
+    "unreadable_file": "the file is missing or not what its name says: it is left out",
+    "truncated_file": "the file ends early; what can be read of it is used",
+    "damaged_file": "the file is broken; an NPZ is left out, of others what lies before the damage is used",
+    "missing_column": "the input has no such channel",
+    "wrong_sampling_rate": "the input's own sampling rate is not the configured one: it is left out",
+    "no_start_time": "nobody says when the file begins: it is left out",
+    "time_reversed": "samples that are not later than those before: they are left out",
+    "input_gap": "waveforms are missing in between; a new block begins behind them",
+    "input_overrun": "waveforms came faster than they could be worked off; some were left out",
+    "damaged_message": "a message on the topic is not what it should be: it is left out",
+    "no_waveforms": "nothing comes on the topic",
+    "log_unusable": "the log takes nothing, such as on a full disk; the agent tries again and loses nothing of a file",
+}
+"""Each name and what it means for the samples."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """A condition that was found: its name, in which channel or file (None: in all of it), the particulars in words."""
+
+    name: str
+    subject: str | None
+    detail: str
+
+
+class Conditions:
+    """What holds now, and how often each condition was found. May be read from another thread."""
+
+    def __init__(self) -> None:
+        self._holds: dict[tuple[str, str | None], tuple[Found, int]] = {}
+        self._counts: Counter[str] = Counter()
+        self._lock = threading.Lock()
+
+    def block(self, found: Iterable[Found]) -> None:
+        """What holds in the newest block; what held in the one before and is not among it has ended."""
+        fresh = {(one.name, one.subject): one for one in found}
+        with self._lock:
+            for key in [key for key in self._holds if key not in fresh]:
+                logger.info("%s is over", _text(self._holds.pop(key)[0]))
+            for one in fresh.values():
+                self._hold(one)
+
+    def begin(self, name: str, subject: str | None, detail: str) -> None:
+        """A condition begins to hold, besides those of the newest block."""
+        with self._lock:
+            self._hold(Found(name, subject, detail))
+
+    def happened(self, name: str, subject: str | None, detail: str) -> None:
+        """Something was wrong once."""
+        with self._lock:
+            self._counts[name] += 1
+        logger.warning("%s", _text(Found(name, subject, detail)))
+
+    def holds(self, name: str) -> bool:
+        """Whether a condition of this name holds."""
+        with self._lock:
+            return any(key[0] == name for key in self._holds)
+
+    def counts(self) -> dict[str, int]:
+        """How many blocks, files or messages each was found in."""
+        with self._lock:
+            return dict(self._counts)
+
+    def report(self) -> dict[str, Any]:
+        """For the status: what holds since when, and the counts."""
+        with self._lock:
+            lasting = [
+                {"name": one.name, "subject": one.subject, "detail": one.detail, "since_ns": since}
+                for one, since in self._holds.values()
+            ]
+            return {"conditions": lasting, "counts": dict(self._counts)}
+
+    def _hold(self, one: Found) -> None:
+        self._counts[one.name] += 1
+        key = one.name, one.subject
+        if key not in self._holds:
+            logger.warning("%s", _text(one))
+        self._holds[key] = one, self._holds[key][1] if key in self._holds else now()
+
+
+def _text(one: Found) -> str:
+    where = f"{one.subject}: " if one.subject else ""
+    return f"{where}{one.name}: {one.detail}"

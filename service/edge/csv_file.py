@@ -1,0 +1,61 @@
+"""Waveforms in a CSV file with a header line, read piece by piece."""
+
+import csv
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from estimator.condensation import Floats
+from service.edge.file_trouble import FileTrouble, require_columns
+
+
+class CsvFile:
+    """A CSV file; a cell that is blank or no number is not a number. Raises FileTrouble."""
+
+    start_ns: int | None = None
+    sampling_rate: float | None = None
+
+    def __init__(self, path: Path, columns: list[str]) -> None:
+        self._path = path
+        with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+            header = next(csv.reader([file.readline()]), [])
+        names = [name.strip() for name in header]
+        require_columns(columns, names)
+        self._width = len(names)
+        self._columns = [names.index(column) for column in columns]
+
+    def read(self, first: int, size: int) -> Iterator[Floats]:
+        """Columns (K, n) from row `first` on, up to `size` rows at a time. Raises FileTrouble for a last row cut short."""
+        with self._path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
+            rows = itertools.islice(file, first + 1, None)
+            while lines := list(itertools.islice(rows, size)):
+                # A last line without its end may lack digits, even where it has all its cells.
+                cut = lines.pop() if not lines[-1].endswith(("\n", "\r")) else None
+                if lines:
+                    yield self._values(lines)
+                if cut is not None:
+                    raise FileTrouble("truncated_file", f"its last line '{cut[:60]}' is cut short")
+
+    def _values(self, lines: list[str]) -> Floats:
+        try:
+            table = np.loadtxt(lines, delimiter=",", usecols=self._columns, ndmin=2, comments=None)
+            if len(table) == len(lines):
+                return np.asarray(table.T, dtype=float)
+        except ValueError:
+            pass  # a cell that is no number: cell by cell below
+        return np.array([self._row(cells) for cells in csv.reader(lines)], dtype=float).T
+
+    def _row(self, cells: list[str]) -> list[float]:
+        if len(cells) != self._width:
+            return [math.nan] * len(self._columns)
+        return [_number(cells[column]) for column in self._columns]
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

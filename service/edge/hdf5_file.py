@@ -1,0 +1,60 @@
+"""Waveforms in an HDF5 file, a dataset (N,) for each channel, read piece by piece.
+
+Attributes of the file or of the first channel's group may say more: `sampling_rate` [Hz], `start_ns` (UTC, since 1970).
+h5py is an extra of the installation (`pip install rundown[hdf5]`).
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estimator.condensation import Floats
+from service.edge.file_trouble import FileTrouble, require_columns
+
+
+class Hdf5File:
+    """An HDF5 file. Raises FileTrouble."""
+
+    def __init__(self, path: Path, columns: list[str]) -> None:
+        self._path = path
+        self._columns = columns
+        with self._opened() as file:
+            there: list[str] = []
+            file.visititems(lambda name, item: there.append(name) if hasattr(item, "shape") else None)
+            require_columns([column.strip("/") for column in columns], there)
+            for column in columns:
+                dataset = file[column]
+                if len(dataset.shape) != 1 or dataset.dtype.kind not in "fiu":
+                    raise FileTrouble(
+                        "missing_column", f"dataset '{column}' has shape {dataset.shape}; numbers (N,) are needed"
+                    )
+            said = dict(file[columns[0]].parent.attrs) | dict(file.attrs)
+        self.sampling_rate = float(said["sampling_rate"]) if "sampling_rate" in said else None
+        self.start_ns = int(said["start_ns"]) if "start_ns" in said else None
+
+    def read(self, first: int, size: int) -> Iterator[Floats]:
+        """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it is damaged."""
+        with self._opened() as file:
+            datasets = [file[column] for column in self._columns]
+            lengths = [dataset.shape[0] for dataset in datasets]
+            for place in range(first, min(lengths), size):
+                part = slice(place, min(place + size, min(lengths)))
+                try:
+                    yield np.array([dataset[part] for dataset in datasets], dtype=float)
+                except OSError as error:
+                    raise FileTrouble("damaged_file", f"from sample {place} on: {error}") from error
+            if min(lengths) < max(lengths):
+                raise FileTrouble("truncated_file", f"some datasets end after {min(lengths)} samples, others do not")
+
+    def _opened(self) -> Any:
+        try:
+            import h5py
+        except ImportError as error:
+            raise FileTrouble("unreadable_file", "HDF5 needs h5py: pip install 'rundown[hdf5]'") from error
+        try:
+            return h5py.File(self._path, "r")
+        except OSError as error:
+            kind = "truncated_file" if "truncated" in str(error) else "unreadable_file"
+            raise FileTrouble(kind, f"not a whole HDF5 file: {error}") from error

@@ -1,0 +1,243 @@
+"""What is missing is fetched: batches wait for those before them while the source's log is asked. Nothing here blocks, so that
+a source that does not answer holds up no other.
+"""
+
+import bisect
+import logging
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import zenoh
+
+from service.journal import LARGEST_GAP, Arrived
+from service.wire import ALL_LIVE, Key, source_key
+from storage.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+MOST_QUERIES = 64
+"""Logs asked at the same time."""
+LARGEST_ANSWER = 5_000
+"""Batches of an answer that may wait to be taken; more hold the asked source up, not this one."""
+REPLAY_TIMEOUT_S = 2.0
+HEALING_PATIENCE_S = 3.0
+"""How long batches behind a gap wait for the source's log: it may still be on its way back to the network, …"""
+HEALING_PAUSE_S = 0.3
+"""… asked again after this long."""
+REPLAY_PAUSE_S = 10.0
+"""How long the gaps of a source without an answering log are then counted at once."""
+LARGEST_WAITING = 10_000
+"""Batches that wait behind one gap; further ones are left to the log."""
+
+Answers = zenoh.handlers.FifoChannel
+
+
+@dataclass
+class _Waiting:
+    """Batches of a source that wait for those before them, in order."""
+
+    key: Key
+    deadline: float
+    arrived: list[Arrived]
+    next_try: float = 0.0
+
+
+@dataclass
+class _Replay:
+    """A question to a log that is being answered.
+
+    trusting: a hole in the answer is a hole in the log. Otherwise it may be a damaged reply, which is asked for again.
+    """
+
+    key: Key
+    first: int
+    answers: zenoh.Handler[zenoh.Reply]
+    trusting: bool
+    count: int = 0
+    progress: bool = False
+
+
+@dataclass
+class Healing:
+    """Decides what can be stored now, what waits, and what is gone.
+
+    expected: number of the next sample of a source. read: a reply as a batch, None when it is rejected. take: store a batch.
+    """
+
+    session: zenoh.Session
+    expected: Callable[[SourceKey], int]
+    read: Callable[[Key, zenoh.Sample], Arrived | None]
+    take: Callable[[Arrived], None]
+    live: dict[Key, SourceKey | None] = field(default_factory=dict)
+    """Machines of which a source is connected, and which start of which source that is, once known."""
+    waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
+    _replays: dict[SourceKey, _Replay] = field(default_factory=dict)
+    _discoveries: dict[Key, "zenoh.Handler[zenoh.Reply]"] = field(default_factory=dict)
+    _roll_call: "zenoh.Handler[zenoh.Reply] | None" = None
+    _heard: dict[SourceKey, float] = field(default_factory=dict)
+    _silent_logs: dict[SourceKey, float] = field(default_factory=dict)
+    _fruitless: dict[SourceKey, int] = field(default_factory=dict)
+
+    def token(self, token: zenoh.Sample) -> None:
+        """A source came or went."""
+        key = _live_key(token)
+        if token.kind == zenoh.SampleKind.PUT:
+            logger.info("a source of %s/%s is alive", key.plant, key.machine)
+            self.live[key] = None
+        else:
+            logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
+            self.live.pop(key, None)
+
+    def place(self, key: Key, arrived: Arrived) -> None:
+        """Take a published batch, or let it wait for what is missing before it."""
+        source = source_key(arrived.batch)
+        if key in self.live:
+            self.live[key] = source
+        self._heard[source] = time.monotonic()
+        waiting = self.waiting.get(source)
+        if not self._missing(arrived):
+            self.take(arrived)
+            self._release_if_healed(source)
+        elif waiting is not None:
+            if len(waiting.arrived) < LARGEST_WAITING:
+                bisect.insort(waiting.arrived, arrived, key=lambda one: one.batch.sequence)
+        elif self._silent_logs.get(source, 0.0) > time.monotonic():
+            self.take(arrived)
+        else:
+            self.waiting[source] = _Waiting(key, time.monotonic() + HEALING_PATIENCE_S, [arrived])
+            self._ask(key, source)
+
+    def check_tails(self, *, quiet_s: float) -> None:
+        """Ask each live source that was quiet for so long what it has published beyond what came."""
+        if self._roll_call is None:  # a token's arrival may itself have been missed
+            self._roll_call = self.session.liveliness().get(
+                ALL_LIVE, handler=Answers(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S
+            )
+        for key, source in list(self.live.items()):
+            if source is None:
+                self._discover(key)
+            # While samples come, their numbers show every gap; only a quiet source can hide one.
+            elif time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
+                self._ask(key, source)
+
+    def collect(self, most: int) -> int:
+        """Take what logs have answered, at most so many batches; ask again where something is missing. How many there were."""
+        if self._roll_call is not None:
+            for reply in _arrived(self._roll_call):
+                if reply is None:
+                    self._roll_call = None
+                elif reply.ok is not None:
+                    self.live.setdefault(_live_key(reply.ok), None)
+        for key in list(self._discoveries):
+            self._collect_discovery(key)
+        count = 0
+        for source, replay in list(self._replays.items()):
+            for reply in _arrived(replay.answers):
+                if reply is None:
+                    del self._replays[source]
+                    self._answered(source, replay)
+                    break
+                if reply.ok is not None:
+                    count += 1
+                    self._reply(replay, reply.ok)
+                if count >= most:
+                    return count
+        for source, waiting in list(self.waiting.items()):
+            if waiting.next_try <= time.monotonic():
+                self._ask(waiting.key, source)
+        return count
+
+    def _missing(self, arrived: Arrived) -> bool:
+        """Whether samples before these have not come."""
+        return 0 < arrived.batch.sequence - self.expected(source_key(arrived.batch)) <= LARGEST_GAP
+
+    def _ask(self, key: Key, source: SourceKey) -> None:
+        """Ask a log for what follows the last sample known, unless that is being done, or too much else."""
+        if source in self._replays or len(self._replays) >= MOST_QUERIES:
+            return
+        first = self.expected(source)
+        trusting = self._fruitless.get(source) == first
+        self._replays[source] = _Replay(key, first, self._query(key, f"from={first};epoch={source.epoch}"), trusting)
+
+    def _reply(self, replay: _Replay, reply: zenoh.Sample) -> None:
+        arrived = self.read(replay.key, reply)
+        leading = replay.count == 0
+        replay.count += 1
+        # What a log begins with is all that it has; a hole behind that is a reply that was damaged or left out.
+        if arrived is None or (self._missing(arrived) and not (leading or replay.trusting)):
+            return
+        source = source_key(arrived.batch)
+        before = self.expected(source)
+        self.take(arrived)
+        replay.progress |= self.expected(source) > before
+
+    def _answered(self, source: SourceKey, replay: _Replay) -> None:
+        """A log has answered all that it will."""
+        if replay.progress:
+            self._fruitless.pop(source, None)
+        else:
+            self._fruitless[source] = replay.first
+        self._release_if_healed(source)
+        waiting = self.waiting.get(source)
+        if replay.progress:
+            self._ask(replay.key, source)
+        elif waiting is not None and waiting.deadline <= time.monotonic():
+            self._silent_logs[source] = time.monotonic() + REPLAY_PAUSE_S
+            self._release(source)
+        elif waiting is not None:
+            waiting.next_try = time.monotonic() + HEALING_PAUSE_S
+
+    def _release_if_healed(self, source: SourceKey) -> None:
+        waiting = self.waiting.get(source)
+        if waiting is not None and not self._missing(waiting.arrived[0]):
+            self._release(source)
+
+    def _release(self, source: SourceKey) -> None:
+        """What waited is placed anew: behind a further gap it waits again."""
+        waiting = self.waiting.pop(source)
+        for arrived in waiting.arrived:
+            self.place(waiting.key, arrived)
+
+    def _discover(self, key: Key) -> None:
+        """Ask which start of which source is alive there: any batch of its log tells."""
+        if key not in self._discoveries and len(self._discoveries) < MOST_QUERIES:
+            self._discoveries[key] = self._query(key, "from=0;limit=1")
+
+    def _collect_discovery(self, key: Key) -> None:
+        for reply in _arrived(self._discoveries[key]):
+            if reply is None:
+                del self._discoveries[key]
+                return
+            arrived = None if reply.ok is None else self.read(key, reply.ok)
+            if arrived is not None and self.live.get(key, arrived) is None:
+                self.live[key] = source_key(arrived.batch)
+                self._ask(key, source_key(arrived.batch))
+
+    def _query(self, key: Key, question: str) -> "zenoh.Handler[zenoh.Reply]":
+        return self.session.get(
+            f"{key.log}?{question}",
+            handler=Answers(LARGEST_ANSWER),
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=REPLAY_TIMEOUT_S,
+            priority=zenoh.Priority.DATA_LOW,
+        )
+
+
+def _arrived(answers: "zenoh.Handler[zenoh.Reply]") -> "Iterator[zenoh.Reply | None]":
+    """The replies that are there, and None when there will be no more."""
+    while True:
+        try:
+            reply = answers.try_recv()
+        except zenoh.ZError:  # empty and closed
+            yield None
+            return
+        if reply is None:
+            return
+        yield reply
+
+
+def _live_key(token: zenoh.Sample) -> Key:
+    """Whose source a liveliness token stands for."""
+    parts = str(token.key_expr).split("/")
+    return Key(parts[3], parts[4])

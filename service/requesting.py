@@ -1,0 +1,83 @@
+"""What an identification is asked for with: the options of a job, and what they mean when it is computed.
+
+A job without options is the usual one. It subtracts the slow-roll vectors that are in force when it is taken; that version is
+then written into the job, so that one that is computed again after a crash subtracts the same.
+"""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+from sqlalchemy.orm import Session
+
+from estimator.identification import Options
+from storage import jobs, machines, runs, slow_roll
+from storage.tables import JobRow
+
+SlowRollChoice = Literal["none", "in_force"] | int
+"""Which slow-roll vectors: none, those in force, or a version."""
+
+_VERSION, _AGAIN = "slow_roll_version", "again"
+
+
+class NotToIdentify(ValueError):
+    """The run cannot be identified, and why."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """An identification of one run that a person asks for. Fit options that are None stay as usual."""
+
+    slow_roll: SlowRollChoice = "in_force"
+    starts: int | None = None
+    seed: int | None = None
+    robust: bool | None = None
+
+
+def ask(session: Session, run_id: int, request: Request) -> JobRow:
+    """Queue an identification of a closed run; the job that waits or runs already where the same was asked for.
+
+    With the usual options it takes the earlier one's place in trends and baselines, otherwise it stands beside them.
+    Raises RunUnknown, NotToIdentify, SlowRollUnknown.
+    """
+    run = runs.get(session, run_id)
+    if run.state != runs.CLOSED:
+        raise NotToIdentify(f"run {run_id} is {run.state}; only closed runs are identified")
+    version = chosen_version(session, run.machine_id, request.slow_roll)
+    usual = asdict(Options())
+    fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}
+    in_force = machines.get(session, run.machine_id).slow_roll_version
+    scope = jobs.VARIANT if fit or version != in_force else jobs.RUN
+    options: dict[str, Any] = {**fit, _VERSION: version}
+    while True:
+        queued = jobs.ask(session, run.machine_id, scope=scope, run_ids=[run_id], options=options)
+        if queued is not None:
+            return queued
+        before = jobs.asked(session, scope=scope, run_ids=[run_id], options=options)
+        if before is not None and before.state in (jobs.QUEUED, jobs.RUNNING):
+            return before
+        options[_AGAIN] = options.get(_AGAIN, 0) + 1
+
+
+def chosen_version(session: Session, machine_id: str, choice: SlowRollChoice) -> int | None:
+    """The version that a choice means now; None for no vectors. Raises MachineUnknown, SlowRollUnknown."""
+    if choice == "none":
+        return None
+    if choice == "in_force":
+        return machines.get(session, machine_id).slow_roll_version
+    return slow_roll.get(session, machine_id, choice).version
+
+
+def slow_roll_version(session: Session, row: JobRow) -> int | None:
+    """The version that a job subtracts, settled the first time it is asked for."""
+    options = row.options or {}
+    if _VERSION not in options:
+        options = {**options, _VERSION: machines.get(session, row.machine_id).slow_roll_version}
+        row.options = options
+    version: int | None = options[_VERSION]
+    return version
+
+
+def fit_options(row: JobRow, usual: Options) -> Options:
+    """The options of a job's fit."""
+    asked = row.options or {}
+    return replace(usual, **{name: asked[name] for name in asdict(usual) if name in asked})

@@ -1,0 +1,77 @@
+"""Sources that are not ours: the example publishers, run as a reader of the documentation would run them."""
+
+import ast
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from tests.end_to_end.processes import EXAMPLES, Service, until
+
+PUBLISHERS = EXAMPLES / "publishers"
+PYTHON = PUBLISHERS / "publisher.py"
+MACHINE = "motor-pump"
+LONGEST = 40
+
+
+def source_row(service: Service) -> dict[str, Any] | None:
+    rows = service.get("/sources")
+    assert len(rows) <= 1
+    return dict(rows[0]) if rows else None
+
+
+def test_the_python_publisher_is_short_and_needs_zenoh_only() -> None:
+    text = PYTHON.read_text()
+    assert len(text.splitlines()) <= LONGEST
+    imported = {name.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for name in node.names}
+    assert imported - set(sys.stdlib_module_names) == {"zenoh"}
+    assert not [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+
+
+def test_what_a_source_without_a_log_lost_while_the_service_was_dead_is_counted_exactly(service: Service) -> None:
+    """It goes on publishing; the numbers it used meanwhile are missing, and no other."""
+    samples = 300
+    with service.running() as serving:
+        service.create(MACHINE)
+        arguments = [sys.executable, str(PYTHON), service.endpoint, "examples", MACHINE, "B1L,B1R", str(samples)]
+        with subprocess.Popen(arguments, cwd=PUBLISHERS) as publisher:
+            until(lambda: (row := source_row(service)) and row["received"] >= 50, within_s=20, what="fifty samples")
+            serving.kill()
+            serving.wait()
+            time.sleep(2.0)
+            with service.running():
+                assert publisher.wait(60) == 0
+                row = until(
+                    lambda: (row := source_row(service)) and row["next_sequence"] == samples and row,
+                    within_s=20,
+                    what="the last",
+                )
+                held = service.get(f"/machines/{MACHINE}/samples", limit=10_000)
+                assert service.get("/quarantine")["counts"] == {}
+    assert row is not None
+    assert row["received"] + row["lost"] == samples
+    assert 20 < row["lost"] < 260
+    assert len(held["time"]) == len(set(held["time"])) == row["received"]
+    assert held["time"] == sorted(held["time"])
+
+
+def test_the_shell_publisher_stores_each_sample_though_the_service_is_killed_meanwhile(
+    service: Service, tmp_path: Path
+) -> None:
+    samples = 60
+    with service.running() as serving:
+        service.create(MACHINE)
+        url = f"http://127.0.0.1:{service.port}"
+        arguments = ["sh", str(PUBLISHERS / "publish.sh"), url, "examples", MACHINE, "B1L", str(samples)]
+        with (tmp_path / "publish.log").open("wb") as log, subprocess.Popen(arguments, stderr=log) as publisher:
+            until(lambda: (row := source_row(service)) and row["received"] >= 20, within_s=20, what="twenty samples")
+            serving.kill()
+            serving.wait()
+            with service.running():
+                assert publisher.wait(60) == 0, (tmp_path / "publish.log").read_text()
+                row = source_row(service)
+                held = service.get(f"/machines/{MACHINE}/samples", limit=10_000)
+    assert row is not None
+    assert (row["received"], row["next_sequence"], row["lost"]) == (samples, samples, 0)
+    assert len(set(held["time"])) == samples

@@ -1,0 +1,1 @@
+"""What goes wrong between a probe and the store, with real processes: nothing may be lost and nothing may come twice."""

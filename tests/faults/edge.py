@@ -1,0 +1,38 @@
+"""A source in a process of its own, with a durable log: publishes what was measured at a steady pace, then answers queries.
+
+After it was killed it goes on where its log ends.
+
+    python -m tests.faults.edge <endpoint> <log> <samples> <samples per second>
+"""
+
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+
+from service.durable_log import DurableLog
+from service.source import Source
+from service.stream import session
+from service.wire import BINARY
+from tests.faults.measured import SIZE, measured
+from tests.plant import KEY
+
+
+def main() -> None:
+    """Until SIGTERM."""
+    endpoint, path, samples, rate = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]), float(sys.argv[4])
+    stop = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: stop.set())
+    with session(listen=[], connect=[endpoint]) as stream:
+        log = DurableLog(path, source=KEY.machine)
+        with Source(stream, KEY, name="edge", encoding=BINARY, log=log) as source:
+            due = time.monotonic()
+            while source.sequence < samples and not stop.wait(max(0.0, due - time.monotonic())):
+                source.publish(measured(source.sequence, min(SIZE, samples - source.sequence)))
+                due += SIZE / rate
+            stop.wait()
+
+
+if __name__ == "__main__":
+    main()

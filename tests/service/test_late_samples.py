@@ -1,0 +1,376 @@
+"""Samples that come late: holes filled, runs reopened once, whole runs found afterwards, and what comes too late counted."""
+
+import random
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sqlalchemy.orm import Session
+
+from service import collection
+from service.collection import Collector
+from service.holes import NEVER
+from service.journal import Journal
+from service.late import BESIDE, LARGEST_COUNT, noted
+from storage import identifications, jobs, machines, quarantine, runs
+from storage import samples as sample_store
+from storage.blocks import Samples
+from storage.database import Database
+from storage.identifications import Like, Origin
+from storage.samples import SourceKey
+from storage.tables import JobRow, RunRow, SourceRow
+from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sqlite_url, sweep_rpm
+
+MONITOR = SourceKey(KEY.machine, "monitor", 1)
+DOWN = sweep_rpm(2990.0, 310.0, 80)
+"""A run-down, a sample a second."""
+CYCLE = [*[2990.0] * 20, *DOWN, *[250.0] * 20]
+
+
+@pytest.fixture(autouse=True)
+def _no_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What came late is sorted in at the next look."""
+    monkeypatch.setattr(collection, "LATE_PATIENCE_S", 0.0)
+
+
+def send(journal: Journal, rpm: list[float], first: int, last: int, *, start: int = START, **changes: Any) -> None:
+    """Samples number first to before last of a source that measures these speeds, a second apart."""
+    one = batch(rpm[first:last], sequence=first, start=start + first * SECOND, **changes)
+    journal.store([arrived(one, received_at=start + 10**6 * SECOND)], [])
+
+
+def settle(journal: Journal) -> None:
+    journal.close_silent(silence_s=3600.0)
+
+
+def found_runs(database: Database) -> list[RunRow]:
+    """Oldest first."""
+    with database.reading() as session:
+        return list(reversed(runs.of_machine(session, KEY.machine)))
+
+
+def held(database: Database, run: RunRow) -> Samples:
+    with database.reading() as session:
+        found = runs.samples(session, run.id)
+    assert found is not None
+    return found
+
+
+def found_jobs(database: Database) -> list[JobRow]:
+    with database.reading() as session:
+        return list(reversed(jobs.of_machine(session, KEY.machine, limit=100)))
+
+
+def source(database: Database, key: SourceKey = MONITOR) -> SourceRow:
+    with database.reading() as session:
+        return sample_store.source(session, key)
+
+
+def times(database: Database) -> list[int]:
+    with database.reading() as session:
+        return sample_store.latest(session, KEY.machine, revision=1, count=10_000).time.tolist()
+
+
+def file_identification(session: Session, job_id: int, run: RunRow, *, scope: str) -> None:
+    """An accepted identification of a run, as the job's outcome."""
+    origin = Origin(
+        machine_id=KEY.machine,
+        revision=run.revision,
+        job_id=job_id,
+        scope=scope,
+        run_kind=run.kind,
+        run_ids=[run.id],
+        measured_at=run.time_last or run.time_first,
+        options={},
+        code_version="0.1.0",
+    )
+    identifications.add(session, origin, identification())
+
+
+# --- holes ----------------------------------------------------------------------------------------------------------
+
+
+def test_a_number_that_was_lost_fills_its_hole(plant: Database, journal: Journal) -> None:
+    speeds = [1000.0] * 12
+    send(journal, speeds, 0, 4)
+    send(journal, speeds, 8, 12)
+    assert (source(plant).lost, source(plant).missing) == (4, [[4, 7, START + 3 * SECOND, START + 8 * SECOND]])
+    send(journal, speeds, 5, 7)
+    row = source(plant)
+    assert (row.received, row.lost, row.duplicates) == (10, 2, 0)
+    assert row.missing == [[4, 4, START + 3 * SECOND, START + 5 * SECOND], [7, 7, START + 6 * SECOND, START + 8 * SECOND]]
+    send(journal, speeds, 3, 9)
+    row = source(plant)
+    assert (row.received, row.lost, row.duplicates, row.missing) == (12, 0, 4, None)
+    assert times(plant) == [START + i * SECOND for i in range(12)]
+
+
+def test_what_fills_a_hole_must_lie_between_its_neighbours_in_time(plant: Database, journal: Journal) -> None:
+    speeds = [1000.0] * 12
+    send(journal, speeds, 0, 4)
+    send(journal, speeds, 8, 12)
+    wrong = batch([1000.0] * 4, sequence=4, start=START, step=3 * SECOND)
+    journal.store([arrived(wrong)], [])
+    with plant.reading() as session:
+        kept = quarantine.newest(session, reason=None, machine_id=None, limit=10)
+    assert sorted(row.reason for row in kept) == ["time_out_of_order"] * 3
+    row = source(plant)
+    assert (row.received, row.lost, row.missing) == (9, 0, None)
+
+
+def test_a_batch_that_cannot_be_converted_leaves_no_hole(plant: Database, journal: Journal) -> None:
+    speeds = [1000.0] * 12
+    send(journal, speeds, 0, 4)
+    send(journal, speeds, 8, 12)
+    send(journal, speeds, 4, 8, speed_unit="knots")
+    row = source(plant)
+    assert (row.received, row.lost, row.missing) == (8, 0, None)
+
+
+def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, journal: Journal) -> None:
+    send(journal, [1000.0] * 12, 0, 2)
+    send(journal, [1000.0] * 12, 4, 6, speed_unit="knots")
+    assert source(plant).missing == [[2, 3, START + SECOND, NEVER]]
+    send(journal, [1000.0] * 12, 2, 4)
+    assert (source(plant).received, source(plant).lost) == (4, 0)
+
+
+@few_examples
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3), st.floats(0.0, 0.3))
+def test_any_order_of_arrival_stores_the_same_samples(
+    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
+) -> None:
+    """Batches of all sizes, lost, doubled and shuffled: what came is stored, once, and the counters are exact."""
+    rng = random.Random(seed)
+    cuts = sorted({0, 60, *(rng.randrange(60) for _ in range(15))})
+    whole = [(first, last) for first, last in zip(cuts, cuts[1:], strict=False)]
+    sent = [piece for piece in whole if rng.random() >= lost] or whole[:1]
+    sent += [piece for piece in sent if rng.random() < twice]
+    rng.shuffle(sent)
+    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("late"))))
+    journal = Journal(database, Collector())
+    speeds = sweep_rpm(2900.0, 400.0, 60)
+    for first, last in sent:
+        send(journal, speeds, first, last)
+    expected = sorted({number for first, last in sent for number in range(first, last)})
+    assert times(database) == [START + number * SECOND for number in expected]
+    row = source(database)
+    database.close()
+    assert (row.received, row.lost) == (len(expected), max(expected) + 1 - len(expected))
+    assert row.received + row.duplicates == sum(last - first for first, last in sent)
+
+
+# --- runs -----------------------------------------------------------------------------------------------------------
+
+
+def test_late_samples_of_an_open_run_are_simply_in_it(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 70)
+    send(journal, CYCLE, 50, 60)
+    send(journal, CYCLE, 70, 120)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.state, run.reopened_at) == (runs.CLOSED, None)
+    assert held(plant, run).speed.size == 80 + 5
+    assert source(plant).late == 10
+
+
+def test_a_closed_run_is_reopened_once_and_identified_again(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    (before,) = found_runs(plant)
+    assert (before.state, before.count) == (runs.CLOSED, 75)
+    send(journal, CYCLE, 52, 58)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert run.id == before.id
+    assert (run.state, run.count) == (runs.CLOSED, 81)
+    assert run.reopened_at is not None
+    assert np.all(np.diff(held(plant, run).time) > 0)
+    assert [(job.run_ids, job.options) for job in found_jobs(plant)] == [([run.id], None), ([run.id], {"reopened": True})]
+    # A second time they are stored and counted, and the run stays as it is.
+    send(journal, CYCLE, 50, 52)
+    send(journal, CYCLE, 58, 60)
+    settle(journal)
+    (after,) = found_runs(plant)
+    assert (after.count, after.reopened_at) == (81, run.reopened_at)
+    assert after.coverage is not None
+    assert after.coverage["late_samples_left_out"] == 4
+    assert (source(plant).received, source(plant).lost, source(plant).late) == (120, 0, 10)
+    assert len(found_jobs(plant)) == 2
+
+
+def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: Journal) -> None:
+    """In trends, baselines and alerts; the one before stays readable."""
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    (run,) = found_runs(plant)
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    (reopened,) = found_runs(plant)
+    with plant.transaction() as session:
+        for job in jobs.take(session, 10):
+            jobs.finish(job, state=jobs.DONE)
+            file_identification(session, job.id, reopened, scope=jobs.RUN)
+        assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
+        (counted,) = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
+        points = identifications.history(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
+        assert [row.id for _, row in points] == [counted.id]
+
+
+def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(plant: Database, journal: Journal) -> None:
+    slow = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 600), *[250.0] * 20]
+    send(journal, slow, 0, 220)
+    send(journal, slow, 400, 640)
+    with plant.transaction() as session:
+        for job in jobs.take(session, 10):
+            jobs.finish(job, state=jobs.DONE)
+            file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
+        assert len(identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)) == 2
+    send(journal, slow, 220, 400)
+    settle(journal)
+    first, _ = found_runs(plant)
+    with plant.reading() as session:
+        counted = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        assert [row.run_ids for row in counted] == [[first.id]]
+
+
+def test_late_samples_are_sorted_in_after_a_restart_too(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    send(journal, CYCLE, 50, 60)
+    settle(Journal(plant, Collector()))
+    (run,) = found_runs(plant)
+    assert run.count == 85
+
+
+def test_nothing_is_sorted_in_while_more_comes(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collection, "LATE_PATIENCE_S", 60.0)
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.count, run.reopened_at) == (75, None)
+
+
+def test_late_samples_may_make_a_discarded_run_worth_an_identification(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 28)
+    send(journal, CYCLE, 94, 120)
+    (run,) = found_runs(plant)
+    assert run.state == runs.DISCARDED
+    send(journal, CYCLE, 28, 94)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.state, run.count) == (runs.CLOSED, 85)
+    assert run.reason == "the speed left the speed range"
+    assert [job.options for job in found_jobs(plant)] == [{"reopened": True}]
+
+
+def test_late_samples_beside_a_run_lengthen_it(plant: Database, journal: Journal) -> None:
+    """Its first half was on the way when it closed."""
+    send(journal, CYCLE, 60, 120)
+    (before,) = found_runs(plant)
+    first_half = batch(CYCLE[:60], source="other", start=START)
+    journal.store([arrived(first_half)], [])
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert run.id == before.id
+    assert before.time_first == START + 60 * SECOND
+    assert run.time_first == START + 20 * SECOND
+    assert run.count == 85
+
+
+def test_halves_that_a_pause_had_parted_become_one_run(plant: Database, journal: Journal) -> None:
+    slow = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 600), *[250.0] * 20]
+    send(journal, slow, 0, 220)
+    send(journal, slow, 400, 640)
+    first, second = found_runs(plant)
+    assert (first.state, first.reason, second.state) == (runs.CLOSED, "a pause in the data", runs.CLOSED)
+    send(journal, slow, 220, 400)
+    settle(journal)
+    first, second = found_runs(plant)
+    assert (first.state, first.count, first.reason) == (runs.CLOSED, 605, "the speed left the speed range")
+    assert (second.state, second.reason) == (runs.DISCARDED, f"late samples join it to run {first.id}")
+
+
+def test_a_whole_run_that_comes_late_becomes_a_run_of_its_own(plant: Database, journal: Journal) -> None:
+    """An hour without a network, while a second source went on; then the first one's log is heard after all."""
+    send(journal, CYCLE, 0, 120, start=START + 3600 * SECOND, source="second")
+    send(journal, CYCLE, 0, 120)
+    settle(journal)
+    late, known = found_runs(plant)
+    assert (late.kind, late.state, late.count, late.reopened_at) == ("run-down", runs.CLOSED, 85, None)
+    assert late.reason == "the speed left the speed range; it came late"
+    assert (known.count, known.reopened_at) == (85, None)
+    assert [job.run_ids for job in found_jobs(plant)] == [[known.id], [late.id]]
+
+
+def test_a_late_run_in_batches_is_one_run(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 120, start=START + 3600 * SECOND, source="second")
+    for first in range(0, 120, 10):
+        send(journal, CYCLE, first, first + 10)
+    settle(journal)
+    late, _ = found_runs(plant)
+    assert (late.count, late.reopened_at) == (85, None)
+
+
+def test_late_samples_wait_for_the_run_beside_them_to_close(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 50, 80, source="second")
+    send(journal, CYCLE, 0, 50)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert run.state == runs.OPEN
+    send(journal, CYCLE, 80, 120, source="second")
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.state, run.count, run.time_first) == (runs.CLOSED, 85, START + 20 * SECOND)
+
+
+def test_late_samples_at_speed_change_nothing(plant: Database, journal: Journal) -> None:
+    steady = [2990.0] * 500
+    send(journal, steady, 0, 200)
+    send(journal, steady, 300, 500)
+    send(journal, steady, 200, 300)
+    settle(journal)
+    assert found_runs(plant) == []
+    assert source(plant).late == 100
+
+
+def test_samples_under_a_new_revision_do_not_enter_an_old_run(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    with plant.transaction() as session:
+        machines.revise(session, machine(name="New"))
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    run, alone = found_runs(plant)
+    assert (run.count, run.reopened_at) == (75, None)
+    assert (alone.state, alone.revision, alone.count) == (runs.DISCARDED, 2, 10)
+
+
+# --- windows --------------------------------------------------------------------------------------------------------
+
+
+def test_windows_join_what_lies_near() -> None:
+    windows = noted([], 1, [0, BESIDE, 5 * BESIDE])
+    assert windows == [[1, 0, BESIDE, 2], [1, 5 * BESIDE, 5 * BESIDE, 1]]
+    assert noted(windows, 1, [2 * BESIDE, 3 * BESIDE, 4 * BESIDE]) == [[1, 0, 5 * BESIDE, 6]]
+    assert noted([[1, 0, 0, 1]], 2, [0]) == [[1, 0, 0, 1], [2, 0, 0, 1]]
+
+
+@few_examples
+@given(st.lists(st.lists(st.integers(0, 1000), max_size=30), max_size=5))
+def test_windows_are_bounded_and_count_every_sample(batches: list[list[int]]) -> None:
+    windows: list[list[int]] = []
+    for numbers in batches:
+        windows = noted(windows, 1, [2 * BESIDE * number for number in numbers])
+    assert len(windows) <= LARGEST_COUNT
+    assert sum(window[3] for window in windows) == sum(map(len, batches))
+    for one, other in zip(windows, windows[1:], strict=False):
+        assert one[2] + BESIDE < other[1]
