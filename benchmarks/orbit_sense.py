@@ -27,7 +27,7 @@ from estimator.simulation import Truth, draw_truth, measured_phasors, scattered,
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TRAINS = ("motor-pump", "sealed-pump", "thesis-chapter-3", "thesis-chapter-5-rig", "turbine-compressor-generator")
-RUNS = 20
+RUNS = 12
 RUN_OUTS = (0.0, 1e-5, 5e-5)
 """Of each channel, 0-to-peak [m], at random angles."""
 UNBALANCES = ("near the document's", "drawn anew", "in one disc")

@@ -40,7 +40,7 @@ NATURAL_FREQUENCIES = 8
 """Trial values of ω_n before each peak …"""
 LAG = 4.0
 """… up to this times √α before it."""
-PROMISING = 0.25
+PROMISING = 0.4
 """Part of what the background leaves that a first look must explain."""
 GRID = 512
 """Points over x² of a first look."""
@@ -193,7 +193,7 @@ def _refined(
     # The resonance was crossed in this sweep, not before it.
     low = np.array([max(lowest + scale[0], peak_place - 2 * LAG * scale[0]) / scale[0], 0.5, 0.0])
     high = np.array([(where[0] - 1e-3 * scale[0]) / scale[0], 2.0, 20.0])
-    solved = scipy.optimize.least_squares(residual, np.clip(begin, low + 1e-9, high - 1e-9), bounds=(low, high), max_nfev=60)
+    solved = scipy.optimize.least_squares(residual, np.clip(begin, low + 1e-9, high - 1e-9), bounds=(low, high), max_nfev=30)
     rest, unexplained, size, x = fitted(solved.x)
     frequency, rate, decay = (solved.x * scale).tolist()
     whole, left = float(np.vdot(rest, rest).real), float(np.vdot(unexplained, unexplained).real)

@@ -6,6 +6,7 @@ prediction's own error is added to the scatter of the others. Leaving points out
 noise of each is the same at many neighbouring points and moves the estimates by more than their standard errors.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -16,7 +17,7 @@ from estimator.condensation import Complexes, Floats
 from estimator.forced_response import forced_response
 from estimator.identification import Identification, NotEnoughData, Options, expected_point, identify
 from estimator.machine import Machine
-from estimator.measurement import Measurement
+from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
 from estimator.quality import Flag, Quality, Recorded, Rules, assess, own_noise, too_few
 from estimator.sweep_rate import SweepTransient, sweep_transient
@@ -26,16 +27,16 @@ NEGLIGIBLE = 0.1
 """Predicted deviations below this part of the noise are left alone."""
 LARGEST_UNFITTED = 1.0
 """With the document's model, points that deviate by more than this times their noise are left out …"""
-LARGEST_FITTED = 3.0
+LARGEST_FITTED = 2.0
 """… and with the fitted one by more than this."""
-PREDICTION_ERROR = 0.2
+PREDICTION_ERROR = 0.3
 """Part of a predicted deviation by which the prediction may be wrong, rms."""
 PASSES = 3
 """Most times the points are judged anew with the model fitted to those that were left."""
 SETTLED = 0.1
 """A change of the predicted deviations below this part of the noise, rms, is none."""
-FEWEST_TELLING = 8
-"""Phasors that must deviate clearly for the data to say in which way they do."""
+CERTAIN = 25.0
+"""Difference of squared residuals, in noises, above which it is said that the data contradict the times."""
 LARGEST_SQUARE = 25.0
 """What one phasor can say at most, as a squared multiple of its noise."""
 
@@ -44,9 +45,9 @@ Taken = Literal["none", "instant", "averaged"]
 
 @dataclass(frozen=True)
 class Gated:
-    """quality: of the run. identification: None where the points left do not allow one, for the reason in `error`."""
+    """qualities: of the runs. identification: None where the points left do not allow one, for the reason in `error`."""
 
-    quality: Quality
+    qualities: tuple[Quality, ...]
     identification: Identification | None
     error: str | None = None
 
@@ -72,35 +73,37 @@ class _Treatment:
 
 def identify_gated(
     machine: Machine,
-    run: Recorded,
-    measurement: Measurement,
+    runs: Sequence[Recorded],
+    measurements: Sequence[Measurement],
     *,
     options: Options | None = None,
     rules: Rules | None = None,
     gate: bool = True,
 ) -> Gated:
-    """Assess one run and identify the machine from what may be used of it.
+    """Judge runs and identify the machine from what may be used of all of them together.
 
-    measurement: the same samples, with trial weights where there were any. gate: without it the quality is assessed but
-    nothing is left out for it beside what the source itself calls unusable.
+    measurements: the same samples, with trial weights where there were any. gate: without it the quality is told, but nothing
+    is left out beside what the source itself calls unusable.
     Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
     """
     rules = rules or Rules()
-    quality = assess(run, noise=machine.noise, rules=rules)
-    base = _base(machine, run, measurement, quality) if gate else measurement
+    qualities = tuple(assess(run, noise=machine.noise, rules=rules) for run in runs)
+    triples = zip(runs, measurements, qualities, strict=True)
+    base = joined([_base(machine, *one) for one in triples] if gate else list(measurements))
+    error, found = None, None
     try:
-        if rules.sweep_rate and _clock_trusted(run, quality):
-            quality, found = _without_sweep(machine, run, base, quality, options, correct=gate)
+        if rules.sweep_rate and all(_clock_trusted(*one) for one in zip(runs, qualities, strict=True)):
+            qualities, found = _without_sweep(machine, runs, base, qualities, options, correct=gate)
         else:
             found = identify(machine, base, options)
-    except NotEnoughData as error:
-        words = quality.words if gate else ""
-        quality = replace(quality, findings=(*quality.findings, *too_few(quality)))
-        return Gated(quality, None, f"{error}; {words}" if words else str(error))
-    quality = replace(quality, findings=(*quality.findings, *too_few(quality)))
-    if gate and quality.words:
-        found = replace(found, verdict=f"{found.verdict}; {quality.words}")
-    return Gated(quality, found)
+    except NotEnoughData as reason:
+        error = str(reason)
+    qualities = tuple(replace(one, findings=(*one.findings, *too_few(one))) for one in qualities)
+    left_out = "; ".join(one.words for one in qualities if one.words) if gate else ""
+    if left_out:
+        error = f"{error}; {left_out}" if error else None
+        found = replace(found, verdict=f"{found.verdict}; {left_out}") if found else None
+    return Gated(qualities, found, error)
 
 
 def _base(machine: Machine, run: Recorded, measurement: Measurement, quality: Quality) -> Measurement:
@@ -111,15 +114,21 @@ def _base(machine: Machine, run: Recorded, measurement: Measurement, quality: Qu
 
 def _clock_trusted(run: Recorded, quality: Quality) -> bool:
     ascending = run.time is not None and run.time.size > 1 and bool(np.all(np.diff(run.time) > 0.0))
-    return ascending and not any("not to be trusted" in words for words in quality.findings)
+    return ascending and not quality.clock_doubted
 
 
 def _without_sweep(
-    machine: Machine, run: Recorded, base: Measurement, quality: Quality, options: Options | None, *, correct: bool
-) -> tuple[Quality, Identification]:
-    """The identification from what the sweep left usable."""
+    machine: Machine,
+    runs: Sequence[Recorded],
+    base: Measurement,
+    qualities: tuple[Quality, ...],
+    options: Options | None,
+    *,
+    correct: bool,
+) -> tuple[tuple[Quality, ...], Identification]:
+    """The identification from what the sweeps left usable."""
     model = model_at(machine, *expected_point(machine, base))
-    transient = _transient(model, run)
+    transient = _transient(model, runs)
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
     used: Measurement = base
     if correct and np.any((treatment.size > NEGLIGIBLE) & base.usable):
@@ -130,26 +139,33 @@ def _without_sweep(
         used = base
         found = identify(machine, base, options)
     taken: Taken = "none"
+    clearly = 0.0
     for _ in range(PASSES):
         model = updated_model(machine, found)
         steady = forced_response(model, speed=base.speed).phasor
-        transient = _transient(model, run)
-        taken = _taken(machine, base, steady, transient)
+        transient = _transient(model, runs)
+        taken, clearly = _taken(machine, base, steady, transient)
         deviation = {"none": 0.0 * steady, "instant": transient.instant, "averaged": transient.averaged}[taken]
-        after = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
-        wanted = after.applied(base) if correct else base
-        if _same(used, wanted, after.error):
-            treatment = after
+        treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
+        wanted = treatment.applied(base) if correct else base
+        if _same(used, wanted, treatment.error):
             break
-        treatment, used = after, wanted
+        used = wanted
         found = identify(machine, used, options)
-    return _told(quality, treatment, base, transient, taken), found
+    ends = np.cumsum([run.speed.size for run in runs])
+    pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
+    certain = clearly > CERTAIN
+    told = (
+        _told(one, piece, treatment, base, transient, taken, certain=certain)
+        for one, piece in zip(qualities, pieces, strict=True)
+    )
+    return tuple(told), found
 
 
-def _transient(model: UpdatedModel, run: Recorded) -> SweepTransient:
-    if run.time is None:
-        raise ValueError("without the times of its samples nothing can be predicted of a sweep")
-    return sweep_transient(model, time=run.time - run.time[0], speed=run.speed)
+def _transient(model: UpdatedModel, runs: Sequence[Recorded]) -> SweepTransient:
+    """What the model predicts for all runs, one after the other."""
+    each = [sweep_transient(model, time=run.time - run.time[0], speed=run.speed) for run in runs if run.time is not None]
+    return SweepTransient(np.concatenate([one.instant for one in each]), np.concatenate([one.averaged for one in each]))
 
 
 def _treatment(
@@ -161,12 +177,13 @@ def _treatment(
     return _Treatment(deviation, error, size, excluded, (size > NEGLIGIBLE) & ~excluded & correct)
 
 
-def _taken(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Taken:
-    """What the data themselves say: are the phasors those of an instant, means over a block, or steady-state ones?"""
+def _taken(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> tuple[Taken, float]:
+    """What the data say, and how clearly: phasors of an instant, means over a block, or steady-state ones?
+
+    How clearly: by how much the squared residuals, in noises, of the second best are larger.
+    """
     error = error_size(machine.noise, np.abs(steady), base.scatter)
-    telling = base.usable & (np.abs(transient.instant) > LARGEST_UNFITTED * error)
-    if np.count_nonzero(telling) < FEWEST_TELLING:
-        return "instant"
+    telling = base.usable & (np.abs(transient.instant) > NEGLIGIBLE * error)
     rest = np.where(telling, base.phasor - steady, 0.0)
     choices: dict[Taken, Complexes] = {
         "instant": transient.instant,
@@ -177,7 +194,8 @@ def _taken(machine: Machine, base: Measurement, steady: Complexes, transient: Sw
         name: float(np.sum(np.minimum(np.abs((rest - one)[telling]) ** 2 / error[telling] ** 2, LARGEST_SQUARE)))
         for name, one in choices.items()
     }
-    return min(choices, key=lambda name: cost[name])
+    best = min(choices, key=lambda name: cost[name])
+    return best, min(other for name, other in cost.items() if name != best) - cost[best]
 
 
 def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
@@ -187,22 +205,33 @@ def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
     return bool(not moved.size or np.sqrt(np.mean(moved**2)) < SETTLED)
 
 
-def _told(quality: Quality, treatment: _Treatment, base: Measurement, transient: SweepTransient, taken: Taken) -> Quality:
-    """Flags and words on what was done."""
-    excluded = treatment.excluded & base.usable
-    corrected = treatment.corrected & base.usable
+def _told(
+    quality: Quality,
+    piece: slice,
+    treatment: _Treatment,
+    base: Measurement,
+    transient: SweepTransient,
+    taken: Taken,
+    *,
+    certain: bool,
+) -> Quality:
+    """The quality of one run, a piece of all samples, with flags and words on what was done."""
+    usable = base.usable[piece]
+    excluded, corrected = treatment.excluded[piece] & usable, treatment.corrected[piece] & usable
     if taken == "none":
-        clearly = base.usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)
+        if not certain:
+            return quality
+        beyond = int(np.count_nonzero(usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)[piece]))
         words = (
-            f"sweep rate: the times say that {int(np.count_nonzero(clearly))} phasors should deviate from the steady state, "
-            "and they do not: the times are not those of the measurement, or the phasors were computed",
+            f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+            "and the data say that they do not: the times are not those of the measurement, or the phasors were computed"
         )
-        return replace(quality, findings=(*quality.findings, *words))
+        return replace(quality, findings=(*quality.findings, words))
     if not excluded.any() and not corrected.any():
         return quality
-    largest = float(np.max(np.where(base.usable, treatment.size, 0.0)))
+    largest = float(np.max(np.where(usable, treatment.size[piece], 0.0)))
     words = (
         f"sweep rate: the model predicts deviations from the steady state of up to {largest:.2g} times the noise; "
-        f"{int(np.count_nonzero(excluded))} phasors left out, {int(np.count_nonzero(corrected))} corrected",
+        f"{int(np.count_nonzero(excluded))} phasors left out, {int(np.count_nonzero(corrected))} corrected"
     )
-    return quality.with_flag(Flag.SWEEP_RATE, excluded, *words).with_flag(Flag.CORRECTED, corrected)
+    return quality.with_flag(Flag.SWEEP_RATE, excluded, words).with_flag(Flag.CORRECTED, corrected)

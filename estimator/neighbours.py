@@ -19,6 +19,8 @@ ALONE = 0.85
 """Part of the five differences that a single wrong phasor must explain."""
 CLEARLY = 2.0
 """Times the largest error that noise would show, from which on a phasor is out of line."""
+DENSE = 1.5
+"""Samples are dense when a straight line leaves at most this times what a cubic does."""
 SAME_SPEED = 1e-5
 """Samples whose speeds differ by less than this part of the range are no neighbours in speed."""
 
@@ -84,6 +86,19 @@ def neighbour_noise(fit: LocalFit, amplitude: Floats) -> tuple[float, float]:
     if relative == 0.0 and large <= 1.5 * small and large > 0.0:
         return float(np.sqrt(np.median(square / np.maximum(size, 1e-300) ** 2) / np.log(2.0))), 0.0
     return float(np.sqrt(relative)), float(np.sqrt(floor))
+
+
+def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
+    """Whether one channel's samples are dense enough for the differences to be noise.
+
+    The straight line through the nearest two neighbours then leaves as much as the cubic through four. speed, phasor: (S,).
+    """
+    if fit.place.size < FEWEST_POINTS:
+        return False
+    where, values = speed[fit.place], phasor[fit.place]
+    part = (where[1:-1] - where[:-2]) / (where[2:] - where[:-2])
+    left_over = np.abs(values[1:-1] - (1 - part) * values[:-2] - part * values[2:]) / np.sqrt(1 + (1 - part) ** 2 + part**2)
+    return bool(np.median(left_over) < DENSE * np.nanmedian(fit.error))
 
 
 def out_of_line(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:

@@ -35,6 +35,9 @@ FEWEST_SAMPLES = 5
 """Samples of a station that are needed below it, …"""
 NARROWEST = 0.1
 """… and the part of that speed which they must span."""
+SMALLEST_PART = 0.2
+"""An orbit that grows less than this part of the largest, each beside what the model expects, tells nothing: it may be the
+remains of an unbalance far away, which cross-coupling turns as it likes."""
 LOWEST = 0.1
 """The model's orbits are computed from this part of it on, or from the speed range's lower end."""
 NO_RADIUS = 1e-100
@@ -108,11 +111,22 @@ def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[Finding,
         expected = ExpectedOrbits.of(machine)
     except ValueError as error:
         return tuple(_undetectable(place, str(error)) for place in places)
+    grown: list[tuple[StationOrbits, float]] = []
     for place in places:
         try:
-            backward[place.channels] = _turns_backward(machine, measurement, place, expected)
+            one = _what_grows(machine, measurement, place, expected)
+            grown.append((one, float(one.semi_major[0]) / expected.size(place)))
         except _NotSeen as why:
             findings.append(_undetectable(place, str(why)))
+    largest = max((size for _, size in grown), default=0.0)
+    for one, size in grown:
+        sense = one.sense(0)
+        if size < SMALLEST_PART * largest:
+            findings.append(_undetectable(one.place, "the orbit is small beside those elsewhere, so it may turn either way"))
+        elif sense == "undecided":
+            findings.append(_undetectable(one.place, "the orbit is too flat or too small for the noise"))
+        else:
+            backward[one.place.channels] = sense == "backward"
     wrong = _wrong([place for place in places if backward.get(place.channels)], len(backward))
     return (*wrong, *findings)
 
@@ -183,22 +197,29 @@ class ExpectedOrbits:
 
         For u and v of zero mean P(|u| > |v|) = ½ + ½ (a - b) / √((a + b)² - 4|c|²) with a = E|u|², b = E|v|², c = E u v*.
         """
-        columns = list(place.columns)
-        grown = np.einsum("s,smp->mp", self.growth(self.speed), self.influence[:, columns])
-        x, y = np.linalg.pinv(place.directions) @ grown
+        x, y = self._axes(place)
         positive, negative = x + 1j * y, x - 1j * y
         a, b = float(np.sum(np.abs(positive) ** 2)), float(np.sum(np.abs(negative) ** 2))
         c = abs(complex(np.vdot(positive, negative)))
         spread = math.sqrt(max((a + b) ** 2 - 4.0 * c**2, (a - b) ** 2))
         return 0.5 if spread == 0.0 else 0.5 + 0.5 * direction * (a - b) / spread
 
+    def size(self, place: ProbeStation) -> float:
+        """Rms of what grows at a station, over such unbalances, in a unit that is the same for all stations."""
+        return float(np.linalg.norm(self._axes(place)))
+
+    def _axes(self, place: ProbeStation) -> Complexes:
+        """What grows along x and y (2, P) per unbalance of each disc."""
+        grown = np.einsum("s,smp->mp", self.growth(self.speed), self.influence[:, list(place.columns)])
+        return np.asarray(np.linalg.pinv(place.directions) @ grown)
+
 
 class _NotSeen(Exception):
     """The sense of an orbit cannot be judged."""
 
 
-def _turns_backward(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> bool:
-    """Whether what grows with the speed at a station turns backward. Raises _NotSeen."""
+def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> StationOrbits:
+    """The one orbit that grows with the speed at a station. Raises _NotSeen."""
     if len(place.channels) < 2:
         raise _NotSeen("one probe alone sees no orbit")
     if not place.sees_both_axes:
@@ -217,11 +238,7 @@ def _turns_backward(machine: Machine, measurement: Measurement, place: ProbeStat
     if np.ptp(speed) < NARROWEST * limit:
         raise _NotSeen(f"the speeds {below}, lie too near to each other")
     error = np.where(measurement.usable, _noise_error(machine, measurement), 0.0)[which][:, list(place.columns)]
-    grown = _grown(place, axes.pick(which), expected.growth(speed), error, direction)
-    sense = grown.sense(0)
-    if sense == "undecided":
-        raise _NotSeen("the orbits are too flat or too small for the noise")
-    return sense == "backward"
+    return _grown(place, axes.pick(which), expected.growth(speed), error, direction)
 
 
 def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats, direction: float) -> StationOrbits:

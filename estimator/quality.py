@@ -15,7 +15,7 @@ from estimator.channel_status import ChannelStatus
 from estimator.condensation import Complexes, Floats
 from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
 from estimator.machine import Noise
-from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line
+from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
@@ -30,7 +30,7 @@ class Flag(IntFlag):
     FROZEN = 16
     OUTLIER = 32
     SWEEP_RATE = 64
-    RINGING = 128
+    SWEEP_RATE_BEAT = 128
     HALF_POWER = 256
     NOT_ACCEPTED = 512
     CORRECTED = 1024
@@ -49,13 +49,12 @@ MEANING: dict[Flag, str] = {
     Flag.FROZEN: "the same phasor again and again",
     Flag.OUTLIER: "no neighbouring speed agrees",
     Flag.SWEEP_RATE: "the model predicts that the sweep was too fast for the steady state",
-    Flag.RINGING: "the 1× beats behind a resonance: the sweep rate was too high for the steady state",
+    Flag.SWEEP_RATE_BEAT: "the 1× beats behind a resonance: the sweep rate was too high for the steady state",
     Flag.HALF_POWER: "between the half-power points of a resonance",
     Flag.NOT_ACCEPTED: "outside the speeds that are accepted",
     Flag.CORRECTED: "used, without what the model predicts that the sweep rate added",
 }
 """What each flag means; the only one with which a phasor is used is CORRECTED."""
-SWEEP = Flag.SWEEP_RATE | Flag.RINGING
 EXCLUDING = ~Flag.CORRECTED
 STATUS_FLAG = {
     ChannelStatus.NOT_AVAILABLE: Flag.NOT_AVAILABLE,
@@ -109,18 +108,25 @@ class Recorded:
     scatter: Floats
     channels: tuple[str, ...]
 
+    def pick(self, which: NDArray[np.bool_]) -> "Recorded":
+        """Some of the samples, (S,) True for those wanted."""
+        time = None if self.time is None else self.time[which]
+        return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)
+
 
 @dataclass(frozen=True)
 class ChannelNoise:
     """Noise of a channel as its neighbouring speeds show it: relative part [-] and floor [m], NaN where that is unknown.
 
     stated: median rms that the source or the document states [m]; seen: that of the values beside it, at the same amplitudes.
+    resolved: whether the samples are dense enough for these to be noise; otherwise they are bounds from above.
     """
 
     relative: float
     floor: float
     stated: float
     seen: float
+    resolved: bool
 
 
 @dataclass(frozen=True)
@@ -132,6 +138,8 @@ class Quality:
     findings: tuple[str, ...]
     noise: dict[str, ChannelNoise]
     beats: tuple[Beat | None, ...] = field(default=())
+    clock_doubted: bool = False
+    """Whether a beat tells of a quite different sweep rate than the samples' times do."""
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -180,8 +188,8 @@ def assess(run: Recorded, *, noise: Noise, rules: Rules | None = None) -> Qualit
         fits.append(fit)
         own = np.sqrt((relative * amplitude[:, c]) ** 2 + floor**2)
         used = flags[:, c] == 0
-        middle = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
-        seen[channel] = ChannelNoise(relative, floor, *middle)
+        typical, local = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
+        seen[channel] = ChannelNoise(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
     flags[_outliers(run, fits, stated, seen, flags == 0)] |= np.uint16(Flag.OUTLIER)
     flags[_not_accepted(run.speed, rules)] |= np.uint16(Flag.NOT_ACCEPTED)
     if rules.half_power:
@@ -295,19 +303,21 @@ def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
     """With the points at which a beat is seen flagged."""
     beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
     where = np.zeros(run.phasor.shape, dtype=bool)
-    words = []
+    words, doubted = [], False
     for c, beat in enumerate(beats):
         if beat is None:
             continue
         own = quality.noise[run.channels[c]]
         limit = max(float(np.median(size[:, c])), 0.0 if not np.isfinite(own.floor) else own.floor)
         where[:, c] = beat.deviation > RINGING_LIMIT * limit
+        clock = _clock(run, beat)
+        doubted |= bool(clock)
         words.append(
             f"sweep rate: {run.channels[c]} beats behind {rad_per_s_to_rpm(beat.natural_frequency):.0f} rpm, "
             f"{beat.turns:.1f} turns seen: the rotor rings after a resonance crossed at "
-            f"{abs(rad_per_s_to_rpm(beat.acceleration)):.3g} rpm/s by the beat itself{_clock(run, beat)}"
+            f"{abs(rad_per_s_to_rpm(beat.acceleration)):.3g} rpm/s by the beat itself{clock}"
         )
-    return replace(quality.with_flag(Flag.RINGING, where, *words), beats=beats)
+    return replace(quality.with_flag(Flag.SWEEP_RATE_BEAT, where, *words), beats=beats, clock_doubted=doubted)
 
 
 def _clock(run: Recorded, beat: Beat) -> str:
@@ -351,6 +361,6 @@ def _noise_findings(quality: Quality) -> tuple[str, ...]:
     """Channels whose noise is clearly not the stated one."""
     words = []
     for channel, noise in quality.noise.items():
-        if np.isfinite(noise.seen) and noise.stated > 0.0 and noise.seen > OTHER_NOISE * noise.stated:
+        if noise.resolved and noise.stated > 0.0 and noise.seen > OTHER_NOISE * noise.stated:
             words.append(f"noise: {channel} scatters {noise.seen / noise.stated:.1f} times as much as stated")
     return tuple(words)

@@ -75,9 +75,8 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats) -> Swee
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
     for k in np.flatnonzero(near):
         eigenvalue = found.eigenvalue[k] + (law.speed(grid) - spin) * drift[k]
-        course = _course(
-            law, grid, eigenvalue, np.asarray(force @ at_rest[k], complex), np.asarray(steady @ at_rest[k], complex)
-        )
+        pushed, resting = (np.asarray(one @ at_rest[k]).astype(complex) for one in (force, steady))
+        course = _course(law, grid, eigenvalue, pushed, resting)
         instant += course.deviation[place, None] * seen[:, k]
         averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
     return SweepTransient(instant, averaged)

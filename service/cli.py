@@ -14,10 +14,12 @@ import typer
 from pydantic import ValidationError
 from pydantic_settings import SettingsError
 
-from estimator.identification import Identification, identify
+from estimator.gate import Gated, identify_gated
+from estimator.identification import Identification
 from estimator.machine import Machine, field_path
-from estimator.measurement import Measurement
+from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
+from estimator.quality import Recorded, Rules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
@@ -27,8 +29,16 @@ from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
 from service.edge.command import run_edge
 from service.model_report import model_text
-from service.offline import captured, read_measurement, without_slow_roll
-from service.printing import EXPLAINED, advice_text, comparison_text, identification_text, regression_text, slow_roll_text
+from service.offline import captured, read_measurement, read_runs, without_slow_roll
+from service.printing import (
+    EXPLAINED,
+    advice_text,
+    comparison_text,
+    identification_text,
+    quality_text,
+    regression_text,
+    slow_roll_text,
+)
 from service.recording import read_recording, split, write_recording
 from service.running import PortUnusable
 from service.running import serve as run_service
@@ -211,6 +221,8 @@ def identify_offline(
     method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
     tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
+    gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
+    half_power: Annotated[bool, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")] = False,
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
     ] = None,
@@ -226,8 +238,16 @@ def identify_offline(
     if method == "regression":
         _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
-    described, measurement, result = _identified(machine, files, sidecar, slow_roll)
+    described, measurement, found = _gated(
+        machine, files, sidecar, rules=Rules(half_power=half_power), gate=gate, slow_roll=slow_roll
+    )
+    text = quality_text([file.name for file in files], found.qualities, gate=gate)
+    if found.identification is None:
+        _fail("\n".join([found.error or "", text]).strip())
+    result = found.identification
     typer.echo(identification_text(result))
+    if text:
+        typer.echo(f"\n{text}")
     if advice:
         typer.echo(advice_text(described, result, measurement))
     if not result.accepted:
@@ -292,15 +312,16 @@ def show_slow_roll(
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     try:
-        described, measurement = _measured(machine, [file], sidecar)
-        typer.echo(slow_roll_text(described, captured(described, measurement, band)))
+        described, runs = _runs(machine, [file], sidecar)
+        typer.echo(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
 
 
 def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
     try:
-        described, measurement = _measured(machine, files, sidecar, slow_roll)
+        described, runs = _runs(machine, files, sidecar, slow_roll)
+        measurement = joined([measured for _, measured in runs])
         with threadpoolctl.threadpool_limits(1):
             found = regress(described, measurement, tikhonov=tikhonov)
         typer.echo(regression_text(found))
@@ -310,28 +331,43 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
         _fail(str(error))
 
 
-def _measured(
+def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
-) -> tuple[Machine, Measurement]:
+) -> tuple[Machine, list[tuple[Recorded, Measurement]]]:
     """A document and its recorded runs, without the slow roll of a band where one is given."""
     described = read_machine(machine)
-    measurement, left_out = read_measurement(described, files, sidecar)
+    runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
         typer.echo(line, err=True)
     if slow_roll is None:
-        return described, measurement
-    corrected, measurement, found = without_slow_roll(described, measurement, slow_roll)
+        return described, runs
+    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
     typer.echo(slow_roll_text(described, found), err=True)
-    return corrected, measurement
+    return corrected, rest
 
 
-def _identified(
-    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
-) -> tuple[Machine, Measurement, Identification]:
+def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+    described, measurement, found = _gated(machine, files, sidecar)
+    if found.identification is None:
+        _fail(found.error or "there is nothing to identify from")
+    return described, measurement, found.identification
+
+
+def _gated(
+    machine: Path,
+    files: list[Path],
+    sidecar: Path | None,
+    *,
+    rules: Rules | None = None,
+    gate: bool = True,
+    slow_roll: str | None = None,
+) -> tuple[Machine, Measurement, Gated]:
     try:
-        described, measurement = _measured(machine, files, sidecar, slow_roll)
+        described, runs = _runs(machine, files, sidecar, slow_roll)
+        recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
         with threadpoolctl.threadpool_limits(1):
-            return described, measurement, identify(described, measurement)
+            found = identify_gated(described, recorded, measured, rules=rules, gate=gate)
+        return described, joined(measured), found
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
 

@@ -12,7 +12,7 @@ from importlib.metadata import version as version_of_the_code
 from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
-from estimator.identification import Identification, Options
+from estimator.identification import Options
 from estimator.machine import DocumentError, parse_machine
 from service import requesting, watching, worker
 from service.settings import Settings
@@ -44,7 +44,7 @@ class Identifying:
         self._settings = settings
         self._options = Options()
         self._executor: Executor = process_pool(settings.workers)
-        self._running: dict[Future[Identification], tuple[int, Executor]] = {}
+        self._running: dict[Future[worker.Outcome], tuple[int, Executor]] = {}
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
         self.trouble: str | None = None
@@ -112,7 +112,7 @@ class Identifying:
                 self._replace_workers(self._executor)
                 self._put_back(job_id, str(error))
 
-    def _file(self, future: Future[Identification], job_id: int, executor: Executor) -> None:
+    def _file(self, future: Future[worker.Outcome], job_id: int, executor: Executor) -> None:
         try:
             result = future.result()
         except BrokenProcessPool as error:
@@ -128,9 +128,16 @@ class Identifying:
         except IntegrityError as error:
             self._fail(job_id, f"its result cannot be stored: {error.orig}")
 
-    def _store(self, job_id: int, result: Identification) -> None:
+    def _store(self, job_id: int, outcome: worker.Outcome) -> None:
+        result = outcome.identification
         with self._database.transaction() as session:
             row = jobs.get(session, job_id)
+            if row.scope == jobs.RUN:
+                runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
+            if result is None:
+                jobs.finish(row, state=jobs.FAILED, error=outcome.error)
+                logger.warning("identification job %d failed: %s", job_id, outcome.error)
+                return
             stored = identifications.add(session, _origin(session, row, self._options), result)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
@@ -169,7 +176,27 @@ def _task(session: Session, row: JobRow, options: Options, settings: Settings) -
     vectors = None
     if version is not None:
         vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), parse_machine(document))
-    return worker.Task(document, blocks, requesting.fit_options(row, options), settings.identification_timeout_s, vectors)
+    return worker.Task(
+        document,
+        blocks,
+        requesting.fit_options(row, options),
+        settings.identification_timeout_s,
+        earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
+        slow_roll=vectors,
+    )
+
+
+def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
+    """The run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
+    before = runs.before(session, runs.get(session, row.run_ids[0]))
+    if before is None:
+        return None
+    try:
+        held = runs.samples(session, before.id)
+    except DamagedBlock as error:
+        logger.warning("run %d is not compared with run %d: %s", row.run_ids[0], before.id, error)
+        return None
+    return None if held is None else (f"run {before.id}", encode(held))
 
 
 def _origin(session: Session, row: JobRow, options: Options) -> Origin:

@@ -8,6 +8,7 @@ import numpy as np
 
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
+from estimator.quality import Recorded
 from estimator.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.documents import UnreadableFile
@@ -17,23 +18,33 @@ from storage.clock import now
 
 
 def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
-    """All runs of some files as one measurement, and what was left out of them in words.
+    """All runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
+    runs, left_out = read_runs(machine, files, sidecar)
+    return joined([measurement for _, measurement in runs]), left_out
+
+
+def read_runs(
+    machine: Machine, files: Sequence[Path], sidecar: Path | None = None
+) -> tuple[list[tuple[Recorded, Measurement]], list[str]]:
+    """The run of each file as it was recorded and as a measurement, and what was left out of them in words.
 
     sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
     recording that is not of this machine's channels.
     """
     if sidecar is not None and len(files) > 1:
         raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
-    runs, left_out = [], []
+    runs: list[tuple[Recorded, Measurement]] = []
+    left_out: list[str] = []
     for file in files:
         recording = read_recording(file, sidecar)
         if recording.machine != machine.id:
             raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
         samples, taken, faults = to_samples(recording, machine, received_at=now())
         left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
-        run = samples.pick(taken).measurement()
-        runs.append(_with_trial_weights(machine, run, read_sidecar(sidecar or file.with_suffix(".yaml")), file))
-    return joined(runs), left_out
+        run = samples.pick(taken)
+        added = read_sidecar(sidecar or file.with_suffix(".yaml"))
+        runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
+    return runs, left_out
 
 
 def speed_band(text: str) -> tuple[float, float]:
@@ -54,15 +65,21 @@ def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
     return capture(machine, measurement, lowest=lowest, highest=highest)
 
 
-def without_slow_roll(machine: Machine, measurement: Measurement, band: str) -> tuple[Machine, Measurement, Capture]:
-    """A machine and its measurement without the vectors of a band; raises as `captured`.
+def without_slow_roll(
+    machine: Machine, runs: Sequence[tuple[Recorded, Measurement]], band: str
+) -> tuple[Machine, list[tuple[Recorded, Measurement]], Capture]:
+    """A machine and its runs without the vectors of a band of all of them; raises as `captured`.
 
     The band's own samples are left out of what follows: they have said what they know.
     """
-    found = captured(machine, measurement, band)
+    found = captured(machine, joined([measurement for _, measurement in runs]), band)
     lowest, highest = speed_band(band)
-    rest = measurement.pick((measurement.speed < lowest) | (measurement.speed > highest))
-    return *corrected(machine, rest, found.slow_roll), found
+    described, rest = machine, []
+    for run, measurement in runs:
+        outside = (measurement.speed < lowest) | (measurement.speed > highest)
+        described, without = corrected(machine, measurement.pick(outside), found.slow_roll)
+        rest.append((run.pick(outside), without))
+    return described, rest, found
 
 
 def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:

@@ -1,5 +1,7 @@
 """An identification, what would help it, and a comparison of views, as text for a terminal."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from estimator.design import helpful_probes, helpful_speeds
@@ -8,6 +10,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.model_comparison import Comparison
+from estimator.quality import Quality
 from estimator.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -17,6 +20,15 @@ EXPLAINED = 2.0
 """Largest χ²/dof with which the regression's values are said to explain a run."""
 BEYOND = 1.5
 """Candidate speeds reach to this part of the speed range's end."""
+
+
+def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
+    """What there is to say of each run before it is identified; empty where there is nothing."""
+    lines = []
+    for name, quality in zip(names, qualities, strict=True):
+        found = [*quality.findings, *([quality.words] if gate and quality.words else [])]
+        lines += [f"{name}: {words}" for words in found]
+    return "\n".join(lines)
 
 
 def identification_text(result: Identification) -> str:

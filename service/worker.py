@@ -1,20 +1,26 @@
-"""What runs in an identification process: arrays in, one identification out. No database, no network."""
+"""What runs in an identification process: arrays in, quality and identification out. No database, no network."""
 
 import os
 import signal
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from types import FrameType
 from typing import Any
 
+import numpy as np
 import threadpoolctl
 
+from estimator.gate import Gated, identify_gated
 from estimator.gathering import combined
-from estimator.identification import Identification, Options, identify
-from estimator.machine import parse_machine
+from estimator.identification import Identification, Options
+from estimator.machine import Machine, parse_machine
+from estimator.noise import error_size
+from estimator.orbit import orbit_findings
+from estimator.quality import Quality, Recorded, Rules
+from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.slow_roll import SlowRoll, corrected
 from storage.blocks import decode
 
@@ -23,14 +29,26 @@ from storage.blocks import decode
 class Task:
     """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
 
-    slow_roll: vectors that are subtracted first.
+    rules: what may be left out. earlier: name and block of a run that a single run is compared with. slow_roll: vectors that
+    are subtracted before the fit.
     """
 
     document: dict[str, Any]
     runs: Sequence[bytes]
     options: Options
     timeout_s: float
+    rules: Rules = Rules()  # noqa: RUF009 - frozen
+    earlier: tuple[str, bytes] | None = None
     slow_roll: SlowRoll | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`."""
+
+    qualities: tuple[Quality, ...]
+    identification: Identification | None
+    error: str | None = None
 
 
 class OutOfTime(RuntimeError):
@@ -45,21 +63,46 @@ def prepare() -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def compute(task: Task) -> Identification:
-    """Identify. Raises what `identify` raises, and OutOfTime."""
+def compute(task: Task) -> Outcome:
+    """Judge the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime."""
     signal.signal(signal.SIGALRM, _out_of_time)
     signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
     try:
         machine = parse_machine(task.document)
-        results = []
-        for block in task.runs:
-            described, measurement = machine, decode(block).measurement()
-            if task.slow_roll is not None:
-                described, measurement = corrected(described, measurement, task.slow_roll)
-            results.append(identify(described, measurement, task.options))
-        return results[0] if len(results) == 1 else combined(results)
+        gated = [_gated(machine, block, task) for block in task.runs]
+        qualities = tuple(one.qualities[0] for one in gated)
+        found = [one.identification for one in gated if one.identification is not None]
+        if len(found) < len(gated):
+            return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
+        return Outcome(qualities, found[0] if len(found) == 1 else combined(found))
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+
+
+def _gated(machine: Machine, block: bytes, task: Task) -> Gated:
+    samples = decode(block)
+    run, measurement = samples.recorded(machine.channels), samples.measurement()
+    described, without = machine, measurement
+    if task.slow_roll is not None:
+        described, without = corrected(machine, measurement, task.slow_roll)
+    gated = identify_gated(described, [run], [without], options=task.options, rules=task.rules)
+    quality = gated.qualities[0]
+    good = replace(measurement, usable=measurement.usable & quality.usable)
+    wiring = tuple(finding.words for finding in orbit_findings(machine, good))
+    quality = replace(quality, findings=(*quality.findings, *wiring))
+    if task.earlier is not None:
+        quality = _compared(machine, run, quality, task.earlier)
+    return replace(gated, qualities=(quality,))
+
+
+def _compared(machine: Machine, run: Recorded, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
+    """With what a run shows against an earlier one."""
+    name, block = earlier
+    before = decode(block)
+    error = error_size(machine.noise, np.abs(run.phasor), run.scatter)
+    other = EarlierRun(name, before.speed, before.phasor, before.usable)
+    found = distances(run.speed, run.phasor, error, quality.usable, other)
+    return replace(quality, findings=(*quality.findings, *repeatability_findings(run.channels, found, name)))
 
 
 def _out_of_time(_number: int, _frame: FrameType | None) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from estimator.channel_status import ChannelStatus
 from estimator.measurement import Measurement
+from estimator.quality import Recorded
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
 _MAGIC = b"RDSB"
@@ -53,6 +54,10 @@ class Samples:
     def between(self, first: int, last: int) -> "Samples":
         """Samples with first <= time <= last [ns]."""
         return self.pick((self.time >= first) & (self.time <= last))
+
+    def recorded(self, channels: tuple[str, ...]) -> Recorded:
+        """What the quality of a run is judged by."""
+        return Recorded(self.time / 1e9, self.speed, self.phasor, self.status, self.scatter, channels)
 
     def measurement(self) -> Measurement:
         """What an identification is fed with."""

@@ -1,17 +1,24 @@
 """Repository of runs and of where each machine's run collection stands."""
 
+import struct
+import zlib
 from collections.abc import Collection, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.coverage import Coverage
+from estimator.quality import Quality
 from estimator.speed_bins import ROLLING
-from storage.blocks import Samples, decode, encode
+from storage.blocks import DamagedBlock, Samples, decode, encode
 from storage.tables import CollectorRow, MachineStateRow, RunRow
+
+_FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
+_FLAGS_FORMAT = 1
 
 OPEN, CLOSED, DISCARDED = "open", "closed", "discarded"
 LEFT_OUT = "late_samples_left_out"
@@ -64,7 +71,7 @@ def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: C
     row.count = len(samples)
     row.data = encode(samples)
     row.coverage = None if coverage is None else asdict(coverage) | {LEFT_OUT: 0}
-    row.quality, row.flags = None, None
+    row.quality = row.flags = None  # of other samples, if there is any
     if len(samples):
         row.time_last = max(int(samples.time[-1]), row.time_first)
         row.speed_minimum = float(np.min(samples.speed))
@@ -108,6 +115,56 @@ def samples(session: Session, run_id: int) -> Samples | None:
     if row is None:
         raise RunUnknown(run_id)
     return None if row.data is None else decode(row.data)
+
+
+def keep_quality(session: Session, run_id: int, quality: Quality) -> None:
+    """Store what was found of a run: a summary, and each phasor's flags. Raises RunUnknown."""
+    row = get(session, run_id)
+    row.quality = {
+        "points": int(quality.flags.size),
+        "usable": int(np.count_nonzero(quality.usable)),
+        "counts": quality.counts,
+        "findings": list(quality.findings),
+        "channels": list(quality.channels),
+        "noise": {channel: _finite(asdict(noise)) for channel, noise in quality.noise.items()},
+    }
+    row.flags = _FLAGS.pack(_FLAGS_FORMAT, *quality.flags.shape) + zlib.compress(quality.flags.astype("<u2").tobytes(), 1)
+
+
+def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
+    """Flags (S, m) of a run's phasors, see `estimator.quality.Flag`; None while it was not judged.
+
+    Raises RunUnknown, DamagedBlock.
+    """
+    row = session.get(RunRow, run_id, options=[undefer(RunRow.flags)])
+    if row is None:
+        raise RunUnknown(run_id)
+    if row.flags is None:
+        return None
+    try:
+        version, samples_held, channels = _FLAGS.unpack_from(row.flags)
+        if version != _FLAGS_FORMAT:
+            raise DamagedBlock(f"flags of format {version}, not {_FLAGS_FORMAT}")
+        found = np.frombuffer(zlib.decompress(row.flags[_FLAGS.size :]), "<u2").reshape(samples_held, channels)
+    except (struct.error, zlib.error, ValueError) as error:
+        raise DamagedBlock(f"the flags of run {run_id} cannot be read: {error}") from error
+    return found.astype(np.uint16)
+
+
+def before(session: Session, row: RunRow) -> RunRow | None:
+    """The closed run before another, of the same machine, revision, kind and sense of rotation."""
+    query = (
+        select(RunRow)
+        .where(RunRow.machine_id == row.machine_id, RunRow.revision == row.revision, RunRow.state == CLOSED)
+        .where(RunRow.kind == row.kind, RunRow.direction == row.direction, RunRow.time_first < row.time_first)
+        .order_by(RunRow.time_first.desc())
+        .limit(1)
+    )
+    return session.scalars(query).first()
+
+
+def _finite(values: dict[str, float]) -> dict[str, float | None]:
+    return {name: value if np.isfinite(value) else None for name, value in values.items()}
 
 
 def of_machine(

@@ -9,6 +9,7 @@ from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
+    baselines,
     event_stream,
     identifications,
     ingestion,
@@ -18,6 +19,7 @@ from service.api import (
     metrics,
     operations,
     orbits,
+    run_quality,
     slow_roll,
     subscriptions,
     suppressions,
@@ -70,10 +72,12 @@ def application(
         measurements,
         ingestion,
         orbits,
+        run_quality,
         identifications,
         event_stream,
         alerts,
         suppressions,
+        baselines,
         subscriptions,
         operations,
     ):

@@ -87,6 +87,7 @@ def run(row: RunRow) -> schemas.Run:
         speed_maximum_rpm=_rpm(row.speed_maximum),
         reopened_at=_time(row.reopened_at),
         coverage=None if row.coverage is None else schemas.RunCoverage.model_validate(row.coverage),
+        quality=None if row.quality is None else schemas.QualitySummary.model_validate(row.quality),
     )
 
 

@@ -53,6 +53,36 @@ class RunCoverage(BaseModel):
     late_samples_left_out: int = Field(description="they came when the run had been reopened before")
 
 
+class QualitySummary(BaseModel):
+    """Quality of a run in short."""
+
+    points: int = Field(description="phasors, samples times channels")
+    usable: int
+    counts: dict[str, int] = Field(description="phasors by reason")
+    findings: list[str] = Field(description="what there is to say of the run, in words")
+
+
+class ChannelNoise(BaseModel):
+    """Noise of a channel as its neighbouring speeds show it; null where there are too few points."""
+
+    relative: float | None = Field(description="part of the amplitude, rms [-]")
+    floor: float | None = Field(description="0-to-peak [m]")
+    stated: float | None = Field(description="median rms error by the source or the document [m]")
+    seen: float | None = Field(description="the same by the neighbouring speeds [m]")
+    resolved: bool = Field(description="false where the samples are so sparse that these are bounds from above")
+
+
+class RunQuality(QualitySummary):
+    """Quality of a run, point by point; the rows of `reasons` belong to `channels`."""
+
+    run: int
+    judged: bool = Field(description="false until the run's identification was computed")
+    meaning: dict[str, str] = Field(description="what each reason that occurs means")
+    channels: list[str]
+    reasons: list[list[list[str]]] = Field(description="per channel and sample; empty: nothing against it")
+    noise: dict[str, ChannelNoise]
+
+
 class Run(BaseModel):
     """A run-up, a run-down, or a rolling collection over speed bins."""
 
@@ -70,6 +100,7 @@ class Run(BaseModel):
     speed_maximum_rpm: float | None
     reopened_at: datetime | None = Field(description="when late samples made it anew; its newest identification counts")
     coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
+    quality: QualitySummary | None = Field(description="null until it was judged")
 
 
 class EstimateOut(BaseModel):

@@ -64,9 +64,9 @@ class Api:
 def api(plant: Database) -> Api:
     """Over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels, always."""
     journal = Journal(plant, Collector())
-    slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), 250.0]
+    slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), *sweep_rpm(250.0, 100.0, 6)]
     # From slow roll to speed takes an hour: no shaft jumps.
-    times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(41)]
+    times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(46)]
     journal.store([arrived(batch(slow, time_ns=times))], [])
     return Api(plant)
 
@@ -308,7 +308,7 @@ def test_an_old_run_is_identified_with_and_without_its_slow_roll(train: tuple[Da
 
 
 def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> None:
-    like = Like(revision=1, run_kind="run-down")
+    like = Like(revisions=(1,), run_kind="run-down")
     with plant.transaction() as session:
         first = store_identification(session, identification({"coupling.C1.kxx": 1.1}), run_id=1).id
         other = store_identification(session, identification(), run_id=2, measured_at=START + 1).id
