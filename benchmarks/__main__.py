@@ -1,6 +1,6 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import estimator, latency, phasors, updated_model
+from benchmarks import estimator, latency, many_sources, phasors, throughput, updated_model
 
 if __name__ == "__main__":
     estimator.main([])
@@ -10,3 +10,7 @@ if __name__ == "__main__":
     phasors.main([])
     print()
     latency.main()
+    print()
+    throughput.main()
+    print()
+    many_sources.main()
