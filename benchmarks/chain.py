@@ -154,6 +154,12 @@ def _processor_s(one: psutil.Process) -> float:
     return float(times.user + times.system)
 
 
+def patiently(seconds: float) -> bool:
+    """Pause, and never give up."""
+    time.sleep(seconds)
+    return False
+
+
 def percentiles(seconds: np.ndarray) -> str:
     """p50, p95, p99 and the largest, in words."""
     p50, p95, p99 = np.percentile(seconds, [50, 95, 99])

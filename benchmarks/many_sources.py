@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 import psutil
 
-from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, percentiles, publishing
+from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, patiently, percentiles, publishing
 from benchmarks.throughput import template
 from service.source import Source
 from service.stream import session, wait_connected
@@ -38,12 +38,15 @@ def publishing_process(options: argparse.Namespace) -> None:
     sessions = [session(listen=[], connect=[options.connect]) for _ in machines]
     streams = [one.__enter__() for one in sessions]
     for stream in streams:
-        wait_connected(stream, [options.connect], give_up=lambda _seconds: False)
+        wait_connected(stream, [options.connect], give_up=patiently)
     sources = [Source(stream, Key(PLANT, name), name="edge") for stream, name in zip(streams, machines, strict=True)]
     batches = [template(name, 1) for name in machines]
     count = round(options.seconds * options.rate)
     times: list[list[int]] = [[] for _ in machines]
-    start = time.time() + 1.0
+    Path(options.truth + ".ready").touch()
+    while not Path(options.begin).exists():
+        time.sleep(0.05)
+    start = time.time() + 0.5
     for number in range(count):
         for place, (source, batch) in enumerate(zip(sources, batches, strict=True)):
             time.sleep(max(0.0, start + (number + place / len(machines)) / options.rate - time.time()))
@@ -66,7 +69,8 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     ledger = Ledger(folder / "rundown.db")
     truths = [folder / f"truth-{i}.json" for i in range(PROCESSES)]
     common = ["-m", "benchmarks.many_sources", "--connect", service.endpoint]
-    common += ["--rate", str(options.rate), "--seconds", str(options.seconds)]
+    begin = folder / "begin"
+    common += ["--begin", str(begin), "--rate", str(options.rate), "--seconds", str(options.seconds)]
     with contextlib.ExitStack() as around:
         with service.running() as serving:
             began = time.perf_counter()
@@ -76,6 +80,9 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
             for i, truth in enumerate(truths):
                 part = ",".join(machines[i::PROCESSES])
                 around.enter_context(publishing(*common, "--publish", part, "--truth", str(truth)))
+            ready = [Path(f"{truth}.ready") for truth in truths]
+            until(lambda: all(path.exists() for path in ready), within_s=120, what="all sources are connected")
+            begin.touch()
             stretch(service, serving, options)
             serving.kill()
         for kill in range(options.kills):
@@ -123,7 +130,7 @@ def main() -> None:
     parser.add_argument("--rate", type=float, default=2.0)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--kills", type=int, choices=range(1, 10), default=2)
-    for name in ("--publish", "--connect", "--truth"):
+    for name in ("--publish", "--connect", "--truth", "--begin"):
         parser.add_argument(name, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.publish:

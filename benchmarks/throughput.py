@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 import psutil
 
-from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, percentiles, publishing, router
+from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, patiently, percentiles, publishing, router
 from service.durable_log import DurableLog
 from service.source import Source
 from service.stream import session, wait_connected
@@ -60,7 +60,7 @@ def publish(source: Source, machine: str, *, rate: float, size: int, batches: in
 def publishing_process(options: argparse.Namespace) -> None:
     """The sources, one thread each, in a process of their own."""
     with session(listen=[], connect=[options.connect]) as stream:
-        wait_connected(stream, [options.connect], give_up=lambda _seconds: False)
+        wait_connected(stream, [options.connect], give_up=patiently)
         machines = options.publish.split(",")
         rate = options.rate / len(machines)
         size = max(1, round(rate * options.batch_ms / 1e3))

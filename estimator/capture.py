@@ -38,21 +38,21 @@ def captured(
 
 
 def thinned(*, time: NDArray[np.int64], speed: Floats, count: int = LARGEST_COUNT) -> Indices:
-    """Indices of about `count` samples, or all where there are fewer: half of them even in speed, half even in time.
+    """Indices of at most `count` samples, all where there are no more: even along the path in speed and time together.
 
-    time: (S,) [ns], ascending. speed: (S,) [rad/s]. A long hold keeps its share by time; a resonance crossed quickly keeps its
-    share by speed.
+    time: (S,) [ns], ascending. speed: (S,) [rad/s]. Half of the path is change of speed, half time: a resonance crossed fast
+    keeps its share, and so does a long hold.
     """
     if time.size <= count:
         return np.arange(time.size)
-    return np.unique(np.concatenate([_even(speed, count // 2), _even(time.astype(float), count - count // 2)]))
+    path = _share(np.abs(np.diff(speed))) + _share(np.diff(time).astype(float))
+    wanted = np.linspace(0.0, path[-1], count)
+    after = np.clip(np.searchsorted(path, wanted), 1, path.size - 1)
+    nearer = wanted - path[after - 1] < path[after] - wanted
+    return np.unique(np.where(nearer, after - 1, after))
 
 
-def _even(values: Floats, count: int) -> Indices:
-    """Indices of the values nearest to `count` even steps from the least to the greatest."""
-    order = np.argsort(values, kind="stable")
-    ascending = values[order]
-    wanted = np.linspace(ascending[0], ascending[-1], count)
-    after = np.clip(np.searchsorted(ascending, wanted), 1, values.size - 1)
-    nearer = wanted - ascending[after - 1] < ascending[after] - wanted
-    return np.asarray(order[np.where(nearer, after - 1, after)])
+def _share(steps: Floats) -> Floats:
+    """How much of the sum of the steps lies before each sample, from 0 to 1; 0 where there are none."""
+    total = float(steps.sum())
+    return np.concatenate([[0.0], np.cumsum(steps) / total if total > 0 else np.zeros(steps.size)])

@@ -340,6 +340,11 @@ class Machine(_Part):
             raise ValidationError.from_exception_data("Machine", problems)
         return self
 
+    def describes_the_same_as(self, other: Machine) -> bool:
+        """Whether identifications under both documents can be compared: they differ in name, operation or collection only."""
+        said = {"name", "operation", "collection", "impact_test"}
+        return self.model_dump(exclude=said) == other.model_dump(exclude=said)
+
     def shaft(self, shaft_id: str) -> Shaft:
         """The shaft of that id. Raises KeyError."""
         for shaft in self.shafts:

@@ -91,6 +91,9 @@ class SweepState:
     def restored(cls, stored: Mapping[str, Any]) -> "SweepState":
         """From what `dataclasses.asdict` made of it; what an older release did not know of begins afresh."""
         known = {field.name: stored[field.name] for field in fields(cls) if field.name in stored}
+        if known.get("sweep") and "mark_time" not in known:
+            extreme = "high" if known["sweep"] > 0 else "low"
+            known |= {f"mark_{what}": known.get(f"{extreme}_{what}", 0) for what in ("time", "speed")}
         return cls(**(known | {"readings": SpeedReadings(**known.get("readings", {}))}))
 
 

@@ -134,7 +134,11 @@ class DurableLog:
                 "select next_sequence, samples, payload_bytes from state"
             ).fetchone()
         oldest = next_sequence if oldest is None else oldest
-        return LogStatus(self.epoch, next_sequence, oldest, samples, payload_bytes, next_sequence - samples)
+        dropped = next_sequence - samples
+        trouble = None if self._trouble is None else str(self._trouble)
+        return LogStatus(
+            self.epoch, next_sequence, oldest, samples, payload_bytes, dropped, waiting=len(self._pending), trouble=trouble
+        )
 
     def flush(self) -> None:
         """As `SourceLog`."""

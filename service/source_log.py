@@ -60,7 +60,11 @@ class Entry:
 
 @dataclass(frozen=True)
 class LogStatus:
-    """What a log holds and what it no longer holds. oldest: number of the first sample that can be replayed."""
+    """What a log holds and what it no longer holds.
+
+    oldest: number of the first sample that can be replayed. waiting: batches that are accepted and not yet in the log.
+    trouble: why it takes nothing now.
+    """
 
     epoch: int
     next_sequence: int
@@ -68,6 +72,8 @@ class LogStatus:
     samples: int
     payload_bytes: int
     dropped_samples: int
+    waiting: int = 0
+    trouble: str | None = None
 
 
 class SourceLog(Protocol):

@@ -10,7 +10,7 @@ from estimator.baseline import CommonShift
 from estimator.misalignment import MisalignmentEvidence, determines, misalignment_evidence, watched
 from service import alerting
 from service.alerting import Finding
-from storage import alerts, identifications, jobs, machines
+from storage import alerts, baselines, identifications, jobs, machines
 from storage.identifications import Like
 from storage.tables import IdentificationRow
 
@@ -40,22 +40,34 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
 def judgements(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> list[Judgement]:
     """One judgement per coupling; none while its baseline is incomplete or too little came after it.
 
-    Like is compared with like: identifications of the same machine revision, kind of run and slow-roll version. Only those
-    that determine what is watched at a coupling count there, in its baseline and after it; a run that says nothing changes
-    nothing.
+    Like is compared with like: identifications under comparable revisions of the machine's document, of the same kind of run
+    and slow-roll version, behind the beginning of the baseline in force. Only those that determine what is watched at a
+    coupling count there, in its baseline and after it; a run that says nothing changes nothing.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
-    which = session, stored.machine_id, Like(stored.revision, stored.run_kind, stored.slow_roll_version)
-    first = identifications.first_accepted(*which, limit=SEARCHED * baseline_runs)
-    newest = identifications.last_accepted(*which, limit=SEARCHED * IN_A_ROW)
+    baseline_row = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    like = Like(
+        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
+        run_kind=stored.run_kind,
+        slow_roll_version=stored.slow_roll_version,
+        since=0 if baseline_row is None else baseline_row.since,
+    )
+    which = session, stored.machine_id, like
+    if baseline_row is None or baseline_row.identification_ids is None:
+        first = identifications.first_accepted(*which, limit=SEARCHED * baseline_runs)
+        wanted = baseline_runs
+    else:
+        first = identifications.named(*which, baseline_row.identification_ids)
+        wanted = len(first)
+    newest = identifications.last_accepted(*which, limit=SEARCHED * IN_A_ROW + wanted)
     points = {row.id: identifications.logarithmic_point(session, row) for row in (*first, *newest)}
     found = []
     for coupling in machine.couplings:
         names = watched(machine, coupling)
-        baseline = [row for row in first if determines(points[row.id], names)][:baseline_runs]
+        baseline = [row for row in first if determines(points[row.id], names)][:wanted]
         in_baseline = {row.id for row in baseline}
         after = [row for row in newest if row.id not in in_baseline and determines(points[row.id], names)][:IN_A_ROW]
-        if len(baseline) == baseline_runs and len(after) == IN_A_ROW:
+        if len(baseline) == wanted > 0 and len(after) == IN_A_ROW:
             known = [points[row.id] for row in baseline]
             evidence = [misalignment_evidence(machine, coupling, known, points[row.id]) for row in after]
             found.append(Judgement(evidence, after[0]))

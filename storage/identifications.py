@@ -1,7 +1,7 @@
 """Repository of identifications and of the parameter history that they make."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,8 +12,9 @@ from estimator.baseline import Point
 from estimator.identification import Identification
 from estimator.parameters import is_direct
 from storage.clock import now
-from storage.jobs import RUN
-from storage.tables import EstimateRow, IdentificationRow
+from storage.jobs import GATHERED, RUN
+from storage.runs import DISCARDED
+from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
 class IdentificationUnknown(KeyError):
@@ -38,11 +39,15 @@ class Origin:
 
 @dataclass(frozen=True)
 class Like:
-    """What identifications must have in common to be compared: machine revision, kind of run, slow-roll vectors."""
+    """What identifications must have in common to be compared: one of these machine revisions, kind of run, slow-roll vectors.
 
-    revision: int
+    since: measured at that time or later [ns].
+    """
+
+    revisions: tuple[int, ...]
     run_kind: str
     slow_roll_version: int | None = None
+    since: int = 0
 
 
 def add(session: Session, origin: Origin, result: Identification) -> IdentificationRow:
@@ -147,25 +152,35 @@ def last_accepted(session: Session, machine_id: str, like: Like, *, limit: int) 
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
+def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
+    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured."""
+    query = _accepted_runs(machine_id, replace(like, since=0)).where(IdentificationRow.id.in_(ids))
+    return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
+
+
 def counting(machine_id: str) -> Select[int]:
     """Ids of the identifications that trends, baselines and alerts use.
 
     A run may be identified again: after late samples, or with other slow-roll vectors in force. Of the identifications with
     the usual options (scope RUN, not VARIANT) the newest accepted one counts, and where none is accepted the newest. The
-    others stay readable.
+    others stay readable. One of a run that was discarded since, for late samples have joined it to another, counts no more.
     """
+    gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED)
     newest = func.row_number().over(
         partition_by=(IdentificationRow.scope, cast(IdentificationRow.run_ids, Text)),
         order_by=(IdentificationRow.accepted.desc(), IdentificationRow.id.desc()),
     )
-    ranked = select(IdentificationRow.id, newest.label("place")).where(IdentificationRow.machine_id == machine_id).subquery()
+    of_machine = select(IdentificationRow.id, newest.label("place")).where(IdentificationRow.machine_id == machine_id)
+    of_one_gone = (IdentificationRow.scope != GATHERED) & IdentificationRow.run_ids[0].as_integer().in_(gone)
+    ranked = of_machine.where(~of_one_gone).subquery()
     return select(ranked.c.id).where(ranked.c.place == 1)
 
 
 def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     return (
         select(IdentificationRow)
-        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision == like.revision)
+        .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
+        .where(IdentificationRow.measured_at >= like.since)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))

@@ -79,6 +79,20 @@ def document(session: Session, machine_id: str, number: int | None = None) -> Ma
     return parse_machine(revision(session, machine_id, number).document)
 
 
+def comparable(session: Session, machine_id: str, number: int) -> list[int]:
+    """Revisions without a break around a given one under which identifications can be compared with its own, ascending."""
+    rows = revisions(session, machine_id)
+    documents = {row.revision: parse_machine(row.document) for row in rows}
+    own = documents[number]
+    found = [number]
+    for step in (-1, 1):
+        other = number + step
+        while other in documents and documents[other].describes_the_same_as(own):
+            found.append(other)
+            other += step
+    return sorted(found)
+
+
 def _add_revision(session: Session, machine: Machine, number: int) -> RevisionRow:
     row = RevisionRow(machine_id=machine.id, revision=number, document=machine.model_dump(mode="json"), created_at=now())
     session.add(row)

@@ -351,6 +351,24 @@ class TimelineRow(Base):
     created_at: Mapped[int]
 
 
+class BaselineRow(Base):
+    """From when on a machine is compared with itself: the first identifications behind `since`, or those that are named.
+
+    Never changed: a newer one takes its place and this one stays readable.
+    """
+
+    __tablename__ = "baselines"
+    __table_args__ = (Index(None, "machine_id", "since"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    since: Mapped[int]
+    identification_ids: Mapped[list[int] | None]
+    reason: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(String(120))
+    created_at: Mapped[int]
+
+
 class SubscriptionRow(Base):
     """Who is told of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
 

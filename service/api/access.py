@@ -26,7 +26,12 @@ def _reading(request: Request) -> Iterator[Session]:
 
 def moment(value: datetime | None) -> int | None:
     """A time of a query as the store counts it [ns]; one beyond what it can count means its first or last instant."""
-    return None if value is None else max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
+    return None if value is None else instant(value)
+
+
+def instant(value: datetime) -> int:
+    """A time as the store counts it [ns]; one beyond what it can count is its first or last instant."""
+    return max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
 
 
 Reading = Annotated[Session, Depends(_reading)]

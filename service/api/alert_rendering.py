@@ -4,7 +4,7 @@ from service.alert_life import Severity
 from service.api import alert_schemas as schemas
 from storage.clock import to_datetime
 from storage.deliveries import PENDING
-from storage.tables import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow, TimelineRow
+from storage.tables import AlertRow, BaselineRow, DeliveryRow, SubscriptionRow, SuppressionRow, TimelineRow
 
 
 def alert(row: AlertRow) -> schemas.AlertOut:
@@ -52,6 +52,18 @@ def timeline_entry(row: TimelineRow) -> schemas.TimelineOut:
         at=to_datetime(row.at),
         kind=row.kind,
         text=row.text,
+        by=row.by,
+        created_at=to_datetime(row.created_at),
+    )
+
+
+def baseline(row: BaselineRow) -> schemas.BaselineOut:
+    return schemas.BaselineOut(
+        id=row.id,
+        machine=row.machine_id,
+        since=to_datetime(row.since),
+        identifications=row.identification_ids,
+        reason=row.reason,
         by=row.by,
         created_at=to_datetime(row.created_at),
     )

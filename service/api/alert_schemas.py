@@ -89,7 +89,7 @@ class SuppressionOut(BaseModel):
 
 
 class TimelineIn(BaseModel):
-    """A note or a marker."""
+    """A note or a marker. A maintenance begins a new baseline."""
 
     at: Moment
     kind: Literal["note", "maintenance", "marker"] = "note"
@@ -105,6 +105,27 @@ class TimelineOut(BaseModel):
     at: datetime
     kind: str
     text: str
+    by: str
+    created_at: datetime
+
+
+class BaselineIn(BaseModel):
+    """A new baseline. Without named identifications it is made of the first accepted ones of each kind of run."""
+
+    since: Moment
+    reason: Annotated[Comment, Field(min_length=1)]
+    by: Name
+    identifications: Annotated[list[Annotated[int, Field(ge=0, le=2**62)]], Field(max_length=200)] | None = None
+
+
+class BaselineOut(BaseModel):
+    """From when on, and with what, a machine is compared."""
+
+    id: int
+    machine: str
+    since: datetime
+    identifications: list[int] | None
+    reason: str
     by: str
     created_at: datetime
 

@@ -11,10 +11,9 @@ from service.alert_messages import AlertEvent, alert_event
 from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import Limit, MachineId, Number, Reading, database
+from service.api.access import Limit, MachineId, Number, Reading, database, instant
 from service.api.problems import CHANGES, RESPONSES
 from storage import alerts, machines
-from storage.clock import from_datetime
 from storage.tables import AlertRow
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES)
@@ -74,7 +73,7 @@ def reset_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas
 @router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", responses=CHANGES)
 def shelve_alert(request: Request, alert_id: Number, said: schemas.Shelving) -> schemas.AlertOut:
     """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
-    until = from_datetime(said.until)
+    until = instant(said.until)
     return _change(request, alert_id, lambda session, row: alerting.shelve(session, row, _person(said), until=until))
 
 

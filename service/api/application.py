@@ -9,6 +9,7 @@ from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
+    baselines,
     event_stream,
     identifications,
     ingestion,
@@ -76,6 +77,7 @@ def application(
         event_stream,
         alerts,
         suppressions,
+        baselines,
         subscriptions,
         operations,
     ):

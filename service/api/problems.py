@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 from estimator.machine import DocumentError, problems_of
 from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
+from service.baselining import BaselineRefused
 from service.delivery.addresses import TargetRefused
 from service.requesting import NotToIdentify
 from storage.alerts import AlertUnknown
@@ -60,6 +61,7 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     SubscriptionUnknown: (HTTPStatus.NOT_FOUND, "no subscription {0}"),
     DeliveryUnknown: (HTTPStatus.NOT_FOUND, "no delivery {0}"),
     Forbidden: (HTTPStatus.CONFLICT, "{0}"),
+    BaselineRefused: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),

@@ -4,15 +4,15 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request, status
 
-from service import alerting
+from service import alerting, baselining
 from service.alert_life import Forbidden, Suppression
 from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import From, MachineId, Number, Reading, To, database, moment
+from service.api.access import From, MachineId, Number, Reading, To, database, instant, moment
 from service.api.problems import CHANGES, RESPONSES
 from storage import machines, suppressions, timeline
-from storage.clock import from_datetime, now
+from storage.clock import now
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES)
 
@@ -32,7 +32,7 @@ def list_suppressions(session: Reading, machine_id: MachineId) -> list[schemas.S
 )
 def begin_suppression(request: Request, machine_id: MachineId, said: schemas.SuppressionIn) -> schemas.SuppressionOut:
     """A machine in maintenance, a probe out of service: alerts open and to come call nobody until it is ended."""
-    until = None if said.until is None else from_datetime(said.until)
+    until = None if said.until is None else instant(said.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
     with database(request).transaction() as session:
@@ -74,9 +74,8 @@ def read_timeline(
 
 @router.post("/machines/{machine_id}/timeline", operation_id="add_timeline_entry", status_code=status.HTTP_201_CREATED)
 def add_timeline_entry(request: Request, machine_id: MachineId, said: schemas.TimelineIn) -> schemas.TimelineOut:
-    """Put a note, a marker or a maintenance on a machine's timeline."""
+    """Put a note, a marker or a maintenance on a machine's timeline; a maintenance begins a new baseline."""
     with database(request).transaction() as session:
         machines.get(session, machine_id)
-        at = max(-(2**63), min(2**63 - 1, from_datetime(said.at)))
-        row = timeline.add(session, machine_id, at=at, kind=said.kind, text=said.text, by=said.by)
+        row = baselining.note(session, machine_id, at=instant(said.at), kind=said.kind, text=said.text, by=said.by)
         return rendering.timeline_entry(row)

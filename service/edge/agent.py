@@ -3,6 +3,8 @@
 import logging
 import threading
 import time
+from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +79,7 @@ class Agent:
             if stop.is_set():
                 return
             self._publish(stop)
+        self._settle(stop)
 
     def follow(self, topic: Topic, stop: threading.Event) -> None:
         """What comes on a topic, until `stop`."""
@@ -102,7 +105,7 @@ class Agent:
             "file": self._progress.file,
             "blocks": self._blocks,
             "samples": self._samples,
-            "log": {name: getattr(log, name) for name in ("oldest", "samples", "payload_bytes", "dropped_samples")},
+            "log": {name: value for name, value in asdict(log).items() if name not in ("epoch", "next_sequence")},
             **self.conditions.report(),
         }
 
@@ -184,17 +187,26 @@ class Agent:
         if batch is None:
             return
         position = msgspec.json.encode(self._progress).decode()
+        if self._insist(lambda: self._source.publish(batch, position=position), stop):
+            self._samples += len(batch.time_ns)
+
+    def _settle(self, stop: threading.Event) -> None:
+        """Wait until all is in the log."""
+        if self._insist(self._source.log.flush, stop):
+            self.conditions.block([])
+
+    def _insist(self, action: Callable[[], None], stop: threading.Event) -> bool:
+        """Do something with the log, again and again while it cannot be used; False when stopped before it was done."""
         while True:
             try:
-                self._source.publish(batch, position=position)
+                action()
             except LogError as error:
                 if not self.conditions.holds("log_unusable"):
                     self.conditions.begin("log_unusable", None, str(error))
                 if stop.wait(LOG_RETRY_S):
-                    return
+                    return False
             else:
-                self._samples += len(batch.time_ns)
-                return
+                return True
 
     def _empty_batch(self) -> SampleBatch:
         configuration = self._configuration

@@ -43,16 +43,21 @@ class Topic:
         self._lock = threading.Lock()
         self._key = key
         self._next: WaveformMessage | None = None
-        self._subscriber = session.declare_subscriber(key, self._enqueue)
+        self._subscriber: zenoh.Subscriber[None] | None = session.declare_subscriber(key, self._enqueue)
 
     def chunks(self, stop: threading.Event) -> Iterator[Chunk | None]:
-        """All that comes until `stop`; None when nothing has come for a moment."""
+        """All that has come until `stop`; None when nothing has come for a moment."""
         heard = time.monotonic()
         silent = False
-        while not stop.is_set():
+        while True:
+            stopping = stop.is_set()
+            if stopping:
+                self.close()
             payload, left_out = self._take()
             if left_out:
                 self._conditions.happened("input_overrun", None, f"{left_out} messages on {self._key} left out")
+            if payload is None and stopping:
+                return
             if payload is None:
                 if not silent and time.monotonic() - heard > SILENCE_S:
                     silent = True
@@ -68,7 +73,9 @@ class Topic:
 
     def close(self) -> None:
         """Hear no more."""
-        self._subscriber.undeclare()
+        if self._subscriber is not None:
+            self._subscriber.undeclare()
+            self._subscriber = None
 
     def __enter__(self) -> Self:
         return self

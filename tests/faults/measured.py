@@ -41,14 +41,14 @@ def expected(count: int) -> Samples:
 
 
 def stored(file: Path) -> tuple[list[int], Samples]:
-    """Sequence numbers and samples of the only source, in the order in which they were stored."""
+    """Samples of the only source and which of those measured they are, in the order in which they were stored."""
     database = Database(sqlite_url(file))
     try:
         with database.reading() as session:
             rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()
             assert len({(row.machine_id, row.source, row.epoch) for row in rows}) <= 1
             assert {row.machine_id for row in rows} <= {KEY.machine}
-            numbers = [row.first_sequence + i for row in rows for i in range(row.count)]
-            return numbers, join([decode(row.data) for row in rows], channels=len(CHANNELS))
+            samples = join([decode(row.data) for row in rows], channels=len(CHANNELS))
+            return ((samples.time - START) // STEP).tolist(), samples
     finally:
         database.close()

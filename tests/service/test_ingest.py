@@ -2,6 +2,7 @@
 and nothing that arrives can stop it."""
 
 import json
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -386,3 +387,89 @@ def test_a_source_can_ask_how_far_it_was_received(client: zenoh.Session, plant: 
     ]
     assert asked_how_far(client, Key("plant-1", "pump-8").received) == []
     assert asked_how_far(client, Key("plant-2", KEY.machine).received) == []
+
+
+# --- logs that misbehave --------------------------------------------------------------------------------------------
+
+
+def test_a_log_that_does_not_answer_holds_up_nobody_else(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its queries would last longer than the test."""
+    monkeypatch.setattr("service.healing.REPLAY_TIMEOUT_S", 60.0)
+    with plant.transaction() as session:
+        machines.create(session, machine(id="pump-8"))
+    mute = Key(KEY.plant, "pump-8")
+    release = threading.Event()
+    queryable = client.declare_queryable(mute.log, lambda _query: release.wait(60.0))
+    token = client.liveliness().declare_token(mute.live)
+    with ingesting(router, plant):
+        wait_until(lambda: heard(client))
+        put_batch(client, 0, 5, machine="pump-8")
+        put_batch(client, 10, 15, machine="pump-8")  # a hole that nobody will answer for
+        for number in range(20):
+            put_batch(client, 5 * number, 5 * number + 5)
+            wait_until(lambda number=number: received(plant) >= 5 * number + 10, seconds=2.0)
+        release.set()
+        token.undeclare()
+        queryable.undeclare()
+
+
+class DamagedLog(DroppedOnTheWay):
+    """Its answers are damaged in their second batch, the first times it is asked for one."""
+
+    damage = 2
+
+    def answer(self, query: zenoh.Query) -> None:
+        with query:
+            first = int(query.parameters.get("from") or 0)
+            for place, one in enumerate(one for one in self.log if one.sequence + 5 > first):
+                payload = encode_batch(one)
+                if place == 1 and self.damage > 0:
+                    self.damage -= 1
+                    payload = payload[:-1] + b"\xc1"
+                query.reply(KEY.log, payload, encoding=MESSAGEPACK)
+
+
+def test_a_damaged_reply_is_asked_for_again(router: zenoh.Session, client: zenoh.Session, plant: Database) -> None:
+    source = DamagedLog(client)
+    for _ in range(4):
+        source.publish(dropped=True)
+    with ingesting(router, plant):
+        wait_until(lambda: received(plant) == 20)
+        assert counts(plant) == (20, 20, 0)
+        assert stored_times(plant) == list(range(20))
+        assert rejected(plant).keys() == {"bad_frame"}
+    source.leave()
+
+
+class ForgottenInTheMiddle(DroppedOnTheWay):
+    """Its second batch is gone from the log for good."""
+
+    def answer(self, query: zenoh.Query) -> None:
+        with query:
+            first = int(query.parameters.get("from") or 0)
+            for one in [one for one in self.log if one.sequence + 5 > first and one.sequence != 5]:
+                query.reply(KEY.log, encode_batch(one), encoding=MESSAGEPACK)
+
+
+def test_a_hole_in_the_log_is_lost_and_the_rest_is_fetched(
+    router: zenoh.Session, client: zenoh.Session, plant: Database
+) -> None:
+    source = ForgottenInTheMiddle(client)
+    for _ in range(4):
+        source.publish(dropped=True)
+    with ingesting(router, plant):
+        wait_until(lambda: received(plant) == 15)
+        assert counts(plant) == (20, 15, 5)
+    source.leave()
+
+
+@pytest.mark.usefixtures("ingest")
+def test_batches_in_another_order_are_stored_in_theirs(client: zenoh.Session, plant: Database) -> None:
+    wait_until(lambda: heard(client))
+    for first in (0, 10, 15, 5, 25, 20):
+        put_batch(client, first, first + 5)
+    wait_until(lambda: received(plant) == 30)
+    assert counts(plant) == (30, 30, 0)
+    assert stored_times(plant) == list(range(30))

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from sqlalchemy.orm import Session
 
 from service import collection
 from service.collection import Collector
 from service.holes import NEVER
 from service.journal import Journal
 from service.late import BESIDE, LARGEST_COUNT, noted
-from storage import jobs, machines, quarantine, runs
+from storage import identifications, jobs, machines, quarantine, runs
 from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
+from storage.identifications import Like, Origin
 from storage.samples import SourceKey
 from storage.tables import JobRow, RunRow, SourceRow
-from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, machine, sqlite_url, sweep_rpm
+from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sqlite_url, sweep_rpm
 
 MONITOR = SourceKey(KEY.machine, "monitor", 1)
 DOWN = sweep_rpm(2990.0, 310.0, 80)
@@ -71,6 +73,22 @@ def source(database: Database, key: SourceKey = MONITOR) -> SourceRow:
 def times(database: Database) -> list[int]:
     with database.reading() as session:
         return sample_store.latest(session, KEY.machine, revision=1, count=10_000).time.tolist()
+
+
+def file_identification(session: Session, job_id: int, run: RunRow, *, scope: str) -> None:
+    """An accepted identification of a run, as the job's outcome."""
+    origin = Origin(
+        machine_id=KEY.machine,
+        revision=run.revision,
+        job_id=job_id,
+        scope=scope,
+        run_kind=run.kind,
+        run_ids=[run.id],
+        measured_at=run.time_last or run.time_first,
+        options={},
+        code_version="0.1.0",
+    )
+    identifications.add(session, origin, identification())
 
 
 # --- holes ----------------------------------------------------------------------------------------------------------
@@ -184,6 +202,42 @@ def test_a_closed_run_is_reopened_once_and_identified_again(plant: Database, jou
     assert after.coverage["late_samples_left_out"] == 4
     assert (source(plant).received, source(plant).lost, source(plant).late) == (120, 0, 10)
     assert len(found_jobs(plant)) == 2
+
+
+def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: Journal) -> None:
+    """In trends, baselines and alerts; the one before stays readable."""
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    (run,) = found_runs(plant)
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    (reopened,) = found_runs(plant)
+    with plant.transaction() as session:
+        for job in jobs.take(session, 10):
+            jobs.finish(job, state=jobs.DONE)
+            file_identification(session, job.id, reopened, scope=jobs.RUN)
+        assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
+        (counted,) = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
+        points = identifications.history(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
+        assert [row.id for _, row in points] == [counted.id]
+
+
+def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(plant: Database, journal: Journal) -> None:
+    slow = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 600), *[250.0] * 20]
+    send(journal, slow, 0, 220)
+    send(journal, slow, 400, 640)
+    with plant.transaction() as session:
+        for job in jobs.take(session, 10):
+            jobs.finish(job, state=jobs.DONE)
+            file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
+        assert len(identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)) == 2
+    send(journal, slow, 220, 400)
+    settle(journal)
+    first, _ = found_runs(plant)
+    with plant.reading() as session:
+        counted = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        assert [row.run_ids for row in counted] == [[first.id]]
 
 
 def test_late_samples_are_sorted_in_after_a_restart_too(plant: Database, journal: Journal) -> None:

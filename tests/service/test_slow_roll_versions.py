@@ -310,7 +310,7 @@ def test_an_old_run_is_identified_with_and_without_its_slow_roll(train: tuple[Da
 
 
 def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> None:
-    like = Like(revision=1, run_kind="run-down")
+    like = Like(revisions=(1,), run_kind="run-down")
     with plant.transaction() as session:
         first = store_identification(session, identification({"coupling.C1.kxx": 1.1}), run_id=1).id
         other = store_identification(session, identification(), run_id=2, measured_at=START + 1).id

@@ -25,6 +25,7 @@ class Weeks:
     def __init__(self, session: Session) -> None:
         self.session = session
         self.count = 0
+        self.revision = 1
 
     def file(
         self,
@@ -38,7 +39,9 @@ class Weeks:
             self.count += 1
             moment = START + self.count * WEEK
             outcome = identification(factors, unknown=unknown)
-            row = store_identification(self.session, outcome, run_id=self.count, measured_at=moment, run_kind=kind)
+            row = store_identification(
+                self.session, outcome, run_id=self.count, measured_at=moment, run_kind=kind, revision=self.revision
+            )
             judge(self.session, row, baseline_runs=BASELINE)
 
     def alerts(self) -> list[AlertRow]:

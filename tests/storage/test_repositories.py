@@ -428,7 +428,7 @@ def test_only_accepted_single_runs_of_one_kind_and_revision_make_a_baseline(plan
         def ids(rows: Any) -> list[int]:
             return [row.id for row in rows]
 
-        like = identifications.Like(revision=1, run_kind="run-down")
+        like = identifications.Like(revisions=(1,), run_kind="run-down")
         assert ids(identifications.first_accepted(session, "pump-7", like, limit=2)) == good[:0:-1]
         assert ids(identifications.last_accepted(session, "pump-7", like, limit=2)) == good[:2]
 

@@ -1,0 +1,37 @@
+"""What a machine is compared with."""
+
+from fastapi import APIRouter, Request, status
+
+from service import baselining
+from service.api import alert_rendering as rendering
+from service.api import alert_schemas as schemas
+from service.api.access import MachineId, Reading, database, instant
+from service.api.problems import CHANGES, RESPONSES
+from storage import baselines, machines
+
+router = APIRouter(tags=["machines"], responses=RESPONSES)
+
+
+@router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
+def list_baselines(session: Reading, machine_id: MachineId) -> list[schemas.BaselineOut]:
+    """Baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
+    machines.get(session, machine_id)
+    return [rendering.baseline(row) for row in baselines.of_machine(session, machine_id)]
+
+
+@router.post(
+    "/machines/{machine_id}/baselines", operation_id="begin_baseline", status_code=status.HTTP_201_CREATED, responses=CHANGES
+)
+def begin_baseline(request: Request, machine_id: MachineId, said: schemas.BaselineIn) -> schemas.BaselineOut:
+    """Compare what is measured from a moment on with the first runs after it, or with identifications that are named."""
+    with database(request).transaction() as session:
+        machines.get(session, machine_id)
+        row = baselining.begin(
+            session,
+            machine_id,
+            since=instant(said.since),
+            reason=said.reason,
+            by=said.by,
+            identification_ids=said.identifications,
+        )
+        return rendering.baseline(row)

@@ -1,0 +1,54 @@
+"""New baselines: after a maintenance the machine is another one, and what was said of the old one no longer holds."""
+
+from sqlalchemy.orm import Session
+
+from service import alerting
+from service.watching import MISALIGNMENT
+from storage import alerts, baselines, identifications, timeline
+from storage.tables import BaselineRow, TimelineRow
+
+MAINTENANCE = "maintenance"
+FEWEST_NAMED = 3
+"""Fewer identifications say nothing about their scatter."""
+
+
+class BaselineRefused(ValueError):
+    """The named identifications make no baseline; the message says why."""
+
+
+def begin(
+    session: Session,
+    machine_id: str,
+    *,
+    since: int,
+    reason: str,
+    by: str,
+    identification_ids: list[int] | None = None,
+) -> BaselineRow:
+    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused."""
+    if identification_ids is not None:
+        _require(session, machine_id, identification_ids)
+    row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
+    for alert in alerts.open_alerts(session, machine_id):
+        if alert.rule == MISALIGNMENT and alert.measured_at < since:
+            alerting.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
+    return row
+
+
+def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
+    """Put an entry on the timeline; a maintenance begins a baseline."""
+    row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
+    if kind == MAINTENANCE:
+        begin(session, machine_id, since=at, reason=text, by=by)
+    return row
+
+
+def _require(session: Session, machine_id: str, ids: list[int]) -> None:
+    if len(set(ids)) < FEWEST_NAMED:
+        raise BaselineRefused(f"{len(set(ids))} identifications are named: at least {FEWEST_NAMED} make a baseline")
+    for number in ids:
+        row = identifications.get(session, number)
+        if row.machine_id != machine_id:
+            raise BaselineRefused(f"identification {number} is of machine '{row.machine_id}', not of '{machine_id}'")
+        if not row.accepted:
+            raise BaselineRefused(f"identification {number} was not accepted: {row.verdict}")

@@ -1,0 +1,38 @@
+"""Repository of baselines: from when on, or from which identifications, a machine is compared with itself."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import BaselineRow
+
+
+def begin(
+    session: Session, machine_id: str, *, since: int, identification_ids: list[int] | None, reason: str, by: str
+) -> BaselineRow:
+    """A new baseline: of the first identifications measured at `since` or later [ns], or of those that are named."""
+    row = BaselineRow(
+        machine_id=machine_id,
+        since=since,
+        identification_ids=identification_ids,
+        reason=reason,
+        by=by,
+        created_at=now(),
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def in_force(session: Session, machine_id: str, *, at: int) -> BaselineRow | None:
+    """The baseline for what was measured at a time [ns]; None before the first: then the machine's first runs are it."""
+    query = select(BaselineRow).where(BaselineRow.machine_id == machine_id, BaselineRow.since <= at)
+    return session.scalars(query.order_by(BaselineRow.since.desc(), BaselineRow.id.desc()).limit(1)).one_or_none()
+
+
+def of_machine(session: Session, machine_id: str) -> Sequence[BaselineRow]:
+    """All baselines of a machine that a person or a maintenance began, newest first."""
+    query = select(BaselineRow).where(BaselineRow.machine_id == machine_id)
+    return session.scalars(query.order_by(BaselineRow.since.desc(), BaselineRow.id.desc())).all()

@@ -1,0 +1,119 @@
+"""The edge agent and the service as processes of their own, killed at any time: what is stored is what was measured."""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import yaml
+from sqlalchemy import select
+
+from storage import samples
+from storage.blocks import Samples
+from storage.database import Database
+from storage.tables import SampleBlockRow
+from tests.end_to_end.processes import Service, process, until
+from tests.plant import KEY, assert_same_samples, document
+from tests.waveforms import edge_document, recorded
+
+SECONDS = 45.0
+BLOCKS = 90
+
+
+def write_configuration(folder: Path, service: Service, machine: str, **changes: object) -> Path:
+    path = folder / f"{machine}.yaml"
+    log = {"path": f"{machine}.log"}
+    path.write_text(yaml.safe_dump(edge_document(machine=machine, connect=[service.endpoint], log=log, **changes)))
+    return path
+
+
+def stored(service: Service, machine: str) -> Samples:
+    """Read from the service's database, in the order of the source's numbers."""
+    database = Database(f"sqlite:///{service.folder / 'rundown.db'}")
+    try:
+        with database.reading() as session:
+            query = select(SampleBlockRow.first_sequence).where(SampleBlockRow.machine_id == machine)
+            firsts = list(session.scalars(query.order_by(SampleBlockRow.first_sequence)))
+            assert len(firsts) == len(set(firsts))
+            return samples.between(session, machine, revision=1, first=0, last=2**62)
+    finally:
+        database.close()
+
+
+def received(service: Service, machine: str) -> int:
+    return sum(one["received"] for one in service.get("/sources") if one["machine"] == machine)
+
+
+def create(service: Service, machine: str) -> None:
+    answer = service.client.post("/machines", json=document(id=machine))
+    assert answer.status_code == 201, answer.text
+
+
+def kill(one: "subprocess.Popen[bytes]") -> None:
+    one.kill()
+    one.wait()
+
+
+def test_edge_and_service_killed_the_store_is_that_of_an_undisturbed_run(service: Service, tmp_path: Path) -> None:
+    """The same file for two machines: for one nothing happens, for the other edge, service and edge again are killed."""
+    waveforms = recorded(SECONDS, rpm=600.0, ramp=40.0, noise=0.02)
+    np.savez(tmp_path / "run.npz", **dict(zip("KAB", waveforms, strict=True)))
+    quiet, hit = "pump-8", KEY.machine
+    disturbed = write_configuration(tmp_path, service, hit)
+    arguments = ["edge", str(disturbed), "--speedup", "12"]
+    log = tmp_path / "edge.log.txt"
+    with service.running() as serving:
+        create(service, quiet)
+        create(service, hit)
+        with process(tmp_path / "quiet.txt", "edge", str(write_configuration(tmp_path, service, quiet))):
+            until(lambda: received(service, quiet) == BLOCKS, within_s=30, what="the undisturbed file is stored")
+        with process(log, *arguments) as first:
+            until(lambda: received(service, hit) > 15, within_s=30, what="a beginning is stored")
+            kill(first)
+        with process(log, *arguments) as second:
+            until(lambda: received(service, hit) > 40, within_s=30, what="more is stored")
+            kill(serving)
+            time.sleep(0.7)
+            kill(second)
+    with process(log, *arguments), service.running():
+        until(lambda: received(service, hit) == BLOCKS, within_s=40, what="all is stored")
+        sources = [one for one in service.get("/sources") if one["machine"] == hit]
+    assert [(one["next_sequence"], one["received"], one["lost"]) for one in sources] == [(BLOCKS, BLOCKS, 0)]
+    assert "Traceback" not in log.read_text()
+    found = stored(service, hit)
+    assert_same_samples(found, stored(service, quiet))
+    assert len(found) == BLOCKS
+    assert (np.diff(found.time) > 0).all()
+
+
+PEAK = """
+import resource, sys
+from pathlib import Path
+from service.edge.blocks import BlockStream
+from service.edge.agent import block_settings
+from service.edge.condition import Conditions
+from service.edge.configuration import read_configuration
+from service.edge.files import read_chunks
+
+used = read_configuration(Path(sys.argv[1]))
+stream, blocks = BlockStream(block_settings(used)), 0
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+for chunk in read_chunks(used.waveforms.files[0], used.waveforms, used.columns, Conditions()):
+    blocks += sum(1 for _ in stream.feed(chunk))
+print(blocks, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+"""
+
+
+def test_a_long_file_takes_no_more_memory_than_a_short_one(service: Service, tmp_path: Path) -> None:
+    """60 MB of waveforms; what is read at a time, and the block, are a twentieth of that."""
+    whole = np.tile(recorded(100.0, rpm=1500.0), 12)
+    path = tmp_path / "run.npz"
+    np.savez(path, K=whole[0], A=whole[1], B=whole[2])
+    configuration = write_configuration(tmp_path, service, KEY.machine, block={"seconds": 10})
+    command = [sys.executable, "-c", PEAK, str(configuration)]
+    answer = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    blocks, kilobytes = (int(word) for word in answer.stdout.split())
+    assert path.stat().st_size > 55e6
+    assert blocks >= 119
+    assert kilobytes < 25_000

@@ -1,0 +1,24 @@
+"""Kill, freeze, cut, mangle: whatever happens between probe and store, it holds what was measured, once; losses are counted.
+
+These are the short forms; `python -m benchmarks.faults` runs every order of kills, longer and more of them.
+"""
+
+from pathlib import Path
+
+from tests.faults import scenarios
+
+
+def test_a_chain_that_is_frozen_parted_and_killed(tmp_path: Path) -> None:
+    scenarios.frozen_parted_killed(tmp_path, samples=2000)
+
+
+def test_mangled_messages_are_healed_from_the_log(tmp_path: Path) -> None:
+    mangler = scenarios.mangled_with_log(tmp_path, seed=1, samples=800)
+    assert min(mangler.twice, mangler.swapped, mangler.flipped) > 3
+    assert len(mangler.intact) < 800
+
+
+def test_of_a_source_without_a_log_exactly_what_never_came_is_lost(tmp_path: Path) -> None:
+    mangler = scenarios.mangled_without_log(tmp_path, seed=2, samples=800)
+    assert min(mangler.twice, mangler.swapped, mangler.flipped) > 3
+    assert len(mangler.intact) < 800
