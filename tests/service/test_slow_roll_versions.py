@@ -334,6 +334,8 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         assert counted() == ([first, other], [first, other])
         second = again(accepted=True)
         assert counted() == ([second, other], [second, other])
+        pinned = identifications.named(session, "pump-7", like, [first])
+        assert [row.id for row in pinned] == [second]  # a baseline of named identifications follows
         assert identifications.get(session, first).accepted  # the older ones stay readable
         assert len(identifications.of_machine(session, "pump-7")) == 5
 
