@@ -1,5 +1,6 @@
 """Quality of runs through the worker, the store and the API; the measured run-up that rings among them."""
 
+import asyncio
 from pathlib import Path
 
 import httpx
