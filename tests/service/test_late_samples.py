@@ -216,7 +216,7 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, reopened, scope=jobs.RUN)
         assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
-        (counted,) = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        (counted,) = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
         assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
         points = identifications.history(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
         assert [row.id for _, row in points] == [counted.id]
@@ -230,12 +230,12 @@ def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(p
         for job in jobs.take(session, 10):
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
-        assert len(identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)) == 2
+        assert len(identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)) == 2
     send(journal, slow, 220, 400)
     settle(journal)
     first, _ = found_runs(plant)
     with plant.reading() as session:
-        counted = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        counted = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
         assert [row.run_ids for row in counted] == [[first.id]]
 
 
