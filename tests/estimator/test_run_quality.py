@@ -1,6 +1,7 @@
 """Flags and findings of runs that need no model of the machine."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,6 +41,8 @@ def test_every_flag_has_its_own_bit_name_and_meaning() -> None:
     assert len({one.label for one in Flag}) == len(Flag)
     assert Flag.SWEEP_RATE_BEAT.label == "sweep-rate-beat"
     assert max(Flag) < 2**16
+    page = (Path(__file__).parents[2] / "docs" / "analysts.md").read_text()
+    assert [one.label for one in Flag if f"`{one.label}`" not in page] == []
 
 
 @pytest.mark.parametrize("seed", range(8))

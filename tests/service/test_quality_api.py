@@ -1,6 +1,7 @@
 """Quality of runs through the worker, the store and the API; the measured run-up that rings among them."""
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
 
 import httpx
@@ -113,9 +114,7 @@ def test_a_run_is_compared_with_the_one_before(kit: Machine) -> None:
     samples = measured(kit)
     status = samples.status.copy()
     status[:20] = ChannelStatus.BAD
-    larger = Samples(
-        samples.time, samples.speed, samples.direction, 1.5 * samples.phasor, status, samples.scatter, samples.second
-    )
+    larger = replace(samples, phasor=3.0 * samples.phasor, status=status)
     task = worker.Task(
         kit.model_dump(mode="json"), [encode(larger)], Options(starts=1), 60.0, earlier=("run 4", encode(samples))
     )
