@@ -1,5 +1,7 @@
 """Fits that begin elsewhere, and fits that meet a place where the train cannot be condensed."""
 
+import sys
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -41,7 +43,7 @@ def test_a_step_to_where_nothing_can_be_condensed_is_shortened(
 
     def sometimes_singular(self: fit_module.Problem, *arguments: object) -> object:
         nonlocal calls
-        calls += 1
+        calls += sys._getframe(1).f_code.co_name == "descend"
         if calls in (2, 3):
             raise SingularCondensation("here")
         return linearised(self, *arguments)  # type: ignore[arg-type]
