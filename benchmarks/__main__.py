@@ -1,6 +1,6 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import estimator, latency, phasors, updated_model
+from benchmarks import coast_down, estimator, latency, phasors, updated_model
 
 if __name__ == "__main__":
     estimator.main([])
@@ -8,5 +8,7 @@ if __name__ == "__main__":
     updated_model.main([])
     print()
     phasors.main([])
+    print()
+    coast_down.main([])
     print()
     latency.main()
