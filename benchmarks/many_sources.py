@@ -28,8 +28,10 @@ from tests.end_to_end.processes import Service, until
 PROCESSES = 4
 AWAY_S = 3.0
 """How long the service stays away after each kill, besides its start."""
-LINGER_S = 90.0
+LINGER_S = 300.0
 """How long sources answer replay queries after their last sample."""
+PATIENCE_S = 240.0
+"""How long the last samples may take to be stored."""
 
 
 def publishing_process(options: argparse.Namespace) -> None:
@@ -92,7 +94,9 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
                 if kill < options.kills - 1:
                     serving.kill()
                     continue
-                until(lambda: received(service) >= total, within_s=60, what=f"{total} samples stored")
+                ended = time.perf_counter()
+                until(lambda: received(service) >= total, within_s=PATIENCE_S, what=f"{total} samples stored")
+                print(f"the last samples were stored {time.perf_counter() - ended:.1f} s after the end of publishing")
                 time.sleep(0.5)
     service.client.close()
     journal = Journal.read(folder / "rundown.db", ledger)

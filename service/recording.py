@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from estimator.condensation import Complexes, Floats
 from estimator.machine import Identifier, Machine, Positive, Unbalance, field_path
 from service.documents import UnreadableFile, read_yaml
-from service.wire import WIRE_SCHEMA, SampleBatch
+from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 
 LONGEST_S = 1e9
@@ -156,10 +156,7 @@ def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
             sequence=batch.sequence + start,
             time_ns=batch.time_ns[piece],
             speed=batch.speed[piece],
-            amplitude=batch.amplitude[piece],
-            phase=batch.phase[piece],
-            status=None if batch.status is None else batch.status[piece],
-            scatter=None if batch.scatter is None else batch.scatter[piece],
+            **{name: rows if rows is None else rows[piece] for name in TABLES for rows in [getattr(batch, name)]},
         )
 
 

@@ -1,6 +1,6 @@
 """Repository of machines and the revisions of their documents."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from sqlalchemy import select
 from sqlalchemy.orm import Session
@@ -52,6 +52,11 @@ def get(session: Session, machine_id: str) -> MachineRow:
     if row is None:
         raise MachineUnknown(machine_id)
     return row
+
+
+def some(session: Session, machine_ids: Collection[str]) -> Sequence[MachineRow]:
+    """Those of these machines that are known."""
+    return session.scalars(select(MachineRow).where(MachineRow.id.in_(machine_ids))).all()
 
 
 def every(session: Session) -> Sequence[MachineRow]:

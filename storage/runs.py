@@ -2,7 +2,7 @@
 
 import struct
 import zlib
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -189,6 +189,11 @@ def newest_closed(session: Session, machine_id: str, *, revision: int, limit: in
         .limit(limit)
     )
     return session.scalars(query).all()
+
+
+def some_collectors(session: Session, machine_ids: Collection[str]) -> Sequence[CollectorRow]:
+    """The states of run collection of those of these machines that have one."""
+    return session.scalars(select(CollectorRow).where(CollectorRow.machine_id.in_(machine_ids))).all()
 
 
 def collector_state(session: Session, machine_id: str) -> dict[str, Any] | None:

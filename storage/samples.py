@@ -1,10 +1,10 @@
 """Repository of sample blocks and of how far each source has been received."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from sqlalchemy import func, select
+from sqlalchemy import func, select, tuple_
 from sqlalchemy.orm import Session
 
 from storage.blocks import Samples, decode, encode, join
@@ -139,6 +139,13 @@ def totals(session: Session) -> list[Totals]:
     sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
     query = select(row.machine_id, *sums, func.max(row.last_time)).group_by(row.machine_id).order_by(row.machine_id)
     return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
+
+
+def some_sources(session: Session, keys: Collection[SourceKey]) -> Sequence[SourceRow]:
+    """Those of these starts of sources that were heard of."""
+    row = SourceRow
+    wanted = [(key.machine_id, key.source, key.epoch) for key in keys]
+    return session.scalars(select(row).where(tuple_(row.machine_id, row.source, row.epoch).in_(wanted))).all()
 
 
 def source(session: Session, key: SourceKey) -> SourceRow:

@@ -203,10 +203,11 @@ def test_a_sidecar_knows_its_defaults(recording: Path) -> None:
 
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
-    whole = batch(sweep_rpm(2990.0, 2900.0, 10), sequence=5, status=[["good"] * 4] * 10, scatter=[[1.0] * 4] * 10)
+    tables = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x")}
+    whole = batch(sweep_rpm(2990.0, 2900.0, 10), sequence=5, status=[["good"] * 4] * 10, **tables)
     pieces = list(split(whole, size))
     assert [len(piece.time_ns) for piece in pieces] == [min(size, 10 - first) for first in range(0, 10, size)]
     assert [piece.sequence for piece in pieces] == [5 + first for first in range(0, 10, size)]
-    for name in ("time_ns", "speed", "amplitude", "phase", "status", "scatter"):
+    for name in ("time_ns", "speed", "amplitude", "phase", "status", *tables):
         assert [value for piece in pieces for value in getattr(piece, name)] == getattr(whole, name)
     assert {piece.source for piece in pieces} == {"monitor"}
