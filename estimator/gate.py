@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from estimator.condensation import Complexes, Floats
 from estimator.forced_response import forced_response
 from estimator.identification import Identification, NotEnoughData, Options, expected_point, identify
-from estimator.machine import Machine
+from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
-from estimator.quality import Flag, Quality, Recorded, Rules, assess, own_noise, too_few
+from estimator.quality import Flag, Quality, Recorded, assess, own_noise, too_few
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 
@@ -77,16 +77,16 @@ def identify_gated(
     measurements: Sequence[Measurement],
     *,
     options: Options | None = None,
-    rules: Rules | None = None,
+    rules: QualityRules | None = None,
     gate: bool = True,
 ) -> Gated:
     """Judge runs and identify the machine from what may be used of all of them together.
 
-    measurements: the same samples, with trial weights where there were any. gate: without it the quality is told, but nothing
-    is left out beside what the source itself calls unusable.
+    measurements: the same samples, with trial weights where there were any. rules: by default the document's. gate: without
+    it the quality is told, but nothing is left out beside what the source itself calls unusable.
     Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
     """
-    rules = rules or Rules()
+    rules = rules or machine.quality
     qualities = tuple(assess(run, noise=machine.noise, rules=rules) for run in runs)
     triples = zip(runs, measurements, qualities, strict=True)
     base = joined([_base(machine, *one) for one in triples] if gate else list(measurements))

@@ -262,6 +262,22 @@ class Collection(_Part):
     rolling: RollingCollection = RollingCollection()
 
 
+class QualityRules(_Part):
+    """Which points of a run an identification leaves out, beside those that no fit should use."""
+
+    sweep_rate: bool = Field(default=True, description="those at which the sweep was too fast for the steady state")
+    half_power: bool = Field(default=False, description="those within the half-power points of a resonance, as in thesis §2.3")
+    accepted_rpm: tuple[NotNegative, Positive] | None = Field(
+        default=None, description="those outside these speeds, the lower one first [r/min]; by default none"
+    )
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if self.accepted_rpm is not None and self.accepted_rpm[0] >= self.accepted_rpm[1]:
+            raise ValueError(f"accepted_rpm names the lower speed first, not {list(self.accepted_rpm)}")
+        return self
+
+
 class Noise(_Part):
     """What a phasor's measurement error is expected to be: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
 
@@ -326,6 +342,7 @@ class Machine(_Part):
     noise: Noise = Noise()
     operation: Operation = Operation()
     collection: Collection = Collection()
+    quality: QualityRules = QualityRules()
     damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
     parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
     impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
@@ -341,8 +358,8 @@ class Machine(_Part):
         return self
 
     def describes_the_same_as(self, other: Machine) -> bool:
-        """Whether identifications under both documents can be compared: they differ in name, operation or collection only."""
-        said = {"name", "operation", "collection", "impact_test"}
+        """Whether identifications under both documents can be compared: only name and rules of the service differ."""
+        said = {"name", "operation", "collection", "quality", "impact_test"}
         return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:

@@ -14,7 +14,7 @@ from estimator.beating import Beat, find_beats
 from estimator.channel_status import ChannelStatus
 from estimator.condensation import Complexes, Floats
 from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
-from estimator.machine import Noise
+from estimator.machine import Noise, QualityRules
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -80,19 +80,6 @@ OTHER_NOISE = 2.0
 """Noise that differs from the stated one by this factor is mentioned."""
 FEWEST_USABLE = 20
 """Fewer samples with a usable phasor are said to be too few."""
-
-
-@dataclass(frozen=True)
-class Rules:
-    """What a gate may leave out.
-
-    sweep_rate: whether points at which the sweep was too fast are. half_power: those within half-power points, as in thesis
-    §2.3. accepted_rpm: the only speeds [r/min] that count, None for all.
-    """
-
-    sweep_rate: bool = True
-    half_power: bool = False
-    accepted_rpm: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -169,9 +156,9 @@ class Quality:
         return replace(self, flags=flags.astype(np.uint16), findings=(*self.findings, *findings))
 
 
-def assess(run: Recorded, *, noise: Noise, rules: Rules | None = None) -> Quality:
+def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
     """What can be said of a run without a model of the machine. noise: as the document states it."""
-    rules = rules or Rules()
+    rules = rules or QualityRules()
     shape = run.phasor.shape
     flags = np.zeros(shape, np.uint16)
     for status, flag in STATUS_FLAG.items():
@@ -276,7 +263,7 @@ def _outliers(
     return np.asarray(found & ~several)
 
 
-def _not_accepted(speed: Floats, rules: Rules) -> NDArray[np.bool_]:
+def _not_accepted(speed: Floats, rules: QualityRules) -> NDArray[np.bool_]:
     if rules.accepted_rpm is None:
         return np.zeros(speed.size, dtype=bool)
     low, high = (rpm_to_rad_per_s(rpm) for rpm in rules.accepted_rpm)

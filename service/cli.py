@@ -16,10 +16,10 @@ from pydantic_settings import SettingsError
 
 from estimator.gate import Gated, identify_gated
 from estimator.identification import Identification
-from estimator.machine import Machine, field_path
+from estimator.machine import Machine, QualityRules, field_path
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
-from estimator.quality import Recorded, Rules
+from estimator.quality import Recorded
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
@@ -222,7 +222,9 @@ def identify_offline(
     tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
     gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
-    half_power: Annotated[bool, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")] = False,
+    half_power: Annotated[
+        bool | None, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")
+    ] = None,
     accepted_rpm: Annotated[tuple[float, float] | None, typer.Option(help="the only speeds that count [r/min]")] = None,
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
@@ -240,7 +242,7 @@ def identify_offline(
         _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
     described, measurement, found = _gated(
-        machine, files, sidecar, rules=Rules(half_power=half_power, accepted_rpm=accepted_rpm), gate=gate, slow_roll=slow_roll
+        machine, files, sidecar, rules={"half_power": half_power, "accepted_rpm": accepted_rpm}, gate=gate, slow_roll=slow_roll
     )
     text = quality_text([file.name for file in files], found.qualities, gate=gate)
     if found.identification is None:
@@ -359,16 +361,20 @@ def _gated(
     files: list[Path],
     sidecar: Path | None,
     *,
-    rules: Rules | None = None,
+    rules: dict[str, Any] | None = None,
     gate: bool = True,
     slow_roll: str | None = None,
 ) -> tuple[Machine, Measurement, Gated]:
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
+        given = {name: value for name, value in (rules or {}).items() if value is not None}
+        wanted = QualityRules.model_validate(described.quality.model_dump() | given)
         with threadpoolctl.threadpool_limits(1):
-            found = identify_gated(described, recorded, measured, rules=rules, gate=gate)
+            found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
         return described, joined(measured), found
+    except ValidationError as error:
+        _fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
     except (UnreadableFile, Rejected, ValueError) as error:
         _fail(str(error))
 

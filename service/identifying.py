@@ -173,14 +173,15 @@ def _task(session: Session, row: JobRow, options: Options, settings: Settings) -
     blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
     document = machines.revision(session, row.machine_id, revision).document
     version = requesting.slow_roll_version(session, row)
-    vectors = None
+    machine, vectors = parse_machine(document), None
     if version is not None:
-        vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), parse_machine(document))
+        vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), machine)
     return worker.Task(
         document,
         blocks,
         requesting.fit_options(row, options),
         settings.identification_timeout_s,
+        rules=requesting.quality_rules(row, machine.quality),
         earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
         slow_roll=vectors,
     )

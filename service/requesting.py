@@ -10,12 +10,15 @@ from typing import Any, Literal
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
+from estimator.machine import QualityRules
 from storage import jobs, machines, runs, slow_roll
 from storage.tables import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int
 """Which slow-roll vectors: none, those in force, or a version."""
 
+RULES = tuple(QualityRules.model_fields)
+"""Names of the options that say what of a run is left out."""
 _VERSION, _AGAIN = "slow_roll_version", "again"
 
 
@@ -25,12 +28,15 @@ class NotToIdentify(ValueError):
 
 @dataclass(frozen=True)
 class Request:
-    """An identification of one run that a person asks for. Fit options that are None stay as usual."""
+    """An identification of one run that a person asks for. Options that are None stay as usual."""
 
     slow_roll: SlowRollChoice = "in_force"
     starts: int | None = None
     seed: int | None = None
     robust: bool | None = None
+    sweep_rate: bool | None = None
+    half_power: bool | None = None
+    accepted_rpm: tuple[float, float] | None = None
 
 
 def ask(session: Session, run_id: int, request: Request) -> JobRow:
@@ -45,6 +51,8 @@ def ask(session: Session, run_id: int, request: Request) -> JobRow:
     version = chosen_version(session, run.machine_id, request.slow_roll)
     usual = asdict(Options())
     fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}
+    rules = machines.document(session, run.machine_id, run.revision).quality
+    fit |= {name: value for name in RULES if (value := getattr(request, name)) is not None and value != getattr(rules, name)}
     in_force = machines.get(session, run.machine_id).slow_roll_version
     scope = jobs.VARIANT if fit or version != in_force else jobs.RUN
     options: dict[str, Any] = {**fit, _VERSION: version}
@@ -75,6 +83,12 @@ def slow_roll_version(session: Session, row: JobRow) -> int | None:
         row.options = options
     version: int | None = options[_VERSION]
     return version
+
+
+def quality_rules(row: JobRow, usual: QualityRules) -> QualityRules:
+    """What a job leaves out of its runs. usual: the document's rules."""
+    asked = row.options or {}
+    return QualityRules.model_validate(usual.model_dump() | {name: asked[name] for name in RULES if name in asked})
 
 
 def fit_options(row: JobRow, usual: Options) -> Options:

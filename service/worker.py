@@ -16,10 +16,10 @@ import threadpoolctl
 from estimator.gate import Gated, identify_gated
 from estimator.gathering import combined
 from estimator.identification import Identification, Options
-from estimator.machine import Machine, parse_machine
+from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.noise import error_size
 from estimator.orbit import orbit_findings
-from estimator.quality import Quality, Recorded, Rules
+from estimator.quality import Quality, Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.slow_roll import SlowRoll, corrected
 from storage.blocks import decode
@@ -37,7 +37,7 @@ class Task:
     runs: Sequence[bytes]
     options: Options
     timeout_s: float
-    rules: Rules = Rules()  # noqa: RUF009 - frozen
+    rules: QualityRules | None = None
     earlier: tuple[str, bytes] | None = None
     slow_roll: SlowRoll | None = None
 

@@ -40,7 +40,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
     if row.plant != machine.plant:
         raise PlantChanged(f"machine '{machine.id}' belongs to plant '{row.plant}', not '{machine.plant}'")
     current = revision(session, machine.id, row.revision)
-    if current.document == machine.model_dump(mode="json"):
+    if parse_machine(current.document) == machine:
         return current
     row.revision += 1
     return _add_revision(session, machine, row.revision)

@@ -1,9 +1,9 @@
 """What the API answers with. Times are RFC 3339 in UTC; a value that is not there is null, never NaN."""
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from estimator.machine import Machine
 
@@ -182,6 +182,17 @@ class IdentificationAsked(BaseModel):
     starts: int | None = Field(default=None, ge=1, le=50, description="most starts tried before a misfit is reported")
     seed: int | None = Field(default=None, ge=0, le=2**31, description="of the random starts")
     robust: bool | None = Field(default=None, description="leave out phasors that cannot be noise")
+    sweep_rate: bool | None = Field(default=None, description="judge whether the sweep was too fast")
+    half_power: bool | None = Field(default=None, description="leave out what lies within half-power points")
+    accepted_rpm: tuple[NonNegativeFloat, PositiveFloat] | None = Field(
+        default=None, description="the only speeds that count, the lower one first [r/min]"
+    )
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if self.accepted_rpm is not None and self.accepted_rpm[0] >= self.accepted_rpm[1]:
+            raise ValueError("accepted_rpm names the lower speed first")
+        return self
 
 
 class Series(BaseModel):

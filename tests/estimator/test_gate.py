@@ -8,9 +8,9 @@ from trains import chapter_3_document
 
 from estimator.gate import identify_gated
 from estimator.identification import Identification, Options, identify
-from estimator.machine import Machine, parse_machine
+from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.measurement import Measurement
-from estimator.quality import Flag, Recorded, Rules
+from estimator.quality import Flag, Recorded
 
 ONE = Options(starts=1)
 
@@ -99,7 +99,7 @@ def test_steady_phasors_with_the_times_of_a_fast_sweep_are_believed_over_the_clo
 def test_a_gate_that_leaves_too_little_says_so() -> None:
     machine = light_chapter_3()
     run, measurement = slow(machine, duration=1e6)
-    gated = identify_gated(machine, [run], [measurement], rules=Rules(accepted_rpm=(1000.0, 1010.0)))
+    gated = identify_gated(machine, [run], [measurement], rules=QualityRules(accepted_rpm=(1000.0, 1010.0)))
     assert gated.identification is None
     assert gated.error is not None
     assert "cannot determine 50 unknowns" in gated.error

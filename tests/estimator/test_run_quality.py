@@ -8,8 +8,8 @@ import pytest
 from sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
 
 from estimator.channel_status import ChannelStatus
-from estimator.machine import Noise
-from estimator.quality import MEANING, Flag, Recorded, Rules, assess, own_noise
+from estimator.machine import Noise, QualityRules
+from estimator.quality import MEANING, Flag, Recorded, assess, own_noise
 from estimator.units import rpm_to_rad_per_s
 
 NOISE = Noise(relative=0.01, floor=1e-9)
@@ -24,7 +24,7 @@ def run(seed: int = 1) -> Recorded:
     return recorded(np.linspace(0.0, 6000.0, SAMPLES), speed, noisy(clean, seed), CHANNELS)[0]
 
 
-def flagged(one: Recorded, flag: Flag, rules: Rules | None = None) -> list[list[int]]:
+def flagged(one: Recorded, flag: Flag, rules: QualityRules | None = None) -> list[list[int]]:
     """Samples with a flag, per channel."""
     flags = assess(one, noise=NOISE, rules=rules).flags
     return [np.flatnonzero(column & np.uint16(flag)).tolist() for column in flags.T]
@@ -90,7 +90,7 @@ def test_what_jumps_in_all_channels_at_once_may_be_a_resonance() -> None:
 
 def test_only_accepted_speeds_count() -> None:
     one = run()
-    rules = Rules(accepted_rpm=(1000.0, 2000.0))
+    rules = QualityRules(accepted_rpm=(1000.0, 2000.0))
     outside = np.flatnonzero((one.speed < rpm_to_rad_per_s(1000.0)) | (one.speed > rpm_to_rad_per_s(2000.0))).tolist()
     assert flagged(one, Flag.NOT_ACCEPTED, rules) == [outside, outside]
 
@@ -98,7 +98,7 @@ def test_only_accepted_speeds_count() -> None:
 def test_half_power_is_left_out_where_that_is_asked_for() -> None:
     one = run()
     assert flagged(one, Flag.HALF_POWER) == [[], []]
-    found = flagged(one, Flag.HALF_POWER, Rules(half_power=True))[0]
+    found = flagged(one, Flag.HALF_POWER, QualityRules(half_power=True))[0]
     inside = one.speed[found]
     # Of a damping ratio of 10 % the half-power points lie 10 % on either side, nearly.
     assert inside.min() == pytest.approx(150.0 * 0.91, rel=0.03)

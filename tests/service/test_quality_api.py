@@ -11,8 +11,8 @@ from sqlalchemy.orm import Session
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine
-from estimator.quality import Flag, Rules
+from estimator.machine import Machine, QualityRules
+from estimator.quality import Flag
 from service import worker
 from service.api.application import application
 from service.documents import read_machine
@@ -101,7 +101,7 @@ def test_damaged_flags_are_told_from_missing_ones(database: Database, kit: Machi
 
 def test_a_gate_that_leaves_too_little_is_an_error_with_its_reasons(kit: Machine) -> None:
     samples = measured(kit)
-    rules = Rules(accepted_rpm=(1040.0, 1100.0))
+    rules = QualityRules(accepted_rpm=(1040.0, 1100.0))
     outcome = worker.compute(worker.Task(kit.model_dump(mode="json"), [encode(samples)], Options(), 60.0, rules))
     assert outcome.identification is None
     assert outcome.error is not None

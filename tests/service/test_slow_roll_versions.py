@@ -10,7 +10,7 @@ import yaml
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, parse_machine
+from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
 from service import requesting, worker
@@ -18,6 +18,7 @@ from service.api.application import application
 from service.collection import Collector
 from service.identifying import Identifying
 from service.journal import Journal
+from service.requesting import quality_rules
 from service.settings import Settings
 from service.watching import judgements
 from storage import identifications, jobs, machines, runs
@@ -438,3 +439,17 @@ def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_t
     assert any("the orbit at B2X and B2Y turns backward" in words for words in outcome.qualities[0].findings)
     assert outcome.identification is not None
     assert "probe.B1X.run_out.real" in outcome.identification.coordinates
+
+
+def test_other_rules_of_quality_make_a_variant_that_keeps_to_them(api: Api) -> None:
+    (run,) = api("GET", "/machines/pump-7/runs")
+    path = f"/runs/{run['id']}/identifications"
+    asked = api("POST", path, 202, json={"accepted_rpm": [600, 2000], "half_power": True})
+    assert asked["scope"] == "variant"
+    with api.app.state.database.transaction() as session:
+        row = jobs.get(session, asked["id"])
+        rules = quality_rules(row, QualityRules(sweep_rate=False))
+    assert rules == QualityRules(sweep_rate=False, half_power=True, accepted_rpm=(600.0, 2000.0))
+    usual = api("POST", path, 202, json={"half_power": False})
+    assert usual["scope"] == "run"
+    assert "the lower speed first" in str(api("POST", path, 422, json={"accepted_rpm": [2000, 600]})["errors"])
