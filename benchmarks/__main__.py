@@ -1,16 +1,25 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import estimator, latency, many_sources, phasors, throughput, updated_model
+from benchmarks import (
+    alert_life,
+    coast_down,
+    delivery,
+    estimator,
+    latency,
+    many_sources,
+    orbit_sense,
+    phasors,
+    throughput,
+    updated_model,
+)
+
+WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, orbit_sense, delivery, alert_life)
+WITHOUT = (latency, throughput, many_sources)
 
 if __name__ == "__main__":
-    estimator.main([])
-    print()
-    updated_model.main([])
-    print()
-    phasors.main([])
-    print()
-    latency.main()
-    print()
-    throughput.main()
-    print()
-    many_sources.main()
+    for benchmark in WITH_OPTIONS:
+        benchmark.main([])
+        print()
+    for plain in WITHOUT:
+        plain.main()
+        print()

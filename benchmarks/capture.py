@@ -71,11 +71,11 @@ def outcome(machine: Machine, truth: Truth, run: Measurement) -> Outcome:
     return Outcome(seconds, result.accepted, result.chi_square / result.degrees_of_freedom, errors, sizes)
 
 
-def main() -> None:
+def main(given: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=int, default=12_000)
     parser.add_argument("--seeds", type=int, default=3)
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(given)
     machine = read_machine(EXAMPLE)
     print(f"{machine.id}: a run-down of {arguments.samples} samples, seeds 0 to {arguments.seeds - 1}; medians\n")
     print("samples for the fit    seconds  accepted  chi2/dof  error of direct terms  rms error/SE")

@@ -22,6 +22,7 @@ import yaml
 from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import EXAMPLES
+from estimator.beating import find_beats
 from estimator.channel_status import ChannelStatus
 from estimator.coast_down import coast_down
 from estimator.condensation import Complexes, Floats
@@ -33,6 +34,8 @@ from estimator.measurement import Measurement
 from estimator.modes import modes
 from estimator.order_tracking import track_orders
 from estimator.quality import Recorded, assess
+from estimator.segmentation import RunKind
+from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.speed_law import SpeedLaw
 from estimator.sweep_rate import sweep_transient
 from estimator.system_matrices import system_matrices
@@ -55,6 +58,9 @@ NOISE = 0.01
 COEFFICIENT_SPREAD, UNBALANCE_SPREAD = 0.1, 0.2
 STARTS = 3
 """Starts at most: a fit that ringing spoils is refused sooner."""
+
+STEADY = ("thesis-chapter-3", "motor-pump", "turbine-compressor-generator", "sealed-pump", "thesis-chapter-5-rig")
+"""Examples that beats are looked for in, in vain."""
 
 Document = dict[str, Any]
 
@@ -177,6 +183,24 @@ def compared(true: Document, rate: float, runs: int) -> None:
     print(f"  points left by the gate: median {100 * float(np.median(left)):.0f} %; too few for a fit in {lost} runs")
 
 
+def false_alarms(runs: int) -> None:
+    """Print how often a steady-state run is said to beat."""
+    print(f"\nchannels of steady-state runs that are said to beat, {runs} runs of each machine, a third of them 5 % noisier:")
+    for name in STEADY:
+        machine = parse_machine(yaml.safe_load((EXAMPLES / f"{name}.yaml").read_text(encoding="utf-8")))
+        found, channels = 0, 0
+        for seed in range(runs):
+            rng = np.random.default_rng(seed)
+            kind: RunKind = "run-up" if seed % 2 else "run-down"
+            _, speed = speed_law(machine, kind, duration=600.0, samples=int(rng.choice([60, 150, 300])))
+            phasor = measured_phasors(machine, draw_truth(machine, rng), speed, rng)
+            if seed % 3 == 2:
+                phasor = phasor * (1 + 0.05 * (rng.standard_normal(phasor.shape) + 1j * rng.standard_normal(phasor.shape)))
+            beats = find_beats(speed, phasor, np.isfinite(phasor))
+            found, channels = found + sum(one is not None for one in beats), channels + len(beats)
+        print(f"  {name:<32}{found:4d} of {channels}")
+
+
 def timed(true: Document, rate: float) -> None:
     """Print what quality costs beside a fit: some 150 samples, 8 channels."""
     machine = parse_machine(nominal_document(true, np.random.default_rng(0)))
@@ -206,6 +230,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print everything."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.coast_down", description=__doc__.split("\n", 1)[0])
     parser.add_argument("--runs", type=int, default=RUNS)
+    parser.add_argument("--steady", type=int, default=60, help="steady-state runs of each machine")
     parser.add_argument("--rates", type=float, nargs="*", default=list(RATES_RPM_PER_S), help="[rpm/s]")
     asked = parser.parse_args(arguments)
     with threadpool_limits(1):
@@ -218,6 +243,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(", ".join(f"{rad_per_s_to_rpm(float(f)):.0f}: {100 * z:.1f}" for f, z in pairs))
         for rate in asked.rates:
             compared(true, rate, asked.runs)
+        false_alarms(asked.steady)
         for rate in asked.rates[:: max(1, len(asked.rates) - 1)]:
             timed(true, rate)
 

@@ -44,7 +44,7 @@ PROMISING = 0.4
 """Part of what the background leaves that a first look must explain."""
 GRID = 512
 """Points over x² of a first look."""
-DECAYS = (0.5, 2.5)
+DECAYS = (0.5, 2.5, 8.0)
 """Trial decays: exponent at the end of the window."""
 BACKGROUND = 5
 """Complex unknowns of the background."""

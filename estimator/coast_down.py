@@ -11,6 +11,7 @@ natural frequency ω_n turns with ω_n - ω only, which a step must resolve.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.interpolate
@@ -37,7 +38,11 @@ class CoastDown:
 
     def envelope(self, time: Floats) -> Complexes:
         """The envelopes at instants (N,) [s], by cubic splines between the steps: (N, m)."""
-        return np.asarray(scipy.interpolate.CubicSpline(self.time, self.phasor)(time))
+        return np.asarray(self._curve(time))
+
+    @cached_property
+    def _curve(self) -> "scipy.interpolate.CubicSpline[np.complex128]":
+        return scipy.interpolate.CubicSpline(self.time, self.phasor)
 
     def waveforms(self, time: Floats) -> Floats:
         """Displacement at the probes (m, N) [m] at instants (N,) [s]."""

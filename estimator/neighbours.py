@@ -84,8 +84,12 @@ def neighbour_noise(fit: LocalFit, amplitude: Floats) -> tuple[float, float]:
     relative = min(relative, high / large) if large > 0.0 else 0.0
     floor = max(0.0, min(low - relative * small, high - relative * large))
     if relative == 0.0 and large <= 1.5 * small and large > 0.0:
-        return float(np.sqrt(np.median(square / np.maximum(size, 1e-300) ** 2) / np.log(2.0))), 0.0
-    return float(np.sqrt(relative)), float(np.sqrt(floor))
+        relative, floor = 1.0, 0.0  # amplitudes that hardly differ cannot tell the two parts apart
+    modelled = relative * size**2 + floor
+    if not np.all(modelled > 0.0):
+        return 0.0, 0.0
+    scale = float(np.median(square / modelled)) / np.log(2.0)
+    return float(np.sqrt(scale * relative)), float(np.sqrt(scale * floor))
 
 
 def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:

@@ -14,7 +14,17 @@ from statistics import median
 from typing import Any, Literal
 
 from estimator.machine import Machine
-from estimator.segmentation import AT_REST, RunEnded, RunEvent, SweepLimits, SweepState, finish, is_leaving, thresholds
+from estimator.segmentation import (
+    AT_REST,
+    REVERSAL_NOISE,
+    RunEnded,
+    RunEvent,
+    SweepLimits,
+    SweepState,
+    finish,
+    is_leaving,
+    thresholds,
+)
 from estimator.segmentation import advance as advance_sweep
 from estimator.units import rpm_to_rad_per_s
 
@@ -23,7 +33,7 @@ Mode = Literal["unknown", "stopped", "slow roll", "run-up", "at speed", "run-dow
 STOPPED_PART = 0.01
 """Below this part of its maximum speed a machine stands still, unless its document says otherwise."""
 TURNING_AGAIN = 1.5
-"""It turns again above this many times that speed."""
+"""It turns again above this many times that speed, and so many standard deviations as turn a sweep back."""
 TRIP_SPAN = 0.1
 """Part of the speed range over which the deceleration of a run-down from speed is measured."""
 FROM_SPEED = 0.5
@@ -145,14 +155,16 @@ def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
     """By the speed and the sweep alone; a trip counts as a run-down."""
     if state.sweep.sweep:
         return "run-up" if state.sweep.sweep > 0 else "run-down"
-    standing = limits.stopped * (TURNING_AGAIN if state.mode == "stopped" else 1.0)
+    standing = limits.stopped
+    if state.mode == "stopped":
+        standing = max(TURNING_AGAIN * standing, standing + REVERSAL_NOISE * state.sweep.readings.noise)
     if speed < standing:
         return "stopped"
     # From below the range the machine is at speed only once it has left the lower end clearly behind and settled.
     below = state.mode in ("stopped", "slow roll")
-    turning = state.mode != "unknown" and is_leaving(state.sweep, limits.sweep)
-    start = thresholds(state.sweep, limits.sweep)[0]
-    if speed < limits.sweep.minimum + (start if below else 0.0) or (below and turning):
+    start = thresholds(state.sweep, limits.sweep)[0] if below else 0.0
+    turning = state.mode not in ("unknown", "at speed") and is_leaving(state.sweep, limits.sweep)
+    if speed < limits.sweep.minimum + start or (below and turning):
         return "slow roll"
     return state.mode if turning else "at speed"
 

@@ -177,7 +177,10 @@ class ExpectedOrbits:
         guessed = [bearing.id for bearing in machine.bearings if bearing.kxx is None or bearing.kyy is None]
         if guessed:
             raise ValueError(f"the document gives no stiffness of bearing {', '.join(guessed)}")
-        critical = float(undamped_critical_speeds(system_matrices(machine), direction=machine.direction)[0])
+        undamped = undamped_critical_speeds(system_matrices(machine), direction=machine.direction)
+        if not undamped.size:
+            raise ValueError("the document's machine has no critical speed")
+        critical = float(undamped[0])
         lowest = min(rpm_to_rad_per_s(machine.speed_range.minimum_rpm), LOWEST * critical)
         speed = np.linspace(lowest, BELOW_CRITICAL * critical, EXPECTED_SPEEDS)
         train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))

@@ -159,7 +159,8 @@ def track_block(
     if np.linalg.cond(normal) > WORST_CONDITION:
         return LeftOut(begin, end, "the instants of the samples do not tell the orders apart")
 
-    signals = np.asarray(waveforms[:, first : first + time.size], dtype=float)
+    # One layout in memory, so that sums round alike wherever the waveforms come from.
+    signals = np.ascontiguousarray(waveforms[:, first : first + time.size], dtype=float)
     ranges = rails if isinstance(rails, list) else [rails] * len(signals)
     faults = tuple(
         waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in zip(signals, ranges, strict=True)

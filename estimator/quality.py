@@ -68,8 +68,10 @@ SAME_VALUE = 1e-9
 """Relative difference below which two values are equal."""
 RINGING_LIMIT = 1.0
 """Ringing that is larger than this times the noise is flagged."""
-SEVERAL_CHANNELS = 0.5
-"""What is out of line in more than this part of the channels at once may be a resonance between two samples."""
+SEVERAL_CHANNELS = 0.25
+"""What disturbs more than this part of the other channels at once may be a resonance narrower than the samples …"""
+DISTURBED = 3.0
+"""… where a channel is disturbed that differs from its neighbours by so many times its noise."""
 LOST_PART = 0.1
 """A channel that is unusable for this part of a run in one piece has been lost …"""
 LOST_SAMPLES = 5
@@ -259,17 +261,19 @@ def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _outliers(
     run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    found = np.zeros(good.shape, dtype=bool)
+    """Phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
+    found, disturbed = np.zeros(good.shape, dtype=bool), np.zeros(good.shape, dtype=bool)
     for c, channel in enumerate(run.channels):
         own = seen[channel]
         if np.isfinite(own.relative):
             modelled = np.sqrt((own.relative * np.abs(run.phasor[:, c])) ** 2 + own.floor**2)
             size = np.maximum(stated[:, c], np.where(np.isfinite(modelled), modelled, 0.0))
             found[out_of_line(fits[c], size), c] = True
-    several = found.sum(axis=1) > SEVERAL_CHANNELS * np.maximum(1, good.sum(axis=1))
-    if len(run.channels) > 1:
-        found[several] = False
-    return found
+            place = fits[c].place
+            disturbed[place, c] = fits[c].error > DISTURBED * size[place]
+    others = np.maximum(1, good.sum(axis=1) - 1)
+    several = (disturbed.sum(axis=1)[:, None] - disturbed) > SEVERAL_CHANNELS * others[:, None]
+    return np.asarray(found & ~several)
 
 
 def _not_accepted(speed: Floats, rules: Rules) -> NDArray[np.bool_]:

@@ -207,11 +207,14 @@ def _watch(state: SweepState, limits: SweepLimits, time: int, speed: float) -> t
     waited = time - min(state.low_time, state.high_time) > limits.stall
     if waited and not _leaving(state, speed, reversal):
         return _rest(state, time, speed), ()  # an old extreme must not pull hours at speed into the next run
-    if speed <= state.low_speed + still:
-        state = replace(state, low_speed=min(speed, state.low_speed), low_time=time)
-    if speed >= state.high_speed - still:
-        state = replace(state, high_speed=max(speed, state.high_speed), high_time=time)
-    return state, ()
+    held = replace(
+        state,
+        low_speed=min(speed, state.low_speed),
+        low_time=time if speed <= state.low_speed + still else state.low_time,
+        high_speed=max(speed, state.high_speed),
+        high_time=time if speed >= state.high_speed - still else state.high_time,
+    )
+    return held, ()
 
 
 def is_leaving(state: SweepState, limits: SweepLimits) -> bool:

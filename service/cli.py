@@ -223,6 +223,7 @@ def identify_offline(
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
     gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
     half_power: Annotated[bool, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")] = False,
+    accepted_rpm: Annotated[tuple[float, float] | None, typer.Option(help="the only speeds that count [r/min]")] = None,
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
     ] = None,
@@ -239,7 +240,7 @@ def identify_offline(
         _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
     described, measurement, found = _gated(
-        machine, files, sidecar, rules=Rules(half_power=half_power), gate=gate, slow_roll=slow_roll
+        machine, files, sidecar, rules=Rules(half_power=half_power, accepted_rpm=accepted_rpm), gate=gate, slow_roll=slow_roll
     )
     text = quality_text([file.name for file in files], found.qualities, gate=gate)
     if found.identification is None:

@@ -79,7 +79,8 @@ def standing(session: Session, machine_id: str) -> Standing | None:
 class Collector:
     """Collects the runs of all machines. All it must remember is stored with the samples, in the same transaction."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
+        self._late_s = late_s
         self._heard: dict[str, float] = {}
         self._heard_late: dict[str, float] = {}
         self._silent: set[str] = set()
@@ -134,7 +135,7 @@ class Collector:
             self._settled.add(machine_id)
             return
         heard = self._heard_late.setdefault(machine_id, time.monotonic())
-        if time.monotonic() - heard < LATE_PATIENCE_S:
+        if time.monotonic() - heard < self._late_s:
             return
         now.late = [window for window in now.late if not settle(session, machine_id, window)]
         runs.save_collector_state(session, machine_id, now.stored())

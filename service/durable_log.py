@@ -127,12 +127,15 @@ class DurableLog:
         return found
 
     def status(self) -> LogStatus:
-        """As `SourceLog`: what is on the disk."""
-        with self._database_lock:
-            (oldest,) = self._database.execute("select min(first) from batch").fetchone()
-            next_sequence, samples, payload_bytes = self._database.execute(
-                "select next_sequence, samples, payload_bytes from state"
-            ).fetchone()
+        """As `SourceLog`: what is on the disk. Raises LogError."""
+        try:
+            with self._database_lock:
+                (oldest,) = self._database.execute("select min(first) from batch").fetchone()
+                next_sequence, samples, payload_bytes = self._database.execute(
+                    "select next_sequence, samples, payload_bytes from state"
+                ).fetchone()
+        except sqlite3.Error as error:
+            raise self._named(error) from error
         oldest = next_sequence if oldest is None else oldest
         dropped = next_sequence - samples
         trouble = None if self._trouble is None else str(self._trouble)
@@ -208,7 +211,11 @@ class DurableLog:
                         return
                 continue
             for entry, logged in group:
-                logged(entry)
+                try:
+                    logged(entry)
+                except Exception:
+                    # It is in the log; the writer must live on.
+                    logger.exception("%s: the batch from number %d was not sent", self._path, entry.first)
             with self._changed:
                 for _ in group:
                     self._pending.popleft()

@@ -98,7 +98,7 @@ def slow_roll_text(machine: Machine, found: Capture) -> str:
         if channel in found.reasons:
             lines.append(f"  {channel:<{width}}  none: {found.reasons[channel]}")
         else:
-            lag = float(-np.degrees(np.angle(vector))) % 360.0
+            lag = round(float(-np.degrees(np.angle(vector))) % 360.0, 1) % 360.0  # not 360.0 for nearly a full turn
             lines.append(f"  {channel:<{width}}  {abs(vector) / scale:8.3f} ± {error / scale:.2g} µm pp, lag {lag:6.1f}°")
     return "\n".join(lines)
 

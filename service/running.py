@@ -34,7 +34,9 @@ def serve(settings: Settings) -> None:
     listener = _listen(settings.host, settings.port)
     session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True)
     submissions = Submissions()
-    ingest = Ingest(session, Journal(database, Collector()), silence_s=settings.silence_s, submissions=submissions)
+    ingest = Ingest(
+        session, Journal(database, Collector(late_s=settings.late_s)), silence_s=settings.silence_s, submissions=submissions
+    )
     identifying = Identifying(database, settings)
     dispatcher = Dispatcher(database, session, settings)
     last_states = LastStates(session, database)

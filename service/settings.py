@@ -47,6 +47,9 @@ class Settings(BaseSettings):
     smtp_user: str = Field(default="", description="user at the mail server, if it wants one")
     smtp_password: SecretStr = Field(default=SecretStr(""), description="the user's password")
     smtp_sender: str = Field(default="rundown@localhost", description="whom the mails are from")
+    late_s: Annotated[float, Field(ge=0)] = Field(
+        default=10.0, description="samples that came late are sorted into their runs when no more have come for this long"
+    )
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = Field(
         default="INFO", description="DEBUG, INFO, WARNING or ERROR"
     )

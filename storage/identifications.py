@@ -153,8 +153,13 @@ def last_accepted(session: Session, machine_id: str, like: Like, *, limit: int) 
 
 
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
-    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured."""
-    query = _accepted_runs(machine_id, replace(like, since=0)).where(IdentificationRow.id.in_(ids))
+    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured.
+
+    For a run that was identified again stands the identification that counts now.
+    """
+    same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
+    query = _accepted_runs(machine_id, replace(like, since=0))
+    query = query.where(cast(IdentificationRow.run_ids, Text).in_(same_runs))
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
 
 

@@ -113,9 +113,9 @@ class Agent:
         stream = BlockStream(self._settings, place)
         waveforms = self._configuration.waveforms
         anchor = None if place is None else (place.anchor, place.anchor_ns)
-        chunks = read_chunks(
-            file, waveforms, self._configuration.columns, self.conditions, first=stream.first_needed(), anchor=anchor
-        )
+        rate = None if place is None else place.sampling_rate
+        columns, first = self._configuration.columns, stream.first_needed()
+        chunks = read_chunks(file, waveforms, columns, self.conditions, first=first, anchor=anchor, rate=rate)
         for chunk in chunks:
             for outcome in stream.feed(chunk):
                 if not self._paced(outcome.time_ns, stop, speedup):

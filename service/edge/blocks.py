@@ -142,9 +142,9 @@ class BlockStream:
         elif chunk.anchor > at.anchor:
             self._position = replace(at, anchor=chunk.anchor, anchor_ns=chunk.anchor_ns)
         if self._values is None:
-            self._first, self._values = chunk.first, np.asarray(chunk.values)
+            self._first, self._values = chunk.first, np.ascontiguousarray(chunk.values)
         else:
-            self._values = np.concatenate([self._values, chunk.values], axis=1)
+            self._values = np.concatenate([self._values, np.ascontiguousarray(chunk.values)], axis=1)
         yield from self._work(ended=False)
 
     def finish(self) -> Iterator[Outcome]:
@@ -182,48 +182,42 @@ class BlockStream:
 
     def _by_turns(self, ended: bool) -> Outcome | None:
         """Blocks from edge to edge; the window grows until the block's last edge is in it."""
-        at, settings = self._at, self._settings
+        begin, settings, known = self._at.begin, self._settings, self._known()
         turns = settings.turns or 0
         shortest, longest = turns * 60.0 / settings.highest_rpm, turns * 60.0 / settings.lowest_rpm
         length = shortest
         while True:
             length = min(2.0 * length, longest)
-            until = at.begin + length + self.margin()
-            complete = until <= self._known() + ROUNDING
-            if not complete and not ended:
+            until = begin + length + self.margin()
+            complete = until <= known + ROUNDING
+            if not complete and (not ended or known - begin < shortest / OVERSPEED):
                 return None
-            if not complete and self._known() - at.begin < shortest / OVERSPEED:
-                return None
-            angle, start = self._angle(at.begin - self.margin(), until)
-            last_try = length == longest or not complete
-            stretch_end = min(at.begin + length, self._known())
-            if isinstance(angle, Found):
-                if last_try:
-                    return self._without(at.begin, stretch_end, angle)
-                continue
-            ahead = [piece for piece in angle.pieces if piece[1] > at.begin + ROUNDING]
-            if not ahead:
-                if last_try:
-                    gap = Found("keyphasor_gap", None, "the angle is not known")
-                    return self._without(at.begin, stretch_end, gap)
-                continue
-            begin, end = ahead[0]
-            if begin > at.begin + ROUNDING:
-                if begin <= stretch_end:
-                    notes = [] if at.begin == 0.0 else [Found("keyphasor_gap", None, "the angle is not known")]
-                    return self._without(at.begin, begin, *notes)
-                if last_try:
-                    return self._without(at.begin, stretch_end, Found("keyphasor_gap", None, "the angle is not known"))
-                continue
-            inside = (angle.edge_time >= at.begin - ROUNDING) & (angle.edge_time <= end + ROUNDING)
-            time, turned = angle.edge_time[inside], angle.edge_angle[inside] / (2.0 * math.pi)
-            enough = np.flatnonzero(turned - turned[0] >= turns - 1e-6)
-            if enough.size and time[enough[0]] <= stretch_end + ROUNDING:
-                return self._with(angle, start, float(time[0]), float(time[enough[0]]), float(time[enough[0]]), [])
-            if end < min(stretch_end, angle.edge_time[-1]) - ROUNDING:
-                return self._without(at.begin, end, Found("keyphasor_gap", None, "the angle ends before the block does"))
-            if last_try:
-                return self._without(at.begin, stretch_end, Found("too_slow", None, f"no {turns} turns in {length:.3g} s"))
+            end = min(begin + length, known)
+            found = self._from_edge_to_edge(*self._angle(begin - self.margin(), until), end)
+            if isinstance(found, Outcome):
+                return found
+            if length == longest or not complete:
+                return self._without(begin, end, found)
+
+    def _from_edge_to_edge(self, angle: ShaftAngle | Found, start: float, end: float) -> Outcome | Found:
+        """The block whose last edge lies before `end`, or why there is none yet."""
+        at, turns = self._at, self._settings.turns or 0
+        if isinstance(angle, Found):
+            return angle
+        gap = Found("keyphasor_gap", None, "the angle is not known")
+        first, last = next((piece for piece in angle.pieces if piece[1] > at.begin + ROUNDING), (math.inf, math.inf))
+        if first > end:
+            return gap
+        if first > at.begin + ROUNDING:  # up to the first pulse nothing is wrong
+            return self._without(at.begin, first, *([gap] if at.begin > 0.0 else []))
+        inside = (angle.edge_time >= at.begin - ROUNDING) & (angle.edge_time <= last + ROUNDING)
+        time, turned = angle.edge_time[inside], angle.edge_angle[inside] / (2.0 * math.pi)
+        enough = time[turned - turned[0] >= turns - 1e-6]
+        if enough.size and enough[0] <= end + ROUNDING:
+            return self._with(angle, start, float(time[0]), float(enough[0]), float(enough[0]), [])
+        if last < min(end, angle.edge_time[-1]) - ROUNDING:
+            return self._without(at.begin, last, gap)
+        return Found("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
 
     def _with(self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[Found]) -> Outcome:
         """The block from `begin` to `until`; the next one begins at `end`."""

@@ -38,10 +38,12 @@ def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float |
                 with Topic(session, topic, configuration.columns, agent.conditions, sampling_rate=rate) as opened:
                     agent.follow(opened, stop)
                 return
-            # Unpaced, most of it would go nowhere while nobody is there, and come by replay.
-            if wait_connected(session, configuration.connect, give_up=stop.wait):
-                agent.read_files(stop, speedup=speedup)
-                stop.wait(LINGER_S if leave else None)
+            # Whoever is not there yet gets it from the log.
+            agent.read_files(stop, speedup=speedup)
+            if not leave:
+                stop.wait()
+            elif wait_connected(session, configuration.connect, give_up=stop.wait):
+                stop.wait(LINGER_S)
 
 
 def open_log(configuration: EdgeConfiguration) -> DurableLog:

@@ -172,10 +172,12 @@ def read_configuration(path: Path) -> EdgeConfiguration:
     except ValidationError as error:
         problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
         raise UnreadableFile(f"{path} is not an edge agent's configuration:\n{problems}") from error
-    files = [one.model_copy(update={"path": path.parent / one.path}) for one in read.waveforms.files]
+    # The log remembers files by their path: the same one wherever the agent is started from.
+    folder = path.resolve().parent
+    files = [one.model_copy(update={"path": folder / one.path}) for one in read.waveforms.files]
     return read.model_copy(
         update={
             "waveforms": read.waveforms.model_copy(update={"files": files}),
-            "log": read.log.model_copy(update={"path": path.parent / read.log.path}),
+            "log": read.log.model_copy(update={"path": folder / read.log.path}),
         }
     )

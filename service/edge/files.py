@@ -60,16 +60,18 @@ def read_chunks(
     *,
     first: int = 0,
     anchor: tuple[int, int] | None = None,
+    rate: float | None = None,
 ) -> Iterator[Chunk]:
     """The file's waveforms from sample `first` on. What is wrong with it becomes a condition; what can be read is delivered.
 
-    anchor: where reading goes on, a row of the unbroken waveform and its time [ns].
+    anchor, rate: where reading goes on, a row of the unbroken waveform with its time [ns], and the sampling rate found before.
     """
     name = file.path.name
     try:
         columns = [*columns, waveforms.time] if waveforms.time is not None else columns
         opened = open_file(file.path, columns, full_scale=waveforms.full_scale)
-        rate = _sampling_rate(opened.sampling_rate, waveforms.sampling_rate)
+        said = _sampling_rate(opened.sampling_rate, waveforms.sampling_rate)
+        rate = said if rate is None else rate
         start = opened.start_ns if file.start is None else from_datetime(file.start)
         if start is None:
             raise FileTrouble("no_start_time", "neither the configuration nor the file says when it begins")

@@ -67,17 +67,17 @@ def test_edge_and_service_killed_the_store_is_that_of_an_undisturbed_run(service
         create(service, quiet)
         create(service, hit)
         with process(tmp_path / "quiet.txt", "edge", str(write_configuration(tmp_path, service, quiet))):
-            until(lambda: received(service, quiet) == BLOCKS, within_s=30, what="the undisturbed file is stored")
+            until(lambda: received(service, quiet) == BLOCKS, within_s=100, what="the undisturbed file is stored")
         with process(log, *arguments) as first:
-            until(lambda: received(service, hit) > 15, within_s=30, what="a beginning is stored")
+            until(lambda: received(service, hit) > 15, within_s=100, what="a beginning is stored")
             kill(first)
         with process(log, *arguments) as second:
-            until(lambda: received(service, hit) > 40, within_s=30, what="more is stored")
+            until(lambda: received(service, hit) > 40, within_s=100, what="more is stored")
             kill(serving)
             time.sleep(0.7)
             kill(second)
     with process(log, *arguments), service.running():
-        until(lambda: received(service, hit) == BLOCKS, within_s=40, what="all is stored")
+        until(lambda: received(service, hit) == BLOCKS, within_s=100, what="all is stored")
         sources = [one for one in service.get("/sources") if one["machine"] == hit]
     assert [(one["next_sequence"], one["received"], one["lost"]) for one in sources] == [(BLOCKS, BLOCKS, 0)]
     assert "Traceback" not in log.read_text()

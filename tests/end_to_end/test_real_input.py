@@ -129,6 +129,11 @@ def test_measured_run_up_is_stored_as_one_run_equal_to_the_file(service: Service
         assert service.get("/quarantine")["counts"] == {}
         # One probe and a ringing rotor: whatever comes of the fit, it is an outcome, not a crash.
         until(service.idle, within_s=60, what="its identification has ended")
+        quality = service.get(f"/runs/{runs[0]['id']}/quality")
+        assert quality["judged"]
+        assert any(words.startswith("sweep rate: V1 beats behind") for words in quality["findings"])
+        assert quality["counts"]["sweep-rate-beat"] > 60
+        assert all(quality["reasons"][0][i] for i, row in enumerate(rows) if 1730 < row["rpm"] < 2000)
 
 
 def test_offline_identification_prints_estimates(tmp_path: Path) -> None:

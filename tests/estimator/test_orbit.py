@@ -191,3 +191,13 @@ def test_an_unusable_channel_leaves_no_orbit() -> None:
     assert np.isnan(found[0].semi_major[0])
     assert found[0].sense(0) == "undecided"
     assert np.isfinite(found[1].semi_major[0])
+
+
+def test_nothing_measured_is_no_orbit_and_no_finding() -> None:
+    machine = chapter_3()
+    still = Measurement.of(speed=np.linspace(10, 90, 20), phasor=np.zeros((20, 8)))
+    assert {one.code for one in orbit_findings(machine, still)} == {"orbit_sense_undetectable"}
+    assert all(one.sense(0) == "undecided" for one in station_orbits(machine, still))
+    none = still.pick(np.zeros(20, dtype=bool))
+    assert all("0 samples below" in one.words for one in orbit_findings(machine, none))
+    assert all(one.x.size == 0 for one in station_orbits(machine, none))

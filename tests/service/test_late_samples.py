@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy.orm import Session
 
-from service import collection
 from service.collection import Collector
 from service.holes import NEVER
 from service.journal import Journal
@@ -31,10 +30,10 @@ DOWN = sweep_rpm(2990.0, 310.0, 80)
 CYCLE = [*[2990.0] * 20, *DOWN, *[250.0] * 20]
 
 
-@pytest.fixture(autouse=True)
-def _no_patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What came late is sorted in at the next look."""
-    monkeypatch.setattr(collection, "LATE_PATIENCE_S", 0.0)
+@pytest.fixture
+def journal(plant: Database) -> Journal:
+    """One that sorts in what came late at the next look."""
+    return Journal(plant, Collector(late_s=0.0))
 
 
 def send(journal: Journal, rpm: list[float], first: int, last: int, *, start: int = START, **changes: Any) -> None:
@@ -139,14 +138,14 @@ def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, jour
     assert (source(plant).received, source(plant).lost) == (4, 0)
 
 
-@few_examples
+@settings(few_examples, max_examples=15)
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3), st.floats(0.0, 0.3))
 def test_any_order_of_arrival_stores_the_same_samples(
     plant_file: Path, tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
 ) -> None:
     """Batches of all sizes, lost, doubled and shuffled: what came is stored, once, and the counters are exact."""
     rng = random.Random(seed)
-    cuts = sorted({0, 60, *(rng.randrange(60) for _ in range(15))})
+    cuts = sorted({0, 60, *(rng.randrange(60) for _ in range(10))})
     whole = [(first, last) for first, last in zip(cuts, cuts[1:], strict=False)]
     sent = [piece for piece in whole if rng.random() >= lost] or whole[:1]
     sent += [piece for piece in sent if rng.random() < twice]
@@ -217,7 +216,7 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, reopened, scope=jobs.RUN)
         assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
-        (counted,) = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        (counted,) = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
         assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
         points = identifications.history(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
         assert [row.id for _, row in points] == [counted.id]
@@ -231,12 +230,12 @@ def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(p
         for job in jobs.take(session, 10):
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
-        assert len(identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)) == 2
+        assert len(identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)) == 2
     send(journal, slow, 220, 400)
     settle(journal)
     first, _ = found_runs(plant)
     with plant.reading() as session:
-        counted = identifications.first_accepted(session, KEY.machine, Like(1, "run-down"), limit=10)
+        counted = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
         assert [row.run_ids for row in counted] == [[first.id]]
 
 
@@ -244,13 +243,13 @@ def test_late_samples_are_sorted_in_after_a_restart_too(plant: Database, journal
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     send(journal, CYCLE, 50, 60)
-    settle(Journal(plant, Collector()))
+    settle(Journal(plant, Collector(late_s=0.0)))
     (run,) = found_runs(plant)
     assert run.count == 85
 
 
-def test_nothing_is_sorted_in_while_more_comes(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collection, "LATE_PATIENCE_S", 60.0)
+def test_nothing_is_sorted_in_while_more_comes(plant: Database) -> None:
+    journal = Journal(plant, Collector(late_s=60.0))
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     send(journal, CYCLE, 50, 60)

@@ -100,16 +100,14 @@ def test_samples_are_the_machines_phasors_in_metres(undisturbed: Samples) -> Non
     assert (np.diff(undisturbed.time) > 0).all()
 
 
-def test_stopped_anywhere_and_started_again_it_publishes_the_same_once(
-    client: zenoh.Session, tmp_path: Path, undisturbed: Samples, monkeypatch: pytest.MonkeyPatch
+def interrupted(
+    client: zenoh.Session, configuration: EdgeConfiguration, blocks: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nine starts; each takes a few blocks and is then cut off without a chance to publish what it has gathered."""
+    """Starts that take so many blocks each and are then cut off without a chance to publish what they have gathered."""
     monkeypatch.setattr("service.edge.agent.BATCH_SAMPLES", 3)
-    write(tmp_path / "run.npz")
-    configuration = configured(tmp_path)
-    for blocks in (0, 1, 2, 4, 5, 6, 7, 8, 40):
+    for count in blocks:
         with started(client, configuration) as agent:
-            take, left = agent._take, blocks
+            take, left = agent._take, count
             stop = threading.Event()
 
             def counted(*arguments: Any, take: Any = take, stop: threading.Event = stop) -> None:
@@ -122,7 +120,34 @@ def test_stopped_anywhere_and_started_again_it_publishes_the_same_once(
 
             monkeypatch.setattr(agent, "_take", counted)
             agent.read_files(stop)
+
+
+def test_stopped_anywhere_and_started_again_it_publishes_the_same_once(
+    client: zenoh.Session, tmp_path: Path, undisturbed: Samples, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(tmp_path / "run.npz")
+    configuration = configured(tmp_path)
+    interrupted(client, configuration, [0, 1, 2, 4, 5, 6, 7, 8, 40], monkeypatch)
     assert_same_samples(samples(configuration), undisturbed)
+
+
+def test_so_it_does_with_times_in_the_file(client: zenoh.Session, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Times to a microsecond show a slightly different sampling rate in every part of the file."""
+    part = WAVEFORMS[:, : round(12 * RATE)]
+    seconds = np.arange(part.shape[1]) / RATE
+    seconds[round(5 * RATE) :] += 2.0
+    rows = np.column_stack([seconds, part.T])
+    found = []
+    for name, blocks in (("whole", [100]), ("parts", [2, 5, 7, 100])):
+        folder = tmp_path / name
+        folder.mkdir()
+        np.savetxt(folder / "run.csv", rows, delimiter=",", header="t,K,A,B", comments="", fmt="%.6f")
+        files = [{"path": "run.csv", "start": "2023-11-14T22:13:20Z"}]
+        configuration = configured(folder, waveforms={"files": files, "time": "t"})
+        interrupted(client, configuration, blocks, monkeypatch)
+        found.append(samples(configuration))
+    assert len(found[0]) >= 22
+    assert_same_samples(found[1], found[0])
 
 
 def test_files_one_after_the_other_and_one_that_is_not_later(client: zenoh.Session, tmp_path: Path) -> None:

@@ -1,0 +1,142 @@
+"""Identification behind the gate: coast-downs, steady runs, wrong clocks, too little left."""
+
+from functools import cache
+
+import numpy as np
+from sweeps import fast_coast_down, light_chapter_3, noisy, recorded, steady
+from trains import chapter_3_document
+
+from estimator.gate import identify_gated
+from estimator.identification import Identification, Options, identify
+from estimator.machine import Machine, parse_machine
+from estimator.measurement import Measurement
+from estimator.quality import Flag, Recorded, Rules
+
+ONE = Options(starts=1)
+
+
+def held(found: Identification, machine: Machine) -> float:
+    """Part of the coefficients' 95 % intervals that hold the truth."""
+    truth = {}
+    for kind, parts in (("bearing", machine.bearings), ("coupling", machine.couplings)):
+        for part in parts:
+            truth |= {f"{kind}.{part.id}.{name}": value for name, value in part.model_dump().items()}
+    inside = [
+        one.lower <= truth[one.name] <= one.upper
+        for one in found.estimates
+        if one.name in truth and one.lower is not None and one.upper is not None
+    ]
+    return float(np.mean(inside))
+
+
+@cache
+def swept(seed: int) -> tuple[Recorded, Measurement]:
+    """The coast-down at 50 rpm/s, 250 samples."""
+    moved = fast_coast_down()
+    time = np.linspace(5.0, 100.0, 250)
+    return recorded(time, moved.law.speed(time), noisy(moved.envelope(time), seed), light_chapter_3().channels)
+
+
+def test_a_coast_down_is_identified_with_the_gate_and_not_without() -> None:
+    machine = light_chapter_3()
+    run, measurement = swept(1)
+    without = identify(machine, measurement, ONE)
+    assert not without.accepted
+    assert held(without, machine) < 0.6
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert held(gated.identification, machine) >= 0.85
+    quality = gated.qualities[0]
+    assert quality.counts["sweep-rate"] > 20
+    assert quality.counts["corrected"] > 20
+    assert any(words.startswith("sweep rate: the model predicts") for words in quality.findings)
+    assert "left out for their quality" in gated.identification.verdict
+    # What is left out lies around and behind the resonances, not everywhere.
+    assert quality.usable.mean() > 0.6
+
+
+def test_without_the_gate_everything_is_used_and_still_told() -> None:
+    machine = light_chapter_3()
+    run, measurement = swept(1)
+    gated = identify_gated(machine, [run], [measurement], options=ONE, gate=False)
+    assert gated.identification is not None
+    assert gated.identification.samples == run.speed.size
+    assert "quality" not in gated.identification.verdict
+    assert gated.qualities[0].counts["sweep-rate"] > 20
+
+
+def slow(machine: Machine, *, duration: float, seed: int = 3) -> tuple[Recorded, Measurement]:
+    speed = np.linspace(576.0, 52.0, 150)
+    phasor = noisy(steady(machine, speed), seed)
+    return recorded(np.linspace(0.0, duration, 150), speed, phasor, machine.channels)
+
+
+def test_a_slow_run_is_identified_as_if_there_were_no_gate() -> None:
+    machine = light_chapter_3()
+    run, measurement = slow(machine, duration=1e6)
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    plain = identify(machine, measurement, ONE)
+    assert gated.identification is not None
+    error = np.sqrt(np.diag(plain.covariance))
+    assert np.all(np.abs(gated.identification.point - plain.point) < 0.2 * error)
+    assert gated.qualities[0].usable.all()
+    assert gated.qualities[0].words == ""
+
+
+def test_steady_phasors_with_the_times_of_a_fast_sweep_are_believed_over_the_clock() -> None:
+    machine = light_chapter_3()
+    run, measurement = slow(machine, duration=60.0)
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    plain = identify(machine, measurement, ONE)
+    assert gated.identification is not None
+    error = np.sqrt(np.diag(plain.covariance))
+    assert np.all(np.abs(gated.identification.point - plain.point) < 0.2 * error)
+    assert gated.qualities[0].usable.all()
+    assert any("the times are not those of the measurement" in words for words in gated.qualities[0].findings)
+
+
+def test_a_gate_that_leaves_too_little_says_so() -> None:
+    machine = light_chapter_3()
+    run, measurement = slow(machine, duration=1e6)
+    gated = identify_gated(machine, [run], [measurement], rules=Rules(accepted_rpm=(1000.0, 1010.0)))
+    assert gated.identification is None
+    assert gated.error is not None
+    assert "cannot determine 50 unknowns" in gated.error
+    assert "not-accepted" in gated.error
+    assert any(words.startswith("too few usable points") for words in gated.qualities[0].findings)
+
+
+def test_a_run_without_times_is_judged_by_its_beats_alone() -> None:
+    machine = light_chapter_3()
+    run, measurement = swept(1)
+    no_clock = Recorded(None, run.speed, run.phasor, run.status, run.scatter, run.channels)
+    gated = identify_gated(machine, [no_clock], [measurement], options=ONE)
+    assert "sweep-rate" not in gated.qualities[0].counts
+
+
+def test_several_runs_are_judged_each_by_itself_and_fitted_together() -> None:
+    machine = light_chapter_3()
+    pairs = [swept(1), slow(machine, duration=1e6)]
+    gated = identify_gated(machine, [run for run, _ in pairs], [measured for _, measured in pairs], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert gated.qualities[0].counts["sweep-rate"] > 20
+    assert gated.qualities[1].counts.get("sweep-rate", 0) == 0
+    assert gated.qualities[1].flags.shape == pairs[1][0].phasor.shape
+
+
+def test_where_the_document_states_no_noise_the_data_s_own_is_used() -> None:
+    document = chapter_3_document()
+    del document["noise"]
+    silent = parse_machine(document)
+    speed = np.linspace(576.0, 52.0, 300)
+    phasor = noisy(steady(silent, speed), 5, 0.04)
+    run, measurement = recorded(np.linspace(0.0, 1e6, 300), speed, phasor, silent.channels)
+    assert not identify(silent, measurement, ONE).accepted  # by the default of 1 %
+    gated = identify_gated(silent, [run], [measurement], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert 0.6 < gated.identification.chi_square / gated.identification.degrees_of_freedom < 1.2
+    assert held(gated.identification, silent) > 0.85
+    assert not gated.qualities[0].flags.any() or set(gated.qualities[0].counts) <= {Flag.CORRECTED.label}
