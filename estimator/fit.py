@@ -9,6 +9,7 @@ are left out and the noise is estimated where it is not known, again and again u
 reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors with weights taken as known.
 """
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, CondensedTrain, Floats
 from estimator.coordinates import Coordinates
+from estimator.elimination import SingularCondensation
 from estimator.machine import Noise
 from estimator.measurement import Measurement
 from estimator.noise import channel_noise, error_size, estimated_noise, outlier_limit, outliers
@@ -283,8 +285,11 @@ def descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tupl
         promised = float(2 * slope @ step - step @ hessian @ step)
         trial = theta + step
         # Nearly all trials are taken, so their derivatives are computed at once.
-        trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
-        trial_cost = penalised(trial_data, trial)
+        try:
+            trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
+            trial_cost = penalised(trial_data, trial)
+        except SingularCondensation:
+            trial_cost = math.inf  # E or density went where a speed cannot be condensed at: a shorter step
         gain = (cost - trial_cost) / promised
         if np.isfinite(trial_cost) and gain > 1e-4:
             theta, cost, gradient, curvature = trial, trial_cost, trial_gradient, trial_curvature

@@ -151,7 +151,9 @@ def _without_sweep(
         if _same(used, wanted, treatment.error):
             break
         used = wanted
-        found = identify(machine, used, options)
+        # A few points have changed: the fit goes on from where it stands, and a hopeless one is not begun again and again.
+        again = replace(options or Options(), starts=1)
+        found = replace(identify(machine, used, again, beginning=found.point), starts=found.starts + 1)
     ends = np.cumsum([run.speed.size for run in runs])
     pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
     certain = clearly > CERTAIN

@@ -90,18 +90,23 @@ class Identification:
         raise KeyError(name)
 
 
-def identify(machine: Machine, measurement: Measurement, options: Options | None = None) -> Identification:
+def identify(
+    machine: Machine, measurement: Measurement, options: Options | None = None, *, beginning: Floats | None = None
+) -> Identification:
     """Identify every bearing and coupling coefficient and every disc's unbalance of a machine.
 
     Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model
-    states. Starts from the nominal values; where the χ² test fails, random starts around them follow.
+    states. Starts from the nominal values; where the χ² test fails, random starts around them follow. beginning: the `point`
+    of an earlier identification of this machine, from which to start in the place of the nominal values.
     Raises NotEnoughData when there are fewer measured numbers than unknowns, FitFailed when no start leads anywhere,
     SingularCondensation for a speed that cannot be condensed at, ValueError when the channels are not the machine's.
     """
     measurement = _thinned(_without_empty_samples(measurement))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
-    found = identify_train(train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine))
+    found = identify_train(
+        train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine), beginning=beginning
+    )
     return replace(found, verdict=found.verdict + _eccentric(machine, found))
 
 
@@ -126,10 +131,11 @@ def identify_train(
     noise: Noise,
     options: Options | None = None,
     reasons: Reasons | None = None,
+    beginning: Floats | None = None,
 ) -> Identification:
     """Identify a train that is condensed at the speeds of the measurement; what `identify` does for a machine.
 
-    reasons: says in words why a parameter is not estimable. Raises as `identify`.
+    reasons: says in words why a parameter is not estimable. beginning, and what is raised: as `identify`.
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
@@ -141,7 +147,13 @@ def identify_train(
             "(samples at one speed repeat each other)"
         )
     problem = _problem(train, measurement, noise, robust=options.robust)
-    best = best_fit(problem, starts=options.starts, seed=options.seed, good=lambda found: judge(problem, found).accepted)
+    best = best_fit(
+        problem,
+        starts=options.starts,
+        seed=options.seed,
+        good=lambda found: judge(problem, found).accepted,
+        beginning=None if beginning is None else problem.coordinates.theta(beginning),
+    )
     return _result(problem, best, reasons)
 
 

@@ -38,17 +38,20 @@ class BestFit:
     iterations: int
 
 
-def best_fit(problem: Problem, *, starts: int, seed: int, good: Callable[[Fit], bool]) -> BestFit:
+def best_fit(
+    problem: Problem, *, starts: int, seed: int, good: Callable[[Fit], bool], beginning: Floats | None = None
+) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
-    Raises FitFailed when no start leads to a finite misfit.
+    beginning: the first start, in the place of the nominal values. Raises FitFailed when no start leads to a finite misfit.
     """
     rng = np.random.default_rng(seed)
     best: Fit | None = None
     reached: list[float] = []
     iterations = 0
     for start_number in range(1, max(1, starts) + 1):
-        found = fit(problem, _start(problem, rng, first=start_number == 1))
+        first = start_number == 1
+        found = fit(problem, beginning if first and beginning is not None else _start(problem, rng, first=first))
         iterations += found.iterations
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found

@@ -57,7 +57,7 @@ def kill(one: "subprocess.Popen[bytes]") -> None:
 
 def test_edge_and_service_killed_the_store_is_that_of_an_undisturbed_run(service: Service, tmp_path: Path) -> None:
     """The same file for two machines: for one nothing happens, for the other edge, service and edge again are killed."""
-    waveforms = recorded(SECONDS, rpm=600.0, ramp=40.0, noise=0.02)
+    waveforms = recorded(SECONDS, rpm=600.0, ramp=10.0, noise=0.02)  # too short a sweep to be identified
     np.savez(tmp_path / "run.npz", **dict(zip("KAB", waveforms, strict=True)))
     quiet, hit = "pump-8", KEY.machine
     disturbed = write_configuration(tmp_path, service, hit)

@@ -1,11 +1,13 @@
 """What a run covers: speeds, modes, density, channels."""
 
+import math
+
 import numpy as np
 import pytest
+from rigid_rotor import bounce, rigid_rotor, tilting_stiffness
 from trains import chapter_3
 
 from estimator.coverage import coverage, nominal_critical_speeds
-from estimator.critical_speed import critical_speed_table
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -47,15 +49,13 @@ def test_modes_crossed_are_the_critical_speeds_between_the_speeds() -> None:
     assert coverage(train, high, duration_s=1.0).critical_speeds_rpm == pytest.approx(every[2:], abs=0.1)
 
 
-def test_nominal_critical_speeds_are_near_the_damped_ones() -> None:
-    """Lightly damped, an undamped critical speed lies within a few per cent of the crossing on the synchronous line."""
-    train = chapter_3()
-    highest = rpm_to_rad_per_s(1700.0)
-    damped = [one.speed for one in critical_speed_table(train, highest=highest) if one.damping_ratio < 0.1]
-    undamped = nominal_critical_speeds(train)
-    assert len(damped) >= 4
-    for one in damped:
-        assert np.min(np.abs(undamped - one)) < 0.03 * one
+def test_nominal_critical_speeds_are_those_of_the_rigid_rotor_in_its_speed_range() -> None:
+    rotor = rigid_rotor(diametral=0.05, polar=0.03)
+    conical = [math.sqrt(tilting_stiffness() / (0.05 + sign * 0.03)) for sign in (1, -1)]
+    highest = rpm_to_rad_per_s(rotor.speed_range.maximum_rpm)
+    expected = sorted(one for one in (bounce(), bounce(), *conical) if one <= highest)
+    assert len(expected) >= 2
+    assert nominal_critical_speeds(rotor) == pytest.approx(expected, rel=1e-4)
 
 
 def sweep(train: Machine, first: float, last: float) -> Measurement:

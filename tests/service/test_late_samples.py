@@ -319,6 +319,27 @@ def test_a_late_run_in_batches_is_one_run(plant: Database, journal: Journal) -> 
     assert (late.count, late.reopened_at) == (85, None)
 
 
+LONG_STORY = [*[2990.0] * 40, *sweep_rpm(2990.0, 310.0, 90), *[250.0] * 40, *sweep_rpm(310.0, 2990.0, 90), *[2990.0] * 40]
+"""Runs from 40 to 129 and from 170 to 259, among 300 samples."""
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_story_told_in_any_order_has_the_same_runs(plant: Database, journal: Journal, seed: int) -> None:
+    """The end of a run-up may lie a message later, in the hold behind it, where that was heard of first."""
+    order = list(range(0, 300, 20))
+    random.Random(seed).shuffle(order)
+    for first in order:
+        send(journal, LONG_STORY, first, first + 20)
+    journal.close_silent(silence_s=0.0)
+    settle(journal)
+    closed = [run for run in found_runs(plant) if run.state == runs.CLOSED]
+    assert [run.kind for run in closed] == ["run-down", "run-up"]
+    for run, (first, last) in zip(closed, [(40, 129), (170, 259)], strict=True):
+        numbers = set(((held(plant, run).time - START) // SECOND).tolist())
+        assert set(range(first, last + 1)) <= numbers <= set(range(first - 5, last + 21))
+    assert (source(plant).received, source(plant).lost) == (300, 0)
+
+
 def test_late_samples_wait_for_the_run_beside_them_to_close(plant: Database, journal: Journal) -> None:
     send(journal, CYCLE, 50, 80, source="second")
     send(journal, CYCLE, 0, 50)

@@ -88,13 +88,18 @@ def joined(chunks: list[Chunk]) -> Floats:
     return np.concatenate([chunk.values for chunk in chunks], axis=1)
 
 
+def assert_close(found: Floats, expected: Floats, *, within: float) -> None:
+    assert found.shape == expected.shape
+    assert np.max(np.abs(found - expected)) <= within
+
+
 @pytest.mark.parametrize("name", WRITERS)
 @pytest.mark.parametrize("first", [0, 1, 23_456])
 def test_each_kind_is_read_in_pieces_from_any_sample_on(tmp_path: Path, name: str, first: int) -> None:
     WRITERS[name](tmp_path / name)
     chunks, counts = read(tmp_path / name, first=first)
     assert counts == {}
-    assert joined(chunks) == pytest.approx(VALUES[:, first:], abs=1e-15)
+    assert_close(joined(chunks), VALUES[:, first:], within=1e-15)
     assert max(chunk.values.shape[1] for chunk in chunks) < 20_000
     places = [chunk.first for chunk in chunks]
     assert places == [first + 16_384 * k for k in range(len(chunks))]
@@ -110,7 +115,7 @@ def test_wav_of_other_types(tmp_path: Path, kind: str) -> None:
         write_wav(path, kind)
     chunks, _ = read(path, full_scale=10.0)
     step = {"u1": 10.0 / 128.0, "i2": 10.0 / 32768.0, "i4": 1e-8, "f4": 1e-6}[kind]
-    assert joined(chunks) == pytest.approx(10.0 * VALUES, abs=1.01 * step)
+    assert_close(joined(chunks), 10.0 * VALUES, within=1.01 * step)
 
 
 def test_wav_of_24_bits(tmp_path: Path) -> None:
@@ -121,7 +126,7 @@ def test_wav_of_24_bits(tmp_path: Path) -> None:
         file.setframerate(int(RATE))
         file.writeframes(whole.reshape(-1, 1).view("u1")[:, :3].tobytes())
     chunks, counts = read(tmp_path / "a.wav")
-    assert joined(chunks) == pytest.approx(whole.T / 2.0**23, abs=1e-15)
+    assert_close(joined(chunks), whole.T / 2.0**23, within=1e-15)
     assert counts == {}
 
 
@@ -147,7 +152,7 @@ def test_a_file_cut_short_is_named_and_used_as_far_as_it_goes(
     assert counts == {condition: 1}
     assert delivered[0] <= count / SAMPLES <= delivered[1]
     if count:
-        assert joined(chunks) == pytest.approx(VALUES[:, :count], abs=1e-15)
+        assert_close(joined(chunks), VALUES[:, :count], within=1e-15)
 
 
 @pytest.mark.parametrize("name", ["a.npz", "b.npz"])
@@ -207,7 +212,7 @@ def test_a_column_of_time_gives_rate_and_holes(tmp_path: Path) -> None:
     write_timed(tmp_path / "a.csv", seconds)
     chunks, counts = read(tmp_path / "a.csv", time="t", sampling_rate=None)
     assert counts == {"input_gap": 1}
-    assert joined(chunks) == pytest.approx(VALUES[:, :30_000])
+    assert_close(joined(chunks), VALUES[:, :30_000], within=1e-9)
     assert [chunk.first for chunk in chunks if not chunk.follows] == [0, 20_000]
     assert {chunk.anchor_ns - START_NS for chunk in chunks} == {5_000_000_000, round(1e9 * round(seconds[20_000], 9))}
     assert chunks[0].sampling_rate == pytest.approx(RATE, rel=1e-5)
@@ -228,7 +233,7 @@ def test_rows_that_step_back_are_left_out_and_the_rest_is_used(tmp_path: Path) -
     write_timed(tmp_path / "a.csv", seconds)
     chunks, counts = read(tmp_path / "a.csv", time="t")
     assert counts == {"time_reversed": 1, "input_gap": 1}
-    assert joined(chunks) == pytest.approx(np.delete(VALUES[:, :30_000], np.s_[10_000:10_100], axis=1))
+    assert_close(joined(chunks), np.delete(VALUES[:, :30_000], np.s_[10_000:10_100], axis=1), within=1e-9)
 
 
 def test_cells_that_are_no_numbers_are_not_numbers(tmp_path: Path) -> None:
