@@ -74,6 +74,8 @@ class Healing:
     waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
     _replays: dict[SourceKey, _Replay] = field(default_factory=dict)
     _discoveries: dict[Key, "zenoh.Handler[zenoh.Reply]"] = field(default_factory=dict)
+    _quiet: dict[Key, None] = field(default_factory=dict)
+    """Whose logs are to be asked as soon as there is room, the longest waiting first."""
     _roll_call: "zenoh.Handler[zenoh.Reply] | None" = None
     _heard: dict[SourceKey, float] = field(default_factory=dict)
     _silent_logs: dict[SourceKey, float] = field(default_factory=dict)
@@ -109,17 +111,15 @@ class Healing:
             self._ask(key, source)
 
     def check_tails(self, *, quiet_s: float) -> None:
-        """Ask each live source that was quiet for so long what it has published beyond what came."""
+        """Let each live source that was quiet for so long be asked what it has published beyond what came."""
         if self._roll_call is None:  # a token's arrival may itself have been missed
             self._roll_call = self.session.liveliness().get(
                 ALL_LIVE, handler=Answers(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S
             )
-        for key, source in list(self.live.items()):
-            if source is None:
-                self._discover(key)
+        for key, source in self.live.items():
             # While samples come, their numbers show every gap; only a quiet source can hide one.
-            elif time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
-                self._ask(key, source)
+            if source is None or time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
+                self._quiet.setdefault(key)
 
     def collect(self, most: int) -> int:
         """Take what logs have answered, at most so many batches; ask again where something is missing. How many there were."""
@@ -131,6 +131,10 @@ class Healing:
                     self.live.setdefault(_live_key(reply.ok), None)
         for key in list(self._discoveries):
             self._collect_discovery(key)
+        while self._quiet and len(self._discoveries) + len(self._replays) < MOST_QUERIES:
+            key = next(iter(self._quiet))
+            del self._quiet[key]
+            self._ask_quiet(key)
         count = 0
         for source, replay in list(self._replays.items()):
             for reply in _arrived(replay.answers):
@@ -199,9 +203,12 @@ class Healing:
         for arrived in waiting.arrived:
             self.place(waiting.key, arrived)
 
-    def _discover(self, key: Key) -> None:
-        """Ask which start of which source is alive there: any batch of its log tells."""
-        if key not in self._discoveries and len(self._discoveries) < MOST_QUERIES:
+    def _ask_quiet(self, key: Key) -> None:
+        """Ask for what follows the last sample known, or which source it is: any batch of its log tells."""
+        source = self.live.get(key)
+        if source is not None:
+            self._ask(key, source)
+        elif key in self.live and key not in self._discoveries:
             self._discoveries[key] = self._query(key, "from=0;limit=1")
 
     def _collect_discovery(self, key: Key) -> None:

@@ -3,7 +3,6 @@
 import ast
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +30,7 @@ def test_the_python_publisher_is_short_and_needs_zenoh_only() -> None:
 
 def test_what_a_source_without_a_log_lost_while_the_service_was_dead_is_counted_exactly(service: Service) -> None:
     """It goes on publishing; the numbers it used meanwhile are missing, and no other."""
-    samples = 300
+    samples = 800
     with service.running() as serving:
         service.create(MACHINE)
         arguments = [sys.executable, str(PYTHON), service.endpoint, "examples", MACHINE, "B1L,B1R", str(samples)]
@@ -39,7 +38,6 @@ def test_what_a_source_without_a_log_lost_while_the_service_was_dead_is_counted_
             until(lambda: (row := source_row(service)) and row["received"] >= 50, within_s=20, what="fifty samples")
             serving.kill()
             serving.wait()
-            time.sleep(2.0)
             with service.running():
                 assert publisher.wait(60) == 0
                 row = until(
@@ -51,7 +49,7 @@ def test_what_a_source_without_a_log_lost_while_the_service_was_dead_is_counted_
                 assert service.get("/quarantine")["counts"] == {}
     assert row is not None
     assert row["received"] + row["lost"] == samples
-    assert 20 < row["lost"] < 260
+    assert 20 < row["lost"] < 750
     assert len(held["time"]) == len(set(held["time"])) == row["received"]
     assert held["time"] == sorted(held["time"])
 

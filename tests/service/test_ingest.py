@@ -473,3 +473,21 @@ def test_batches_in_another_order_are_stored_in_theirs(client: zenoh.Session, pl
     wait_until(lambda: received(plant) == 30)
     assert counts(plant) == (30, 30, 0)
     assert stored_times(plant) == list(range(30))
+
+
+def test_many_quiet_sources_are_all_asked_though_few_at_a_time(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.healing.MOST_QUERIES", 2)
+    names = [f"pump-{number}" for number in range(10, 20)]
+    with plant.transaction() as session:
+        for name in names:
+            machines.create(session, machine(id=name))
+    sources = [Source(client, Key(KEY.plant, name), name="edge") for name in names]
+    for source in sources:
+        source.publish(batch([900.0] * 5, machine=source.key.machine))
+    with ingesting(router, plant):
+        wait_until(lambda: received(plant) == 50)
+        assert {row.received for row in rows(plant)} == {5}
+        for source in sources:
+            source.close()
