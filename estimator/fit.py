@@ -206,13 +206,14 @@ class Problem:
         return np.asarray(phasor * self.coordinates.gains(theta) + turned)
 
 
-def fit(problem: Problem, start: Floats) -> Fit:
-    """Fit from one start θ (n,)."""
+def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
+    """Fit from one start θ (n,). near: the start is an earlier fit's end, which needs no coarse stages."""
     measured = problem.first_amplitude
     theta = start
     iterations = 0
     converged = False
-    for misfit, limit in zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True):
+    stages = list(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
+    for misfit, limit in stages[-1:] if near else stages:
         theta, converged, steps = descend(problem, theta, problem.weight(measured, misfit), limit)
         problem = problem.without_outliers(theta, misfit)
         iterations += steps

@@ -131,7 +131,8 @@ def _without_sweep(
     transient = _transient(model, runs)
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
     used: Measurement = base
-    if correct and np.any((treatment.size > NEGLIGIBLE) & base.usable):
+    # A mild sweep is left to the fitted model: the document's may be far off, and then the fit has to be made twice.
+    if correct and np.any(treatment.excluded & base.usable):
         used = treatment.applied(base)
     try:
         found = identify(machine, used, options)

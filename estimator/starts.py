@@ -50,8 +50,10 @@ def best_fit(
     reached: list[float] = []
     iterations = 0
     for start_number in range(1, max(1, starts) + 1):
-        first = start_number == 1
-        found = fit(problem, beginning if first and beginning is not None else _start(problem, rng, first=first))
+        if start_number == 1 and beginning is not None:
+            found = fit(problem, beginning, near=True)
+        else:
+            found = fit(problem, _start(problem, rng, first=start_number == 1))
         iterations += found.iterations
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
