@@ -77,6 +77,11 @@ class Journal:
         with self._database.reading() as session:
             return samples.source(session, key).next_sequence
 
+    def missing(self, key: SourceKey) -> list[holes.Hole]:
+        """Numbers of a source that never came, ascending, as far as they are remembered."""
+        with self._database.reading() as session:
+            return list(samples.source(session, key).missing or ())
+
     def received(self, machine_id: str) -> list[SourceReceived]:
         """How far each source of a machine is durable."""
         with self._database.reading() as session:
