@@ -13,7 +13,7 @@ import zenoh
 
 from service.holes import Hole
 from service.journal import LARGEST_GAP, Arrived
-from service.wire import ALL_LIVE, Key, source_key
+from service.wire import ALL_LIVE, IDENTIFIER, Key, source_key
 from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -101,6 +101,8 @@ class Healing:
     def token(self, token: zenoh.Sample) -> None:
         """A source came or went."""
         key = _live_key(token)
+        if key is None:
+            return
         if token.kind == zenoh.SampleKind.PUT:
             logger.info("a source of %s/%s is alive", key.plant, key.machine)
             self.live[key] = {}
@@ -151,8 +153,8 @@ class Healing:
             for reply in _arrived(self._roll_call):
                 if reply is None:
                     self._roll_call = None
-                elif reply.ok is not None:
-                    self.live.setdefault(_live_key(reply.ok), {})
+                elif reply.ok is not None and (key := _live_key(reply.ok)) is not None:
+                    self.live.setdefault(key, {})
         for key in list(self._discoveries):
             self._collect_discovery(key)
         count = sum(self._collect_recall(source) for source in list(self._recalls))
@@ -307,7 +309,7 @@ def _arrived(answers: "zenoh.Handler[zenoh.Reply]") -> "Iterator[zenoh.Reply | N
         yield reply
 
 
-def _live_key(token: zenoh.Sample) -> Key:
-    """Whose source a liveliness token stands for."""
-    parts = str(token.key_expr).split("/")
-    return Key(parts[3], parts[4])
+def _live_key(token: zenoh.Sample) -> Key | None:
+    """Whose source a liveliness token stands for; None where these are no ids: zenoh itself takes wildcards and spaces."""
+    plant, machine = str(token.key_expr).split("/")[3:5]
+    return Key(plant, machine) if IDENTIFIER.match(plant) and IDENTIFIER.match(machine) else None

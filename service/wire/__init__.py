@@ -13,7 +13,7 @@ from service.wire.conversion import (
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
-from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
+from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, IDENTIFIER, Key
 from service.wire.rejection import Fault, Reason, Rejected
 from service.wire.schema import (
     DIRECTIONS,
@@ -35,6 +35,7 @@ __all__ = [
     "EARLIEST_TIME",
     "ENCODINGS",
     "FUTURE_TOLERANCE",
+    "IDENTIFIER",
     "JSON",
     "LARGEST_AMPLITUDE",
     "LARGEST_BATCH",

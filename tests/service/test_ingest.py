@@ -275,6 +275,19 @@ def test_the_last_messages_of_each_of_two_sources_of_a_machine_are_fetched(
         wait_until(fetched)
 
 
+def test_a_token_that_is_no_id_is_nobody(router: zenoh.Session, client: zenoh.Session, plant: Database, edge: Edge) -> None:
+    """A wildcard would ask every log for a machine that is none."""
+    tokens = [client.liveliness().declare_token(f"rundown/v1/live/{name}") for name in ("*/*", "a b/c")]
+    edge.publish(5)
+    with ingesting(router, plant) as running:
+        wait_until(lambda: received(plant) == 5)
+        time.sleep(0.5)
+        assert list(running._healing.live) == [KEY]
+    assert rejected(plant) == {}
+    for token in tokens:
+        token.undeclare()
+
+
 # --- without a log --------------------------------------------------------------------------------------------------
 
 
