@@ -9,6 +9,7 @@ from service.wire.conversion import (
     LARGEST_AMPLITUDE,
     LARGEST_PHASE,
     OVERSPEED,
+    is_ahead,
     to_samples,
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
@@ -59,6 +60,7 @@ __all__ = [
     "encode_batch",
     "encode_body",
     "frame",
+    "is_ahead",
     "require_size",
     "source_key",
     "to_samples",
