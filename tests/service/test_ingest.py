@@ -257,6 +257,25 @@ def test_what_a_log_could_not_tell_while_it_was_away_is_asked_for_when_it_is_bac
     assert stored_times(plant) == list(range(30))
 
 
+def test_a_log_that_was_mute_while_its_source_was_connected_is_asked_again(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frozen for some seconds, say: nobody is told that it was away."""
+    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 1.0)
+    with ingesting(router, plant):
+        wait_until(lambda: heard(client))
+        lossy.publish()
+        wait_until(lambda: received(plant) == 5)
+        lossy.queryable.undeclare()
+        for dropped in (True, False, True, False):
+            lossy.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (25, 15, 10))
+        lossy.queryable = client.declare_queryable(KEY.log, lossy.answer)
+        wait_until(lambda: counts(plant) == (25, 25, 0))
+    assert stored_times(plant) == list(range(25))
+
+
 @pytest.mark.usefixtures("ingest")
 def test_the_last_messages_of_each_of_two_sources_of_a_machine_are_fetched(
     client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay
