@@ -1,9 +1,10 @@
 """Identification behind a quality gate: points that break the steady state are left out or corrected, with their reason.
 
 The sweep rate is judged with the machine's own model, the fitted one, or the document's where nothing fits the run as it is.
-What the model predicts that the sweep adds is taken off the phasors; points at which it is more than a few times their noise are left out, and the
-prediction's own error is added to the scatter of the others. Leaving points out alone is not enough: what stays below the
-noise of each is the same at many neighbouring points and moves the estimates by more than their standard errors.
+What the model predicts that the sweep adds is taken off the phasors; points at which it is more than a few times their noise
+are left out, and the prediction's own error is added to the scatter of the others. Leaving points out alone is not enough:
+what stays below the noise of each is the same at many neighbouring points and moves the estimates by more than their standard
+errors.
 """
 
 from collections.abc import Sequence

@@ -4,14 +4,16 @@ a source that does not answer holds up no other.
 
 import bisect
 import logging
+import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import zenoh
 
+from service.holes import Hole
 from service.journal import LARGEST_GAP, Arrived
-from service.wire import ALL_LIVE, Key, source_key
+from service.wire import ALL_LIVE, IDENTIFIER, Key, source_key
 from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -26,7 +28,7 @@ HEALING_PATIENCE_S = 3.0
 HEALING_PAUSE_S = 0.3
 """… asked again after this long."""
 REPLAY_PAUSE_S = 10.0
-"""How long the gaps of a source without an answering log are then counted at once."""
+"""How long the gaps of a source without an answering log are then counted at once; a live one's are then asked for again."""
 LARGEST_WAITING = 10_000
 """Batches that wait behind one gap; further ones are left to the log."""
 
@@ -59,22 +61,39 @@ class _Replay:
 
 
 @dataclass
+class _Recall:
+    """Holes, first and last number, that were counted as lost while the log was away: it is asked for one after the other.
+
+    heard: whether it has answered anything. progress: whether anything of the hole.
+    """
+
+    key: Key
+    holes: list[tuple[int, int]]
+    answers: "zenoh.Handler[zenoh.Reply] | None" = None
+    heard: bool = False
+    progress: bool = False
+
+
+@dataclass
 class Healing:
     """Decides what can be stored now, what waits, and what is gone.
 
-    expected: number of the next sample of a source. read: a reply as a batch, None when it is rejected. take: store a batch.
+    expected: number of the next sample of a source. missing: the holes before it. read: a reply as a batch, None when it is
+    rejected. take: store a batch.
     """
 
     session: zenoh.Session
     expected: Callable[[SourceKey], int]
+    missing: Callable[[SourceKey], Sequence[Hole]]
     read: Callable[[Key, zenoh.Sample], Arrived | None]
     take: Callable[[Arrived], None]
-    live: dict[Key, SourceKey | None] = field(default_factory=dict)
-    """Machines of which a source is connected, and which start of which source that is, once known."""
+    live: dict[Key, dict[str, SourceKey]] = field(default_factory=dict)
+    """Machines of which a source is connected, and the newest start of each of their sources, once known."""
     waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
     _replays: dict[SourceKey, _Replay] = field(default_factory=dict)
+    _recalls: dict[SourceKey, _Recall] = field(default_factory=dict)
     _discoveries: dict[Key, "zenoh.Handler[zenoh.Reply]"] = field(default_factory=dict)
-    _quiet: dict[Key, None] = field(default_factory=dict)
+    _quiet: dict[tuple[Key, SourceKey | None], None] = field(default_factory=dict)
     """Whose logs are to be asked as soon as there is room, the longest waiting first."""
     _roll_call: "zenoh.Handler[zenoh.Reply] | None" = None
     _heard: dict[SourceKey, float] = field(default_factory=dict)
@@ -84,9 +103,12 @@ class Healing:
     def token(self, token: zenoh.Sample) -> None:
         """A source came or went."""
         key = _live_key(token)
+        if key is None:
+            return
         if token.kind == zenoh.SampleKind.PUT:
             logger.info("a source of %s/%s is alive", key.plant, key.machine)
-            self.live[key] = None
+            self.live[key] = {}
+            self._quiet.setdefault((key, None))
         else:
             logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
             self.live.pop(key, None)
@@ -95,7 +117,7 @@ class Healing:
         """Take a published batch, or let it wait for what is missing before it."""
         source = source_key(arrived.batch)
         if key in self.live:
-            self.live[key] = source
+            self._know(key, source)
         self._heard[source] = time.monotonic()
         waiting = self.waiting.get(source)
         if not self._missing(arrived):
@@ -116,10 +138,16 @@ class Healing:
             self._roll_call = self.session.liveliness().get(
                 ALL_LIVE, handler=Answers(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S
             )
-        for key, source in self.live.items():
-            # While samples come, their numbers show every gap; only a quiet source can hide one.
-            if source is None or time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
-                self._quiet.setdefault(key)
+        for key, sources in list(self.live.items()):
+            if not sources:
+                self._quiet.setdefault((key, None))
+            for source in sources.values():
+                if self._silent_logs.get(source, math.inf) <= time.monotonic():
+                    del self._silent_logs[source]
+                    self._recall(key, source)
+                # While samples come, their numbers show every gap; only a quiet source can hide one.
+                if time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
+                    self._quiet.setdefault((key, source))
 
     def collect(self, most: int) -> int:
         """Take what logs have answered, at most so many batches; ask again where something is missing. How many there were."""
@@ -127,15 +155,15 @@ class Healing:
             for reply in _arrived(self._roll_call):
                 if reply is None:
                     self._roll_call = None
-                elif reply.ok is not None:
-                    self.live.setdefault(_live_key(reply.ok), None)
+                elif reply.ok is not None and (key := _live_key(reply.ok)) is not None:
+                    self.live.setdefault(key, {})
         for key in list(self._discoveries):
             self._collect_discovery(key)
         while self._quiet and len(self._discoveries) + len(self._replays) < MOST_QUERIES:
-            key = next(iter(self._quiet))
-            del self._quiet[key]
-            self._ask_quiet(key)
-        count = 0
+            quiet = next(iter(self._quiet))
+            del self._quiet[quiet]
+            self._ask_quiet(*quiet)
+        count = sum(self._collect_recall(source) for source in list(self._recalls))
         for source, replay in list(self._replays.items()):
             for reply in _arrived(replay.answers):
                 if reply is None:
@@ -144,7 +172,7 @@ class Healing:
                     break
                 if reply.ok is not None:
                     count += 1
-                    self._reply(replay, reply.ok)
+                    self._reply(source, replay, reply.ok)
                 if count >= most:
                     return count
         for source, waiting in list(self.waiting.items()):
@@ -164,14 +192,15 @@ class Healing:
         trusting = self._fruitless.get(source) == first
         self._replays[source] = _Replay(key, first, self._query(key, f"from={first};epoch={source.epoch}"), trusting)
 
-    def _reply(self, replay: _Replay, reply: zenoh.Sample) -> None:
+    def _reply(self, source: SourceKey, replay: _Replay, reply: zenoh.Sample) -> None:
         arrived = self.read(replay.key, reply)
+        if arrived is not None and source_key(arrived.batch) != source:
+            return  # another source of the machine keeps a log too
         leading = replay.count == 0
         replay.count += 1
         # What a log begins with is all that it has; a hole behind that is a reply that was damaged or left out.
         if arrived is None or (self._missing(arrived) and not (leading or replay.trusting)):
             return
-        source = source_key(arrived.batch)
         before = self.expected(source)
         self.take(arrived)
         replay.progress |= self.expected(source) > before
@@ -203,9 +232,8 @@ class Healing:
         for arrived in waiting.arrived:
             self.place(waiting.key, arrived)
 
-    def _ask_quiet(self, key: Key) -> None:
+    def _ask_quiet(self, key: Key, source: SourceKey | None) -> None:
         """Ask for what follows the last sample known, or which source it is: any batch of its log tells."""
-        source = self.live.get(key)
         if source is not None:
             self._ask(key, source)
         elif key in self.live and key not in self._discoveries:
@@ -217,9 +245,54 @@ class Healing:
                 del self._discoveries[key]
                 return
             arrived = None if reply.ok is None else self.read(key, reply.ok)
-            if arrived is not None and self.live.get(key, arrived) is None:
-                self.live[key] = source_key(arrived.batch)
+            if arrived is not None and key in self.live:
+                self._know(key, source_key(arrived.batch))
                 self._ask(key, source_key(arrived.batch))
+
+    def _know(self, key: Key, source: SourceKey) -> None:
+        """A source is there; that it was away before is a reason to ask for what it could not tell then."""
+        if self.live[key].get(source.source) != source:
+            self.live[key][source.source] = source
+            self._recall(key, source)
+
+    def _recall(self, key: Key, source: SourceKey) -> None:
+        """Ask the log for what was counted as lost."""
+        holes = [(hole[0], hole[1]) for hole in self.missing(source)]
+        if holes and source not in self._recalls:
+            self._recalls[source] = _Recall(key, holes)
+
+    def _collect_recall(self, source: SourceKey) -> int:
+        """Take what the log has of a hole, then ask for the next one. How many batches there were."""
+        recall = self._recalls[source]
+        first, last = recall.holes[0]
+        if recall.answers is None:
+            if sum(one.answers is not None for one in self._recalls.values()) < MOST_QUERIES:
+                question = f"from={first};epoch={source.epoch};limit={last - first + 1}"
+                recall.answers, recall.heard, recall.progress = self._query(recall.key, question), False, False
+            return 0
+        count = 0
+        for reply in _arrived(recall.answers):
+            if reply is None:
+                recall.answers = None
+                if not recall.heard:
+                    recall.holes.clear()
+                elif first > last or not recall.progress:
+                    recall.holes = [hole for hole in recall.holes[1:] if hole[1] >= first]
+                if not recall.holes:
+                    del self._recalls[source]
+                break
+            arrived = None if reply.ok is None else self.read(recall.key, reply.ok)
+            if arrived is None or source_key(arrived.batch) != source:
+                continue
+            begin, end = arrived.batch.sequence, arrived.batch.sequence + len(arrived.batch.time_ns)
+            if not recall.heard:  # before that the log has nothing any more
+                first = max(first, begin)
+            if begin <= last:
+                self.take(arrived)
+                recall.progress, first = True, max(first, end)
+            count, recall.heard = count + 1, True
+            recall.holes[0] = first, last
+        return count
 
     def _query(self, key: Key, question: str) -> "zenoh.Handler[zenoh.Reply]":
         return self.session.get(
@@ -244,7 +317,7 @@ def _arrived(answers: "zenoh.Handler[zenoh.Reply]") -> "Iterator[zenoh.Reply | N
         yield reply
 
 
-def _live_key(token: zenoh.Sample) -> Key:
-    """Whose source a liveliness token stands for."""
-    parts = str(token.key_expr).split("/")
-    return Key(parts[3], parts[4])
+def _live_key(token: zenoh.Sample) -> Key | None:
+    """Whose source a liveliness token stands for; None where these are no ids: zenoh itself takes wildcards and spaces."""
+    plant, machine = str(token.key_expr).split("/")[3:5]
+    return Key(plant, machine) if IDENTIFIER.match(plant) and IDENTIFIER.match(machine) else None

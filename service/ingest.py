@@ -56,7 +56,7 @@ class Ingest:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ingest", daemon=True)
         self._expected: dict[SourceKey, int] = {}
-        self._healing = Healing(session, expected=self._next, read=self._read_reply, take=self._take)
+        self._healing = Healing(session, expected=self._next, missing=journal.missing, read=self._read_reply, take=self._take)
         self._inbox: deque[zenoh.Sample] = deque()
         self._arrived: list[Arrived] = []
         self._promises: dict[int, Future[Outcome]] = {}  # by place in `_arrived`

@@ -6,8 +6,8 @@ restart therefore finds all of it or none of it.
 
 import logging
 from collections import defaultdict
-from collections.abc import Set
-from dataclasses import dataclass, field
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ logger = logging.getLogger(__name__)
 
 LARGEST_GAP = 1_000_000_000
 """A sequence number this far ahead is a wrong number, not a gap."""
+LARGEST_FAULT_COUNT = 5
+"""Faults of one reason in one batch that the quarantine shows; a source in a wrong unit has one in every value."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,11 @@ class Journal:
         """Number of the next sample expected from a source; 0 when it was never heard of."""
         with self._database.reading() as session:
             return samples.source(session, key).next_sequence
+
+    def missing(self, key: SourceKey) -> list[holes.Hole]:
+        """Numbers of a source that never came, ascending, as far as they are remembered."""
+        with self._database.reading() as session:
+            return list(samples.source(session, key).missing or ())
 
     def received(self, machine_id: str) -> list[SourceReceived]:
         """How far each source of a machine is durable."""
@@ -204,7 +211,7 @@ class Journal:
         faults += _check(latest, machine, converted, taken, following, count)
         _advance(row, batch, filling, converted.time, taken, following)
         new = tuple(fault for fault in faults if fresh[fault.index])
-        pending.rejections += [_sample_rejection(one, fault) for fault in new]
+        pending.rejections += _sample_rejections(one, new)
         if taken.any():
             kept = converted.pick(taken)
             pending.parts[key].append(kept)
@@ -258,6 +265,18 @@ def _advance(
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:
     return Rejection(one.received_at, one.key, one.batch.machine, reason, detail, one.payload)
+
+
+def _sample_rejections(one: Arrived, faults: Sequence[Fault]) -> list[Rejection]:
+    """The first few faults of each reason, of which the last stands for all others of the batch, too."""
+    found = []
+    for reason in dict.fromkeys(fault.reason for fault in faults):
+        same = [fault for fault in faults if fault.reason == reason]
+        kept = [_sample_rejection(one, fault) for fault in same[:LARGEST_FAULT_COUNT]]
+        if others := len(same) - len(kept):
+            kept[-1] = replace(kept[-1], detail=f"{kept[-1].detail}; and {others} more in this batch", count=1 + others)
+        found += kept
+    return found
 
 
 def _sample_rejection(one: Arrived, fault: Fault) -> Rejection:

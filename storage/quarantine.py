@@ -15,7 +15,7 @@ KEPT_BYTES = 4096
 
 @dataclass(frozen=True)
 class Rejection:
-    """A message or sample that was not taken, with the reason and what would have been right."""
+    """A message or sample that was not taken, with the reason and what would have been right; count: it stands for so many."""
 
     received_at: int
     key: str
@@ -23,6 +23,7 @@ class Rejection:
     reason: str
     detail: str
     payload: bytes
+    count: int = 1
 
 
 def add(session: Session, rejections: Sequence[Rejection]) -> None:
@@ -40,7 +41,7 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
             )
         )
     for reason in sorted({one.reason for one in rejections}):
-        count = sum(one.reason == reason for one in rejections)
+        count = sum(one.count for one in rejections if one.reason == reason)
         row = session.get(QuarantineCountRow, reason)
         if row is None:
             session.add(QuarantineCountRow(reason=reason, count=count))

@@ -23,7 +23,7 @@ from service.edge.files import read_chunks
 from service.edge.topic import Topic
 from service.source import Source
 from service.source_log import LogError
-from service.wire import WIRE_SCHEMA, SampleBatch
+from service.wire import WIRE_SCHEMA, SampleBatch, is_ahead
 
 logger = logging.getLogger(__name__)
 
@@ -148,7 +148,8 @@ class Agent:
         found = list(outcome.found)
         if outcome.block is not None:
             time_ns = outcome.time_ns
-            if time_ns > self._progress.time_ns:
+            # What a wrong clock once said is taken by no service, and must not shut out all that comes after it.
+            if time_ns > self._progress.time_ns or is_ahead(self._progress.time_ns):
                 progress.time_ns = time_ns
                 self._add(outcome.block, time_ns, bad=any(one.name == "phase_reference_lost" for one in found))
             else:

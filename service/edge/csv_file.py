@@ -46,9 +46,14 @@ class CsvFile:
                 return np.asarray(table.T, dtype=float)
         except ValueError:
             pass  # a cell that is no number: cell by cell below
-        return np.array([self._row(cells) for cells in csv.reader(lines)], dtype=float).T
+        # A quote that is never closed must not swallow the rows behind it.
+        return np.array([self._row(line) for line in lines], dtype=float).T
 
-    def _row(self, cells: list[str]) -> list[float]:
+    def _row(self, line: str) -> list[float]:
+        try:
+            cells = next(csv.reader([line]), [])
+        except csv.Error:
+            cells = []
         if len(cells) != self._width:
             return [math.nan] * len(self._columns)
         return [_number(cells[column]) for column in self._columns]

@@ -22,6 +22,8 @@ CHUNK_SAMPLES = 16_384
 """Samples read at a time."""
 RATE_TOLERANCE = 1e-3
 """Relative difference of two sampling rates that are the same."""
+LONGEST_S = 1e9
+"""No recording is longer than thirty years [s]."""
 
 
 class WaveformFile(Protocol):
@@ -67,6 +69,7 @@ def read_chunks(
     anchor, rate: where reading goes on, a row of the unbroken waveform with its time [ns], and the sampling rate found before.
     """
     name = file.path.name
+    empty = first == 0
     try:
         columns = [*columns, waveforms.time] if waveforms.time is not None else columns
         opened = open_file(file.path, columns, full_scale=waveforms.full_scale)
@@ -81,9 +84,13 @@ def read_chunks(
                 raise FileTrouble("wrong_sampling_rate", "neither the configuration nor the file says the sampling rate")
             for values in pieces:
                 yield Chunk(first, values, rate, anchor=0, anchor_ns=start)
-                first += values.shape[1]
+                first, empty = first + values.shape[1], False
         else:
-            yield from _timed(pieces, name, conditions, first=first, rate=rate, start=start, anchor=anchor)
+            for chunk in _timed(pieces, name, conditions, first=first, rate=rate, start=start, anchor=anchor):
+                yield chunk
+                empty = False
+        if empty:
+            raise FileTrouble("truncated_file", "there is no sample in it")
     except FileTrouble as trouble:
         conditions.happened(trouble.name, name, trouble.detail)
     except OSError as error:
@@ -105,7 +112,7 @@ def _timed(
     going_on = anchor is not None
     back = 0
     for values in pieces:
-        seconds = values[-1]
+        seconds = _believed(values[-1])
         measured = _rate_of(seconds)
         rate = measured if rate is None else rate
         if rate is None or (measured is not None and abs(measured / rate - 1.0) > RATE_TOLERANCE):
@@ -135,6 +142,14 @@ def _timed(
         conditions.happened("time_reversed", name, f"{back} rows are not later than those before them")
 
 
+def _believed(seconds: Floats) -> Floats:
+    """Times without those that no recording has, and without single ones ahead of the row after them."""
+    believed = np.where(np.abs(seconds) <= LONGEST_S, seconds, np.nan)
+    middle = believed[1:-1]
+    middle[(middle > believed[2:]) & (believed[2:] > believed[:-2])] = np.nan
+    return believed
+
+
 def _rate_of(seconds: Floats) -> float | None:
     """Sampling rate [Hz] that the times show; None where most do not go forward."""
     if seconds.size < 2:
@@ -144,7 +159,9 @@ def _rate_of(seconds: Floats) -> float | None:
 
 
 def _sampling_rate(said: float | None, configured: float | None) -> float | None:
-    """Raises FileTrouble where the two differ."""
+    """Raises FileTrouble where the two differ, or what the file says is no rate."""
+    if said is not None and not (math.isfinite(said) and said > 0.0):
+        raise FileTrouble("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
     if said is not None and configured is not None and abs(said / configured - 1.0) > RATE_TOLERANCE:
         raise FileTrouble("wrong_sampling_rate", f"says {said:g} Hz, {configured:g} Hz is configured: one of them is wrong")
     return configured if said is None else said

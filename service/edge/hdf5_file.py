@@ -26,13 +26,13 @@ class Hdf5File:
             require_columns([column.strip("/") for column in columns], there)
             for column in columns:
                 dataset = file[column]
-                if len(dataset.shape) != 1 or dataset.dtype.kind not in "fiu":
+                if dataset.shape is None or len(dataset.shape) != 1 or dataset.dtype.kind not in "fiu":
                     raise FileTrouble(
                         "missing_column", f"dataset '{column}' has shape {dataset.shape}; numbers (N,) are needed"
                     )
             said = dict(file[columns[0]].parent.attrs) | dict(file.attrs)
-        self.sampling_rate = float(said["sampling_rate"]) if "sampling_rate" in said else None
-        self.start_ns = int(said["start_ns"]) if "start_ns" in said else None
+        self.sampling_rate = _number(said["sampling_rate"], "sampling_rate") if "sampling_rate" in said else None
+        self.start_ns = int(_number(said["start_ns"], "start_ns")) if "start_ns" in said else None
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
         """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it is damaged."""
@@ -58,3 +58,11 @@ class Hdf5File:
         except OSError as error:
             kind = "truncated_file" if "truncated" in str(error) else "unreadable_file"
             raise FileTrouble(kind, f"not a whole HDF5 file: {error}") from error
+
+
+def _number(said: Any, name: str) -> Any:
+    """An attribute of one number; integers stay exact."""
+    value = np.asarray(said)
+    if value.size != 1 or value.dtype.kind not in "fiu":
+        raise FileTrouble("unreadable_file", f"attribute '{name}' must be one number, it is {str(said)[:60]!r}")
+    return value.item()

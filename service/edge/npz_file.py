@@ -30,7 +30,7 @@ class NpzFile:
         try:
             # Wrong numbers show only by the checksum at an array's end: before any of them is used.
             with zipfile.ZipFile(path) as archive:
-                names = [name.removesuffix(".npy") for name in archive.namelist()]
+                names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
                 require_columns(columns, names)
                 for column in columns:
                     with archive.open(f"{column}.npy") as member:
@@ -38,7 +38,7 @@ class NpzFile:
                             pass
                 rate = self._scalar(archive, "sampling_rate") if "sampling_rate" in names else None
                 start = self._scalar(archive, "start_ns") if "start_ns" in names else None
-        except (zipfile.BadZipFile, EOFError, zlib.error) as error:
+        except (zipfile.BadZipFile, EOFError, zlib.error, RuntimeError) as error:  # the last: a password, a new compression
             raise FileTrouble("damaged_file", f"not a whole NPZ file: {error}") from error
         self.sampling_rate = None if rate is None else float(rate)
         self.start_ns = None if start is None else int(start)
@@ -79,7 +79,10 @@ class NpzFile:
 
     def _scalar(self, archive: zipfile.ZipFile, name: str) -> float | int:
         with archive.open(f"{name}.npy") as member:
-            value = np.lib.format.read_array(member, allow_pickle=False)
+            try:
+                value = np.lib.format.read_array(member, allow_pickle=False)
+            except ValueError as error:
+                raise FileTrouble("unreadable_file", f"array '{name}' must hold one number: {error}") from error
         if value.size != 1 or value.dtype.kind not in NUMBERS:
             raise FileTrouble("unreadable_file", f"array '{name}' must hold one number")
         return int(value.item()) if value.dtype.kind in "iu" else float(value.item())

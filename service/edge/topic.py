@@ -13,6 +13,7 @@ from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.files import RATE_TOLERANCE
 from service.edge.waveform_message import BadMessage, WaveformMessage, decode_waveforms
+from service.wire import is_ahead
 
 QUEUE_BYTES = 64 << 20
 """Messages that wait to be worked off; more are left out and counted."""
@@ -117,7 +118,7 @@ class Topic:
             self._conditions.happened("wrong_sampling_rate", None, f"{self._key}: {detail}")
             return None
         before, self._next = self._next, message
-        if before is not None and message.time_ns <= before.time_ns:
+        if before is not None and message.time_ns <= before.time_ns and not is_ahead(before.time_ns):
             self._next = before
             self._conditions.happened("time_reversed", None, f"{self._key}: sample {message.first} is not later than before")
             return None

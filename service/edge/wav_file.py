@@ -16,7 +16,7 @@ from service.edge.file_trouble import FileTrouble, require_columns
 
 PCM, FLOAT, EXTENSIBLE = 1, 3, 0xFFFE
 UNKNOWN_SIZE = 0xFFFFFFFF
-"""Size of the data where the writer did not know it."""
+"""Size of the data where the writer did not know it; a writer that was killed leaves 0."""
 
 
 class WavFile:
@@ -42,7 +42,7 @@ class WavFile:
     def read(self, first: int, size: int) -> Iterator[Floats]:
         """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it ends early."""
         frame = self._channels * self._width
-        promised = self._bytes // frame if self._bytes != UNKNOWN_SIZE else self._available // frame
+        promised = self._bytes // frame if self._bytes not in (0, UNKNOWN_SIZE) else self._available // frame
         there = min(promised, self._available // frame)
         with self._path.open("rb") as file:
             file.seek(self._data + first * frame)
@@ -52,6 +52,8 @@ class WavFile:
                 if len(raw) < count * frame:
                     raise FileTrouble("truncated_file", f"ends within sample {place + len(raw) // frame}")
                 yield self._values(raw).reshape(count, self._channels)[:, self._columns].T
+        if self._bytes == 0 and there:
+            raise FileTrouble("truncated_file", f"its writer did not finish it; {there} samples are there")
         if there < promised:
             raise FileTrouble("truncated_file", f"its header promises {promised} samples, {there} are there")
 

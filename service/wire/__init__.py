@@ -9,11 +9,12 @@ from service.wire.conversion import (
     LARGEST_AMPLITUDE,
     LARGEST_PHASE,
     OVERSPEED,
+    is_ahead,
     to_samples,
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
-from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
+from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, IDENTIFIER, Key
 from service.wire.rejection import Fault, Reason, Rejected
 from service.wire.schema import (
     DIRECTIONS,
@@ -35,6 +36,7 @@ __all__ = [
     "EARLIEST_TIME",
     "ENCODINGS",
     "FUTURE_TOLERANCE",
+    "IDENTIFIER",
     "JSON",
     "LARGEST_AMPLITUDE",
     "LARGEST_BATCH",
@@ -58,6 +60,7 @@ __all__ = [
     "encode_batch",
     "encode_body",
     "frame",
+    "is_ahead",
     "require_size",
     "source_key",
     "to_samples",

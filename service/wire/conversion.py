@@ -12,6 +12,7 @@ from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rpm_to_rad_p
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
 from storage.blocks import Samples
+from storage.clock import now
 
 LARGEST_AMPLITUDE = 0.02
 """No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
@@ -65,6 +66,11 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         taken[fault.index] = False
     direction = np.full(count, _factor(batch, "direction", DIRECTIONS), dtype=np.int8)
     return Samples(time, speed, direction, phasor, status, scatter, second), taken, faults
+
+
+def is_ahead(time_ns: int) -> bool:
+    """Whether a time [ns] lies so far ahead of this machine's clock that one of the two is wrong."""
+    return time_ns > now() + FUTURE_TOLERANCE
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -157,8 +157,11 @@ class DroppedOnTheWay:
     def __init__(self, client: zenoh.Session) -> None:
         self.client = client
         self.log: list[SampleBatch] = []
-        self.queryable = client.declare_queryable(KEY.log, self.answer)
-        self.token = client.liveliness().declare_token(KEY.live)
+        self.come()
+
+    def come(self) -> None:
+        self.queryable = self.client.declare_queryable(KEY.log, self.answer)
+        self.token = self.client.liveliness().declare_token(KEY.live)
 
     def publish(self, *, dropped: bool = False) -> None:
         first = 5 * len(self.log)
@@ -234,6 +237,74 @@ def test_only_what_the_log_no_longer_holds_is_lost(router: zenoh.Session, plant:
         with ingesting(router, plant):
             wait_until(lambda: received(plant) == 6)
     assert counts(plant) == (20, 6, 14)
+
+
+def test_what_a_log_could_not_tell_while_it_was_away_is_asked_for_when_it_is_back(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed right behind a gap: the gap is counted as lost, and is no longer when the source is started again."""
+    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    with ingesting(router, plant):
+        wait_until(lambda: heard(client))
+        lossy.publish()
+        wait_until(lambda: received(plant) == 5)
+        lossy.leave()
+        for dropped in (True, True, False, True, False):
+            lossy.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (30, 15, 15))
+        lossy.come()
+        wait_until(lambda: counts(plant) == (30, 30, 0))
+    assert stored_times(plant) == list(range(30))
+
+
+def test_a_log_that_was_mute_while_its_source_was_connected_is_asked_again(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frozen for some seconds, say: nobody is told that it was away."""
+    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 1.0)
+    with ingesting(router, plant):
+        wait_until(lambda: heard(client))
+        lossy.publish()
+        wait_until(lambda: received(plant) == 5)
+        lossy.queryable.undeclare()
+        for dropped in (True, False, True, False):
+            lossy.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (25, 15, 10))
+        lossy.queryable = client.declare_queryable(KEY.log, lossy.answer)
+        wait_until(lambda: counts(plant) == (25, 25, 0))
+    assert stored_times(plant) == list(range(25))
+
+
+@pytest.mark.usefixtures("ingest")
+def test_the_last_messages_of_each_of_two_sources_of_a_machine_are_fetched(
+    client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay
+) -> None:
+    """The other one does not fall quiet."""
+    wait_until(lambda: heard(client))
+    with Source(client, KEY, name="other") as other:
+        lossy.publish()
+        for _ in range(2):
+            lossy.publish(dropped=True)
+
+        def fetched() -> bool:
+            other.publish(batch([900.0], start=START + 1000 * SECOND + other.sequence))
+            return 15 in [row.received for row in rows(plant) if row.source != "other"]
+
+        wait_until(fetched)
+
+
+def test_a_token_that_is_no_id_is_nobody(router: zenoh.Session, client: zenoh.Session, plant: Database, edge: Edge) -> None:
+    """A wildcard would ask every log for a machine that is none."""
+    tokens = [client.liveliness().declare_token(f"rundown/v1/live/{name}") for name in ("*/*", "a b/c")]
+    edge.publish(5)
+    with ingesting(router, plant) as running:
+        wait_until(lambda: received(plant) == 5)
+        time.sleep(0.5)
+        assert list(running._healing.live) == [KEY]
+    assert rejected(plant) == {}
+    for token in tokens:
+        token.undeclare()
 
 
 # --- without a log --------------------------------------------------------------------------------------------------

@@ -361,3 +361,15 @@ def test_a_run_told_again_by_a_new_start_counts_each_instant_once(plant: Databas
         assert run.state == runs.CLOSED
         assert len(kept) == len(set(kept.time.tolist())) == 60
         assert [source.late for source in sample_store.sources(session)] == [0, 30]
+
+
+def test_of_a_batch_that_is_wrong_throughout_a_few_faults_are_kept_and_all_are_counted(plant: Database) -> None:
+    journal = Journal(plant, Collector())
+    store(journal, piece(0, 10, amplitude_unit="mm"))
+    store(journal, piece(10, 12, time_ns=[0, 0]))
+    with plant.reading() as session:
+        assert quarantine.counts(session) == {"amplitude_out_of_range": 40, "time_out_of_range": 2}
+        kept = quarantine.newest(session, reason="amplitude_out_of_range", machine_id=None, limit=100)
+        assert len(kept) == 5
+        assert kept[0].detail.endswith("; and 35 more in this batch")
+        assert len(quarantine.newest(session, reason="time_out_of_range", machine_id=None, limit=100)) == 2

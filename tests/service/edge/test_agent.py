@@ -223,6 +223,20 @@ def ended(*arguments: str) -> str:
     return answer.output
 
 
+def test_a_file_with_a_wrong_year_does_not_shut_out_the_next_one(client: zenoh.Session, tmp_path: Path) -> None:
+    for name in ("wrong.npz", "run.npz"):
+        write(tmp_path / name)
+    files = [{"path": "wrong.npz", "start": "2062-11-14T22:13:20Z"}, {"path": "run.npz", "start": "2023-11-14T22:13:20Z"}]
+    configuration = configured(tmp_path, waveforms={"files": files, "sampling_rate": RATE})
+    with started(client, configuration) as agent:
+        agent.read_files(threading.Event())
+        assert agent.conditions.counts() == {}
+    times = np.concatenate([batch.time_ns for batch in logged(configuration)])
+    assert len(times) == 80
+    assert (np.diff(times[40:]) > 0).all()
+    assert times[40] < START_NS + 10**9
+
+
 def test_what_keeps_it_from_starting_is_said(endpoint: str, tmp_path: Path) -> None:
     path = tmp_path / "edge.yaml"
     path.write_text(yaml.safe_dump(edge_document(connect=[endpoint])))
@@ -292,6 +306,19 @@ def test_a_topic_gives_what_a_file_gives(
     # The last block waits for what follows it, or for the agent's end.
     first = np.arange(40) < 39
     assert_same_samples(found.pick(first[: len(found)]), undisturbed.pick(first))
+
+
+def test_a_message_with_a_wrong_year_does_not_shut_out_those_behind_it(
+    router: zenoh.Session, client: zenoh.Session, tmp_path: Path
+) -> None:
+    configuration = configured(tmp_path, waveforms={"topic": TOPIC, "sampling_rate": RATE})
+    with following(client, configuration, threading.Event()) as agent:
+        sent = messages(last=round(8 * RATE))
+        sent[8:9] = messages(first=round(2 * RATE), last=round(2 * RATE) + 1, time_ns=2 * START_NS)
+        put(router, sent)
+        wait_until(lambda: agent.status()["samples"] >= 14)
+    times = np.concatenate([batch.time_ns for batch in logged(configuration)])
+    assert times[-1] > START_NS + 7 * 10**9
 
 
 def test_bad_messages_are_named_and_the_rest_is_used(

@@ -206,6 +206,67 @@ def write_timed(path: Path, seconds: Floats) -> None:
     np.savetxt(path, rows, delimiter=",", header="t,K,A,B", comments="", fmt="%.9f")
 
 
+@pytest.mark.parametrize("said", [0.0, -RATE, math.nan, math.inf, "2048 Hz", [RATE, RATE]])
+@pytest.mark.parametrize("name", ["a.npz", "a.h5"])
+def test_what_is_no_sampling_rate_is_named(tmp_path: Path, name: str, said: Any) -> None:
+    path = tmp_path / name
+    if name == "a.npz":
+        np.savez(path, **dict(zip(NAMES, VALUES, strict=True)), sampling_rate=said)
+    else:
+        write_hdf5(path)
+        with h5py.File(path, "a") as file:
+            file.attrs["sampling_rate"] = said
+    assert read(path) == ([], {"unreadable_file": 1})
+
+
+def test_an_array_of_objects_and_a_dataset_without_data_are_named(tmp_path: Path) -> None:
+    np.savez(tmp_path / "a.npz", K=VALUES[0], A=VALUES[1], B=VALUES[2], start_ns=np.array(START_NS, dtype=object))
+    assert read(tmp_path / "a.npz") == ([], {"unreadable_file": 1})
+    write_hdf5(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "a") as file:
+        del file["B"]
+        file["B"] = h5py.Empty("f8")
+    assert read(tmp_path / "a.h5") == ([], {"missing_column": 1})
+
+
+def test_a_file_without_samples_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("K,A,B\n")
+    assert read(tmp_path / "a.csv") == ([], {"truncated_file": 1})
+
+
+def test_a_wav_whose_writer_was_killed_is_used_as_far_as_it_goes(tmp_path: Path) -> None:
+    """Its header still says that there are no samples."""
+    path = tmp_path / "a.wav"
+    write_wav(path)
+    content = bytearray(path.read_bytes())
+    size = content.index(b"data") + 4
+    content[size : size + 4] = bytes(4)
+    path.write_bytes(content)
+    chunks, counts = read(path)
+    assert counts == {"truncated_file": 1}
+    assert_close(joined(chunks), VALUES, within=1e-15)
+
+
+@pytest.mark.parametrize("wrong", ["1e12", "inf", "1e300", "7.5"])
+def test_one_wrong_time_costs_its_row_and_not_those_behind_it(tmp_path: Path, wrong: str) -> None:
+    times = [f"{row / RATE:.9f}" for row in range(SAMPLES)]
+    times[5000] = wrong
+    rows = [",".join([time, *map(str, row)]) for time, row in zip(times, VALUES.T.tolist(), strict=True)]
+    (tmp_path / "a.csv").write_text("\n".join(["t,K,A,B", *rows, ""]))
+    chunks, counts = read(tmp_path / "a.csv", time="t")
+    assert counts == {"time_reversed": 1, "input_gap": 1}
+    assert_close(joined(chunks), np.delete(VALUES, 5000, axis=1), within=1e-15)
+
+
+def test_a_cell_beyond_all_bounds_or_a_quote_costs_its_row(tmp_path: Path) -> None:
+    rows = [",".join(map(str, row)) for row in VALUES[:, :100].T.tolist()]
+    rows[10], rows[20] = '"' + "1" * 200_000 + '",2,3', '"1,2,3'
+    (tmp_path / "a.csv").write_text("\n".join(["K,A,B", *rows, ""]))
+    ((chunk,), counts) = read(tmp_path / "a.csv")
+    assert counts == {}
+    assert np.flatnonzero(np.isnan(chunk.values).any(axis=0)).tolist() == [10, 20]
+
+
 def test_a_column_of_time_gives_rate_and_holes(tmp_path: Path) -> None:
     seconds = 5.0 + np.arange(30_000) / RATE
     seconds[20_000:] += 3.0
