@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
-from estimator.forced_response import forced_response
-from estimator.identification import Identification, NotEnoughData, Options, expected_point, identify
+from estimator.identification import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
 from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
@@ -127,8 +126,10 @@ def _without_sweep(
     correct: bool,
 ) -> tuple[tuple[Quality, ...], Identification]:
     """The identification from what the sweeps left usable."""
+    ends = np.cumsum([run.speed.size for run in runs])
+    pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
     model = model_at(machine, *expected_point(machine, base))
-    transient = _transient(model, runs)
+    transient = _transient(model, runs, base, pieces)
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
     used: Measurement = base
     # A mild sweep is left to the fitted model: the document's may be far off, and then the fit has to be made twice.
@@ -143,8 +144,8 @@ def _without_sweep(
     clearly = 0.0
     for _ in range(PASSES):
         model = updated_model(machine, found)
-        steady = forced_response(model, speed=base.speed).phasor
-        transient = _transient(model, runs)
+        steady = expected_phasors(machine, base, found.point)
+        transient = _transient(model, runs, base, pieces)
         taken, clearly = _taken(machine, base, steady, transient)
         deviation = {"none": 0.0 * steady, "instant": transient.instant, "averaged": transient.averaged}[taken]
         treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
@@ -155,8 +156,6 @@ def _without_sweep(
         # A few points have changed: the fit goes on from where it stands, and a hopeless one is not begun again and again.
         again = replace(options or Options(), starts=1)
         found = replace(identify(machine, used, again, beginning=found.point), starts=found.starts + 1)
-    ends = np.cumsum([run.speed.size for run in runs])
-    pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
     certain = clearly > CERTAIN
     told = (
         _told(one, piece, treatment, base, transient, taken, certain=certain)
@@ -165,9 +164,15 @@ def _without_sweep(
     return tuple(told), found
 
 
-def _transient(model: UpdatedModel, runs: Sequence[Recorded]) -> SweepTransient:
-    """What the model predicts for all runs, one after the other."""
-    each = [sweep_transient(model, time=run.time - run.time[0], speed=run.speed) for run in runs if run.time is not None]
+def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
+    """What the model predicts for all runs, one after the other, each in its sense of rotation and with its trial weight."""
+    each = []
+    for run, piece in zip(runs, pieces, strict=True):
+        if run.time is None:
+            continue
+        added = None if base.added is None else base.added[piece][0]
+        turning = 1 if np.sum(base.direction[piece]) >= 0.0 else -1
+        each.append(sweep_transient(model.turning(turning), time=run.time - run.time[0], speed=run.speed, added=added))
     return SweepTransient(np.concatenate([one.instant for one in each]), np.concatenate([one.averaged for one in each]))
 
 
