@@ -158,7 +158,7 @@ def _without_sweep(
         found = replace(identify(machine, used, again, beginning=found.point), starts=found.starts + 1)
     certain = clearly > CERTAIN
     told = (
-        _told(one, piece, treatment, base, transient, taken, certain=certain)
+        _told(one, piece, treatment, base, transient, taken, certain=certain, fitted=found.accepted)
         for one, piece in zip(qualities, pieces, strict=True)
     )
     return tuple(told), found
@@ -222,6 +222,7 @@ def _told(
     taken: Taken,
     *,
     certain: bool,
+    fitted: bool,
 ) -> Quality:
     """The quality of one run, a piece of all samples, with flags and words on what was done."""
     usable = base.usable[piece]
@@ -230,9 +231,12 @@ def _told(
         if not certain:
             return quality
         beyond = int(np.count_nonzero(usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)[piece]))
-        words = (
-            f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+        words = f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+        # A model that does not fit would call every run a steady one.
+        words += (
             "and the data say that they do not: the times are not those of the measurement, or the phasors were computed"
+            if fitted
+            else "and no fit explains the data, so nothing was corrected: the sweep may have been too fast"
         )
         return replace(quality, findings=(*quality.findings, words))
     if not excluded.any() and not corrected.any():

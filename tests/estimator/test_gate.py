@@ -128,6 +128,20 @@ def test_a_trial_weight_rings_too() -> None:
     assert held(gated.identification, machine) >= 0.85
 
 
+def test_a_fit_that_explains_nothing_does_not_doubt_the_times() -> None:
+    machine = light_chapter_3()
+    speed = np.linspace(576.0, 52.0, 150)
+    # Gains that follow the speed, which the model does not know.
+    strange = steady(machine, speed) * (1.0 + 0.05 * np.sin(speed[:, None] / 200.0 + np.arange(8)))
+    run, measurement = recorded(np.linspace(0.0, 60.0, 150), speed, noisy(strange, 3), machine.channels)
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    assert gated.identification is not None
+    assert not gated.identification.accepted
+    told = " ".join(gated.qualities[0].findings)
+    assert "no fit explains the data" in told
+    assert "the times are not those" not in told
+
+
 def test_a_gate_that_leaves_too_little_says_so() -> None:
     machine = light_chapter_3()
     run, measurement = slow(machine, duration=1e6)
