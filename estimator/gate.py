@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
-from estimator.forced_response import forced_response
-from estimator.identification import Identification, NotEnoughData, Options, expected_point, identify
+from estimator.identification import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
 from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
@@ -128,6 +127,7 @@ def _without_sweep(
     correct: bool,
 ) -> tuple[tuple[Quality, ...], Identification]:
     """The identification from what the sweeps left usable."""
+    pieces = _pieces(runs)
     used, found = base, identify(machine, base, replace(options or Options(), starts=1))
     if not found.accepted:
         used, found = _by_the_document(machine, runs, base, options, correct=correct)
@@ -135,8 +135,8 @@ def _without_sweep(
     clearly = 0.0
     for _ in range(PASSES):
         model = updated_model(machine, found)
-        steady = forced_response(model, speed=base.speed).phasor
-        transient = _transient(model, runs)
+        steady = expected_phasors(machine, base, found.point)
+        transient = _transient(model, runs, base, pieces)
         taken, clearly = _taken(machine, base, steady, transient)
         deviation = {"none": 0.0 * steady, "instant": transient.instant, "averaged": transient.averaged}[taken]
         treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
@@ -147,11 +147,9 @@ def _without_sweep(
         # A few points have changed: the fit goes on from where it stands, and a hopeless one is not begun again and again.
         again = replace(options or Options(), starts=1)
         found = replace(identify(machine, used, again, beginning=found.point), starts=found.starts + 1)
-    ends = np.cumsum([run.speed.size for run in runs])
-    pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
     certain = clearly > CERTAIN
     told = (
-        _told(one, piece, treatment, base, transient, taken, certain=certain)
+        _told(one, piece, treatment, base, transient, taken, certain=certain, fitted=found.accepted)
         for one, piece in zip(qualities, pieces, strict=True)
     )
     return tuple(told), found
@@ -162,7 +160,7 @@ def _by_the_document(
 ) -> tuple[Measurement, Identification]:
     """What may be used by the document's own model, and the fit of that: for sweeps with which nothing fits as it is."""
     model = model_at(machine, *expected_point(machine, base))
-    transient = _transient(model, runs)
+    transient = _transient(model, runs, base, _pieces(runs))
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
     if correct and np.any(treatment.excluded & base.usable):
         used = treatment.applied(base)
@@ -173,6 +171,12 @@ def _by_the_document(
     return base, identify(machine, base, options)
 
 
+def _pieces(runs: Sequence[Recorded]) -> list[slice]:
+    """Where each run's samples are among those of all."""
+    ends = np.cumsum([run.speed.size for run in runs])
+    return [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
+
+
 def _identified_if_enough(machine: Machine, measurement: Measurement, options: Options | None) -> Identification | None:
     try:
         return identify(machine, measurement, options)
@@ -180,9 +184,15 @@ def _identified_if_enough(machine: Machine, measurement: Measurement, options: O
         return None
 
 
-def _transient(model: UpdatedModel, runs: Sequence[Recorded]) -> SweepTransient:
-    """What the model predicts for all runs, one after the other."""
-    each = [sweep_transient(model, time=run.time - run.time[0], speed=run.speed) for run in runs if run.time is not None]
+def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
+    """What the model predicts for all runs, one after the other, each in its sense of rotation and with its trial weight."""
+    each = []
+    for run, piece in zip(runs, pieces, strict=True):
+        if run.time is None:
+            continue
+        added = None if base.added is None else base.added[piece][0]
+        turning = 1 if np.sum(base.direction[piece]) >= 0.0 else -1
+        each.append(sweep_transient(model.turning(turning), time=run.time - run.time[0], speed=run.speed, added=added))
     return SweepTransient(np.concatenate([one.instant for one in each]), np.concatenate([one.averaged for one in each]))
 
 
@@ -232,6 +242,7 @@ def _told(
     taken: Taken,
     *,
     certain: bool,
+    fitted: bool,
 ) -> Quality:
     """The quality of one run, a piece of all samples, with flags and words on what was done."""
     usable = base.usable[piece]
@@ -240,9 +251,12 @@ def _told(
         if not certain:
             return quality
         beyond = int(np.count_nonzero(usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)[piece]))
-        words = (
-            f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+        words = f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+        # A model that does not fit would call every run a steady one.
+        words += (
             "and the data say that they do not: the times are not those of the measurement, or the phasors were computed"
+            if fitted
+            else "and no fit explains the data, so nothing was corrected: the sweep may have been too fast"
         )
         return replace(quality, findings=(*quality.findings, words))
     if not excluded.any() and not corrected.any():

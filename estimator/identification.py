@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.condensation import CondensedTrain, Floats, condense
+from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
 from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
@@ -122,6 +122,17 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     coordinates = problem.coordinates
     return coordinates.names, coordinates.point(problem.best_excitations(coordinates.centre, weight))
+
+
+def expected_phasors(machine: Machine, measurement: Measurement, point: Floats) -> Complexes:
+    """What the channels should show (S, m) [m] in the samples of a measurement at the `point` of an identification.
+
+    In each sample's sense of rotation, with trial weights, and through the channels' gains with their run-outs.
+    """
+    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
+    coordinates = Coordinates.of(train, unbalance_scale=1.0)
+    problem = Problem(train, measurement, coordinates, machine.noise, np.zeros_like(measurement.usable))
+    return problem.model(coordinates.theta(point))
 
 
 def identify_train(

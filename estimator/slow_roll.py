@@ -26,7 +26,7 @@ BEYOND_NOISE = 3.0
 LARGEST_GROWTH = 0.25
 """A mean that grows over the band by more than this part of itself is vibration."""
 CLEAR_GROWTH = 3.0
-"""Growth below this many of its standard errors is not seen."""
+"""Growth of this many standard errors is clear: more than that of a band may grow is then no slow roll."""
 WIDE_ENOUGH = 0.1
 """Part of its mean that the square of the speed must vary by for growth to be looked for."""
 LARGEST_ALIKENESS = 0.9
@@ -85,8 +85,9 @@ def capture(machine: Machine, measurement: Measurement, *, lowest: float, highes
     """Slow-roll vectors of the channels, from all samples between two speeds [rad/s], in the machine's sense of rotation.
 
     Each vector is the mean of the channel's usable phasors. Its error is that of the mean, neighbouring samples counted for
-    less the more they are alike, together with the response that remains in it if the growth seen in the band goes on
-    down to standstill. Raises NotSlowRoll when no channel shows a vector, ValueError for a band that is none.
+    less the more they are alike, together with the response that remains in it if the growth that the band shows, or
+    leaves possible, goes on down to standstill. Raises NotSlowRoll when no channel shows a vector, ValueError for a band that
+    is none.
     """
     if not 0.0 < lowest < highest:
         raise ValueError("a speed band needs two positive speeds, the lower one first")
@@ -146,12 +147,12 @@ def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> 
     if spread > LARGEST_SCATTER * size and spread > BEYOND_NOISE * expected:
         return f"the vectors scatter by {1e6 * spread:.3g} µm about a mean of {1e6 * size:.3g} µm"
     grown = abs(slope) * float(np.ptp(speed**2))
-    left = 0.0
-    if abs(slope) > CLEAR_GROWTH * slope_error:
-        if grown > LARGEST_GROWTH * size:
-            band = f"{rad_per_s_to_rpm(float(speed.min())):.0f} to {rad_per_s_to_rpm(float(speed.max())):.0f} rpm"
-            return f"the vectors grow by {1e6 * grown:.3g} µm from {band}, at a mean of {1e6 * size:.3g} µm: this is vibration"
-        left = abs(slope) * float(np.mean(speed**2))
+    if abs(slope) > CLEAR_GROWTH * slope_error and grown > LARGEST_GROWTH * size:
+        band = f"{rad_per_s_to_rpm(float(speed.min())):.0f} to {rad_per_s_to_rpm(float(speed.max())):.0f} rpm"
+        return f"the vectors grow by {1e6 * grown:.3g} µm from {band}, at a mean of {1e6 * size:.3g} µm: this is vibration"
+    # Growth that is not clear may be there all the same, as large as the noise lets it be.
+    possible = max(abs(slope), slope_error) if math.isfinite(slope_error) else 0.0
+    left = possible * float(np.mean(speed**2))
     return mean, math.hypot(spread / math.sqrt(_independent(residual)), left)
 
 

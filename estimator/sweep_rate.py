@@ -44,10 +44,11 @@ class SweepTransient:
     averaged: Complexes
 
 
-def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats) -> SweepTransient:
-    """What the model predicts for a sweep.
+def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: Complexes | None = None) -> SweepTransient:
+    """What the model predicts for a sweep in its machine's sense of rotation.
 
-    time: (S,) [s], ascending. speed: (S,) [rad/s], as measured. Before the first sample the speed is taken to have changed
+    time: (S,) [s], ascending. speed: (S,) [rad/s], as measured. added: (P,) known unbalances beside the model's own [kg m],
+    such as a trial weight. Before the first sample the speed is taken to have changed
     slowly. Modes that the model has undamped or growing are left out: they have no steady state to deviate from.
     """
     law = SpeedLaw.measured(time, speed)
@@ -61,17 +62,18 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats) -> Swee
     value, shape, left = found.eigenvalue[near], found.shape[:, near], found.left[:, near]
     drift = _eigenvalue_drift(matrices, value, shape, left, spin=spin, direction=direction)
     rotor = assemble_rotor(machine)
+    listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
+    if added is not None:
+        values[: added.size] += added
     force = synchronous_force(
         rotor,
-        unknowns(machine, rotor).excitations,
-        values=model.excitations,
+        listed,
+        values=values,
         speed=law.speed(grid),
         direction=direction,
         acceleration=law.acceleration(grid),
     )
-    steady = synchronous_force(
-        rotor, unknowns(machine, rotor).excitations, values=model.excitations, speed=law.speed(grid), direction=direction
-    )
+    steady = synchronous_force(rotor, listed, values=values, speed=law.speed(grid), direction=direction)
     seen, at_rest = probe_rows(machine, rotor) @ shape, left.conj().T
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
     for k in range(near.size):

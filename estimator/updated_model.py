@@ -80,6 +80,13 @@ class UpdatedModel:
         }
         return self.machine.model_copy(update={"materials": materials})
 
+    def turning(self, direction: int) -> "UpdatedModel":
+        """The same machine turning in a sense: +1 from +x to +y, -1 against it."""
+        if direction == self.machine.direction:
+            return self
+        rotation = "positive" if direction > 0 else "negative"
+        return replace(self, machine=self.machine.model_copy(update={"rotation": rotation}))
+
     @cached_property
     def _reference(self) -> CondensedTrain:
         return _reference(self.machine)

@@ -59,6 +59,18 @@ def test_a_thinned_run_keeps_speeds_and_times_evenly() -> None:
     assert {0, speed.size - 1} <= set(kept.tolist())
 
 
+@pytest.mark.parametrize("noise", [0.1, 1.0, 3.0])
+def test_noise_of_the_speed_in_a_long_hold_takes_nothing_from_a_short_sweep(noise: float) -> None:
+    """A minute of sweep between two hours of hold, as above, with noisy readings."""
+    speed = np.concatenate([np.full(36_000, 300.0), np.linspace(300.0, 30.0, 600), np.full(36_000, 30.0)])
+    speed += noise * np.random.default_rng(1).standard_normal(speed.size)
+    kept = thinned(time=seconds(speed.size) // 10, speed=speed, count=400)
+    assert 350 <= kept.size <= 400
+    swept = kept[(kept >= 36_000) & (kept < 36_600)]
+    assert swept.size > 130
+    assert np.max(np.diff(swept)) <= 12
+
+
 def test_a_steady_sweep_is_thinned_to_the_number_asked_for() -> None:
     kept = thinned(time=seconds(6000), speed=np.linspace(300.0, 30.0, 6000), count=600)
     assert kept.size == 600

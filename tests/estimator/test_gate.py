@@ -1,16 +1,20 @@
 """Identification behind the gate: coast-downs, steady runs, wrong clocks, too little left."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from sweeps import fast_coast_down, light_chapter_3, noisy, recorded, steady
+from sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
 from trains import chapter_3_document
 
+from estimator.coast_down import coast_down
 from estimator.gate import identify_gated
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.measurement import Measurement
+from estimator.parameters import unknowns
 from estimator.quality import Flag, Recorded
+from estimator.rotor import assemble_rotor
 
 ONE = Options(starts=1)
 
@@ -94,6 +98,48 @@ def test_steady_phasors_with_the_times_of_a_fast_sweep_are_believed_over_the_clo
     assert np.all(np.abs(gated.identification.point - plain.point) < 0.2 * error)
     assert gated.qualities[0].usable.all()
     assert any("the times are not those of the measurement" in words for words in gated.qualities[0].findings)
+
+
+def test_a_run_in_the_other_sense_of_rotation_is_judged_in_its_own_sense() -> None:
+    machine = light_chapter_3()
+    other = machine.model_copy(update={"rotation": "negative"})
+    speed = np.linspace(576.0, 52.0, 150)
+    run, measurement = recorded(np.linspace(0.0, 600.0, 150), speed, noisy(steady(other, speed), 3), machine.channels)
+    against = replace(measurement, direction=-measurement.direction)
+    gated = identify_gated(machine, [run], [against], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert held(gated.identification, machine) >= 0.85
+    assert gated.qualities[0].counts == {}
+    assert any("the data say that they do not" in words for words in gated.qualities[0].findings)
+
+
+def test_a_trial_weight_rings_too() -> None:
+    machine = light_chapter_3()
+    weight = np.array([0.05j, 0.0, 0.0, 0.0])  # five times what the disc has
+    own = np.array([one.nominal or 0.0 for one in unknowns(machine, assemble_rotor(machine)).excitations])
+    law = linear_law(first=576.0, last=52.0, duration=100.0)
+    moved = coast_down(machine, law, step=8e-3, excitations=own + weight)
+    time = np.linspace(5.0, 100.0, 250)
+    run, measurement = recorded(time, law.speed(time), noisy(moved.envelope(time), 2), machine.channels)
+    gated = identify_gated(machine, [run], [measurement.with_trial_weight(weight)], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert held(gated.identification, machine) >= 0.85
+
+
+def test_a_fit_that_explains_nothing_does_not_doubt_the_times() -> None:
+    machine = light_chapter_3()
+    speed = np.linspace(576.0, 52.0, 150)
+    # Gains that follow the speed, which the model does not know.
+    strange = steady(machine, speed) * (1.0 + 0.05 * np.sin(speed[:, None] / 200.0 + np.arange(8)))
+    run, measurement = recorded(np.linspace(0.0, 60.0, 150), speed, noisy(strange, 3), machine.channels)
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    assert gated.identification is not None
+    assert not gated.identification.accepted
+    told = " ".join(gated.qualities[0].findings)
+    assert "no fit explains the data" in told
+    assert "the times are not those" not in told
 
 
 def test_a_gate_that_leaves_too_little_says_so() -> None:
