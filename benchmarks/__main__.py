@@ -2,6 +2,7 @@
 
 from benchmarks import (
     alert_life,
+    capture,
     coast_down,
     delivery,
     estimator,
@@ -9,11 +10,12 @@ from benchmarks import (
     many_sources,
     orbit_sense,
     phasors,
+    states,
     throughput,
     updated_model,
 )
 
-WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, orbit_sense, delivery, alert_life)
+WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life)
 WITHOUT = (latency, throughput, many_sources)
 
 if __name__ == "__main__":

@@ -1,9 +1,10 @@
 """Identification behind a quality gate: points that break the steady state are left out or corrected, with their reason.
 
-The sweep rate is judged with the machine's own model, first the document's, then the fitted one. What the model predicts that
-the sweep adds is taken off the phasors; points at which it is more than a few times their noise are left out, and the
-prediction's own error is added to the scatter of the others. Leaving points out alone is not enough: what stays below the
-noise of each is the same at many neighbouring points and moves the estimates by more than their standard errors.
+The sweep rate is judged with the machine's own model, the fitted one, or the document's where nothing fits the run as it is.
+What the model predicts that the sweep adds is taken off the phasors; points at which it is more than a few times their noise
+are left out, and the prediction's own error is added to the scatter of the others. Leaving points out alone is not enough:
+what stays below the noise of each is the same at many neighbouring points and moves the estimates by more than their standard
+errors.
 """
 
 from collections.abc import Sequence
@@ -128,18 +129,9 @@ def _without_sweep(
     """The identification from what the sweeps left usable."""
     ends = np.cumsum([run.speed.size for run in runs])
     pieces = [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
-    model = model_at(machine, *expected_point(machine, base))
-    transient = _transient(model, runs, base, pieces)
-    treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
-    used: Measurement = base
-    # A mild sweep is left to the fitted model: the document's may be far off, and then the fit has to be made twice.
-    if correct and np.any(treatment.excluded & base.usable):
-        used = treatment.applied(base)
-    try:
-        found = identify(machine, used, options)
-    except NotEnoughData:
-        used = base
-        found = identify(machine, base, options)
+    used, found = base, identify(machine, base, replace(options or Options(), starts=1))
+    if not found.accepted:
+        used, found = _by_the_document(machine, runs, base, pieces, options, correct=correct)
     taken: Taken = "none"
     clearly = 0.0
     for _ in range(PASSES):
@@ -162,6 +154,35 @@ def _without_sweep(
         for one, piece in zip(qualities, pieces, strict=True)
     )
     return tuple(told), found
+
+
+def _by_the_document(
+    machine: Machine,
+    runs: Sequence[Recorded],
+    base: Measurement,
+    pieces: Sequence[slice],
+    options: Options | None,
+    *,
+    correct: bool,
+) -> tuple[Measurement, Identification]:
+    """What may be used by the document's own model, and the fit of that: for sweeps with which nothing fits as it is."""
+    model = model_at(machine, *expected_point(machine, base))
+    transient = _transient(model, runs, base, pieces)
+    treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
+    if correct and np.any(treatment.excluded & base.usable):
+        used = treatment.applied(base)
+        found = _identified_if_enough(machine, used, options)
+        if found is not None:
+            return used, found
+    # The document's model may be wrong: when it leaves too little, that is not the last word.
+    return base, identify(machine, base, options)
+
+
+def _identified_if_enough(machine: Machine, measurement: Measurement, options: Options | None) -> Identification | None:
+    try:
+        return identify(machine, measurement, options)
+    except NotEnoughData:
+        return None
 
 
 def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:

@@ -58,8 +58,9 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     matrices = system_matrices_over_speed(machine, coefficients=model.coefficients)
     direction = machine.direction
     found = modes(matrices(spin), spin=direction * spin)
-    drift = _eigenvalue_drift(matrices, found.eigenvalue, found.shape, found.left, spin=spin, direction=direction)
-    near = (found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0)
+    near = np.flatnonzero((found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0))
+    value, shape, left = found.eigenvalue[near], found.shape[:, near], found.left[:, near]
+    drift = _eigenvalue_drift(matrices, value, shape, left, spin=spin, direction=direction)
     rotor = assemble_rotor(machine)
     listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
     if added is not None:
@@ -73,10 +74,10 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
         acceleration=law.acceleration(grid),
     )
     steady = synchronous_force(rotor, listed, values=values, speed=law.speed(grid), direction=direction)
-    seen, at_rest = probe_rows(machine, rotor) @ found.shape, found.left.conj().T
+    seen, at_rest = probe_rows(machine, rotor) @ shape, left.conj().T
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
-    for k in np.flatnonzero(near):
-        eigenvalue = found.eigenvalue[k] + (law.speed(grid) - spin) * drift[k]
+    for k in range(near.size):
+        eigenvalue = value[k] + (law.speed(grid) - spin) * drift[k]
         pushed, resting = (np.asarray(one @ at_rest[k]).astype(complex) for one in (force, steady))
         course = _course(law, grid, eigenvalue, pushed, resting)
         instant += course.deviation[place, None] * seen[:, k]

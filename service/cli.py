@@ -25,9 +25,7 @@ from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
 from estimator.units import RAD_PER_S
 from estimator.updated_model import updated_model
-from service import demo as demonstration
 from service.documents import UnreadableFile, read_machine
-from service.edge.command import run_edge
 from service.model_report import model_text
 from service.offline import captured, read_measurement, read_runs, without_slow_roll
 from service.printing import (
@@ -40,8 +38,6 @@ from service.printing import (
     slow_roll_text,
 )
 from service.recording import read_recording, split, write_recording
-from service.running import PortUnusable
-from service.running import serve as run_service
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
@@ -50,7 +46,6 @@ from service.source_log import LogError
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
 from service.wire import Key, Rejected
-from storage.database import DatabaseUnusable
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition monitoring of coupled rotor trains.")
 
@@ -70,6 +65,11 @@ def serve(
     workers: Annotated[int | None, typer.Option(help="identification processes")] = None,
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
+    # The web server and the database take a second to import, which no other command should pay.
+    from service.running import PortUnusable
+    from service.running import serve as run_service
+    from storage.database import DatabaseUnusable
+
     given: dict[str, Any] = {
         "database": database,
         "host": host,
@@ -170,6 +170,8 @@ def edge(
     speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
 ) -> None:
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
+    from service.edge.command import run_edge
+
     _log_to_terminal("INFO")
     try:
         run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
@@ -385,6 +387,8 @@ def demo(
     port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
 ) -> None:
     """The main job from end to end: three simulated machines, one of them going out of alignment."""
+    from service import demo as demonstration
+
     try:
         right = demonstration.run(leave=leave, port=port)
     except demonstration.DemoFailed as error:

@@ -25,7 +25,8 @@ from service.wire import WIRE_SCHEMA, Key, SampleBatch
 
 logger = logging.getLogger(__name__)
 
-RUN_UP_S, HOLD_S, RUN_DOWN_S = 120.0, 60.0, 300.0
+RUN_UP_S, HOLD_S, RUN_DOWN_S = 1200.0, 60.0, 2400.0
+"""As slow as the steady state asks for, in which simulated phasors are computed."""
 HOLD_SAMPLES = 6
 BATCH_SAMPLES = 10
 HEALTHY_PART = 0.5

@@ -43,7 +43,7 @@ def interrupted(process: psutil.Popen) -> list[psutil.Process]:
 def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None:
     log = tmp_path / "demo.log"
     with demonstration(log) as process:
-        until(lambda: "Serving until Ctrl-C" in log.read_text(), within_s=120, what=f"the summary:\n{log.read_text()}")
+        until(lambda: "Serving until Ctrl-C" in log.read_text(), within_s=240, what=f"the summary:\n{log.read_text()}")
         summary = log.read_text()
         assert "The story came out right." in summary
         lines = {
