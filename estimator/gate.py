@@ -9,7 +9,6 @@ errors.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +35,9 @@ PASSES = 3
 SETTLED = 0.1
 """A change of the predicted deviations below this part of the noise, rms, is none."""
 CERTAIN = 25.0
-"""Difference of squared residuals, in noises, above which it is said that the data contradict the times."""
+"""Difference of twice the log-likelihoods from which on the data contradict the times."""
 LARGEST_SQUARE = 25.0
 """What one phasor can say at most, as a squared multiple of its noise."""
-
-Taken = Literal["none", "instant", "averaged"]
 
 
 @dataclass(frozen=True)
@@ -128,17 +125,14 @@ def _without_sweep(
 ) -> tuple[tuple[Quality, ...], Identification]:
     """The identification from what the sweeps left usable."""
     pieces = _pieces(runs)
-    used, found = base, identify(machine, base, replace(options or Options(), starts=1))
-    if not found.accepted:
+    plain = identify(machine, base, replace(options or Options(), starts=1))
+    used, found = base, plain
+    if not plain.accepted:
         used, found = _by_the_document(machine, runs, base, options, correct=correct)
-    taken: Taken = "none"
-    clearly = 0.0
     for _ in range(PASSES):
-        model = updated_model(machine, found)
         steady = expected_phasors(machine, base, found.point)
-        transient = _transient(model, runs, base, pieces)
-        taken, clearly = _taken(machine, base, steady, transient)
-        deviation = {"none": 0.0 * steady, "instant": transient.instant, "averaged": transient.averaged}[taken]
+        transient = _transient(updated_model(machine, found), runs, base, pieces)
+        deviation = _nearer(machine, base, steady, transient)
         treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
         wanted = treatment.applied(base) if correct else base
         if _same(used, wanted, treatment.error):
@@ -147,12 +141,14 @@ def _without_sweep(
         # A few points have changed: the fit goes on from where it stands, and a hopeless one is not begun again and again.
         again = replace(options or Options(), starts=1)
         found = replace(identify(machine, used, again, beginning=found.point), starts=found.starts + 1)
-    certain = clearly > CERTAIN
-    told = (
-        _told(one, piece, treatment, base, transient, taken, certain=certain, fitted=found.accepted)
-        for one, piece in zip(qualities, pieces, strict=True)
-    )
-    return tuple(told), found
+    # The clock is believed unless the data clearly contradict it: a free enough model can take in what the sweep has added.
+    steady_is_better = _steady_fits_better(machine, base, plain, treatment, steady)
+    if plain.accepted and steady_is_better:
+        found = plain
+    each = zip(qualities, pieces, strict=True)
+    if (found.accepted or not correct) and not steady_is_better:
+        return tuple(_told(one, piece, treatment, base) for one, piece in each), found
+    return tuple(_doubted(one, piece, base, treatment, fitted=found.accepted) for one, piece in each), found
 
 
 def _by_the_document(
@@ -205,25 +201,37 @@ def _treatment(
     return _Treatment(deviation, error, size, excluded, (size > NEGLIGIBLE) & ~excluded & correct)
 
 
-def _taken(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> tuple[Taken, float]:
-    """What the data say, and how clearly: phasors of an instant, means over a block, or steady-state ones?
-
-    How clearly: by how much the squared residuals, in noises, of the second best are larger.
-    """
+def _nearer(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
+    """What the sweep added: as phasors of an instant have it, or means over a block, whichever the data are nearer to."""
     error = error_size(machine.noise, np.abs(steady), base.scatter)
     telling = base.usable & (np.abs(transient.instant) > NEGLIGIBLE * error)
     rest = np.where(telling, base.phasor - steady, 0.0)
-    choices: dict[Taken, Complexes] = {
-        "instant": transient.instant,
-        "averaged": transient.averaged,
-        "none": np.zeros_like(steady),
-    }
-    cost = {
-        name: float(np.sum(np.minimum(np.abs((rest - one)[telling]) ** 2 / error[telling] ** 2, LARGEST_SQUARE)))
-        for name, one in choices.items()
-    }
-    best = min(choices, key=lambda name: cost[name])
-    return best, min(other for name, other in cost.items() if name != best) - cost[best]
+
+    def misfit(deviation: Complexes) -> float:
+        return float(np.sum(np.minimum(np.abs((rest - deviation)[telling]) ** 2 / error[telling] ** 2, LARGEST_SQUARE)))
+
+    return min((transient.averaged, transient.instant), key=misfit)
+
+
+def _steady_fits_better(
+    machine: Machine, base: Measurement, plain: Identification, treatment: _Treatment, steady: Complexes
+) -> bool:
+    """Whether the fit that knows nothing of the sweep explains the data clearly better than the one with it taken off.
+
+    Twice the negative log-likelihood of all phasors under either, each with its own fit; what one phasor can say is limited.
+    """
+    there = base.usable & (treatment.error > 0.0)
+    if not np.any((treatment.size > NEGLIGIBLE) & there):
+        return False
+    without = expected_phasors(machine, base, plain.point)
+    error = error_size(machine.noise, np.abs(without), base.scatter)
+    widened = np.sqrt(treatment.error**2 + (PREDICTION_ERROR * np.abs(treatment.deviation)) ** 2)
+
+    def cost(model: Complexes, size: Floats) -> float:
+        squares = np.minimum(np.abs(base.phasor - model)[there] ** 2 / size[there] ** 2, LARGEST_SQUARE)
+        return float(np.sum(2.0 * squares + 4.0 * np.log(size[there])))
+
+    return cost(without, error) + CERTAIN < cost(steady + treatment.deviation, widened)
 
 
 def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
@@ -233,32 +241,26 @@ def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
     return bool(not moved.size or np.sqrt(np.mean(moved**2)) < SETTLED)
 
 
-def _told(
-    quality: Quality,
-    piece: slice,
-    treatment: _Treatment,
-    base: Measurement,
-    transient: SweepTransient,
-    taken: Taken,
-    *,
-    certain: bool,
-    fitted: bool,
-) -> Quality:
+def _doubted(quality: Quality, piece: slice, base: Measurement, treatment: _Treatment, *, fitted: bool) -> Quality:
+    """The quality of a run whose phasors are those of a steady state, although by its times they should not be."""
+    beyond = int(np.count_nonzero(base.usable[piece] & (treatment.size[piece] > LARGEST_UNFITTED)))
+    if not beyond:
+        return quality
+    words = f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
+    # A model that does not fit would call every run a steady one.
+    words += (
+        "and the data say that they do not: the times are not those of the measurement, the phasors were computed, "
+        "or the model has taken in what the sweep added"
+        if fitted
+        else "and no fit explains the data, with that taken off or not: the sweep may have been too fast"
+    )
+    return replace(quality, findings=(*quality.findings, words))
+
+
+def _told(quality: Quality, piece: slice, treatment: _Treatment, base: Measurement) -> Quality:
     """The quality of one run, a piece of all samples, with flags and words on what was done."""
     usable = base.usable[piece]
     excluded, corrected = treatment.excluded[piece] & usable, treatment.corrected[piece] & usable
-    if taken == "none":
-        if not certain:
-            return quality
-        beyond = int(np.count_nonzero(usable & (np.abs(transient.instant) > LARGEST_UNFITTED * treatment.error)[piece]))
-        words = f"sweep rate: by the times {beyond} phasors should deviate from the steady state by more than their noise, "
-        # A model that does not fit would call every run a steady one.
-        words += (
-            "and the data say that they do not: the times are not those of the measurement, or the phasors were computed"
-            if fitted
-            else "and no fit explains the data, so nothing was corrected: the sweep may have been too fast"
-        )
-        return replace(quality, findings=(*quality.findings, words))
     if not excluded.any() and not corrected.any():
         return quality
     largest = float(np.max(np.where(usable, treatment.size[piece], 0.0)))
