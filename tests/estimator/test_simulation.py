@@ -7,7 +7,7 @@ import pytest
 from trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 
 from estimator.machine import Noise, parse_machine
-from estimator.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance
+from estimator.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance, finish
 from estimator.simulation import (
     BEARING_STIFFENING,
     COUPLING_STIFFENING,
@@ -70,7 +70,8 @@ def test_a_sweep_is_seen_as_one_run(kind: RunKind) -> None:
     for second, value in zip(seconds, speed, strict=True):
         state, new = advance(state, limits, time=round(second * 1e9), speed=value, direction=1)
         events += new
-    assert [type(event) for event in events] == ([RunStarted] if kind == "run-up" else [RunStarted, RunEnded])
+    events += finish(state, limits, reason="the sweep is over")[1]
+    assert [type(event) for event in events] == [RunStarted, RunEnded]
     assert {event.kind for event in events} == {kind}
 
 
