@@ -2,6 +2,7 @@
 
 from service.alert_life import Severity
 from service.api import alert_schemas as schemas
+from service.api.rendering import time_or_none
 from storage.clock import to_datetime
 from storage.deliveries import PENDING
 from storage.tables import AlertRow, BaselineRow, DeliveryRow, SubscriptionRow, SuppressionRow, TimelineRow
@@ -24,7 +25,7 @@ def alert(row: AlertRow) -> schemas.AlertOut:
         measured_at=to_datetime(row.measured_at),
         opened_at=to_datetime(row.opened_at),
         updated_at=to_datetime(row.updated_at),
-        closed_at=None if row.closed_at is None else to_datetime(row.closed_at),
+        closed_at=time_or_none(row.closed_at),
         events=row.event_count,
     )
 
@@ -37,10 +38,10 @@ def suppression(row: SuppressionRow) -> schemas.SuppressionOut:
         rule=row.rule,
         element=row.element,
         since=to_datetime(row.since),
-        until=None if row.until is None else to_datetime(row.until),
+        until=time_or_none(row.until),
         by=row.by,
         comment=row.comment,
-        ended_at=None if row.ended_at is None else to_datetime(row.ended_at),
+        ended_at=time_or_none(row.ended_at),
         ended_by=row.ended_by,
     )
 
@@ -90,6 +91,6 @@ def delivery(row: DeliveryRow) -> schemas.DeliveryOut:
         state=row.state,
         attempts=row.attempts,
         next_try_at=to_datetime(row.next_try_at) if row.state == PENDING else None,
-        last_try_at=None if row.last_try_at is None else to_datetime(row.last_try_at),
+        last_try_at=time_or_none(row.last_try_at),
         answer=row.answer,
     )

@@ -27,7 +27,8 @@ def direction(sign: int) -> str:
     return "positive" if sign > 0 else "negative"
 
 
-def _time(nanoseconds: int | None) -> datetime | None:
+def time_or_none(nanoseconds: int | None) -> datetime | None:
+    """A stored time, where there is one."""
     return None if nanoseconds is None else to_datetime(nanoseconds)
 
 
@@ -81,11 +82,11 @@ def run(row: RunRow) -> schemas.Run:
         state=row.state,
         reason=row.reason,
         started_at=to_datetime(row.time_first),
-        ended_at=_time(row.time_last),
+        ended_at=time_or_none(row.time_last),
         samples=row.count,
         speed_minimum_rpm=_rpm(row.speed_minimum),
         speed_maximum_rpm=_rpm(row.speed_maximum),
-        reopened_at=_time(row.reopened_at),
+        reopened_at=time_or_none(row.reopened_at),
         coverage=None if row.coverage is None else schemas.RunCoverage.model_validate(row.coverage),
         quality=None if row.quality is None else schemas.QualitySummary.model_validate(row.quality),
     )
@@ -146,7 +147,7 @@ def job(row: JobRow) -> schemas.JobOut:
         attempts=row.attempts,
         error=row.error,
         created_at=to_datetime(row.created_at),
-        finished_at=_time(row.finished_at),
+        finished_at=time_or_none(row.finished_at),
         options=row.options,
     )
 
@@ -178,7 +179,7 @@ def source(row: SourceRow) -> schemas.SourceOut:
         duplicates=row.duplicates,
         lost=row.lost,
         late=row.late,
-        newest_sample_at=_time(row.last_time or None),
+        newest_sample_at=time_or_none(row.last_time or None),
     )
 
 

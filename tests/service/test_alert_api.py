@@ -2,22 +2,19 @@
 
 import asyncio
 import json
-import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import httpx
 import pytest
-import uvicorn
 
+from benchmarks.serving import served
 from service import alerting
 from service.alerting import Finding
 from service.api import event_stream
-from service.api.application import application
 from service.api.event_stream import Broadcaster, stream
 from storage import alerts
 from storage.database import Database
@@ -27,30 +24,10 @@ from tests.plant import START, identification, store_identification, wait_until
 ANNA = {"by": "anna", "comment": "looked at it"}
 
 
-@contextmanager
-def served(database: Database) -> Iterator[httpx.Client]:
-    """A client of a real server over the database."""
-    listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(
-        uvicorn.Config(
-            application(database, dict), log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=1
-        )
-    )
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
-    thread.start()
-    url = f"http://127.0.0.1:{listener.getsockname()[1]}/api/v1"
-    try:
-        with httpx.Client(base_url=url, trust_env=False, timeout=10.0) as client:
-            yield client
-    finally:
-        server.should_exit = True
-        thread.join()
-        listener.close()
-
-
 @pytest.fixture
 def api(plant: Database) -> Iterator[httpx.Client]:
-    with served(plant) as client:
+    """A client of a real server over the plant's database."""
+    with served(plant) as url, httpx.Client(base_url=url, trust_env=False, timeout=10.0) as client:
         yield client
 
 
