@@ -1,10 +1,10 @@
 """How far a machine's parameters differ from run to run while nothing happens to it, beyond the errors of the fits.
 
 A baseline of a few runs says little about its own scatter. So each variance begins as a belief, a scaled inverse χ² with
-PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own, less what the fits'
-errors explain. The variance is then the weighted mean of both, and a deviation divided by its root follows Student's t with
-PRIOR_WEIGHT + n - 1 degrees of freedom: the conjugate analysis of a normal variance (Gelman et al., Bayesian Data Analysis,
-3rd ed., §3.2), as it shrinks the variances of many genes (Smyth 2004, doi:10.2202/1544-6115.1027).
+PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own: the conjugate analysis
+of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), as it shrinks the variances of many genes (Smyth
+2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. What the fits' own errors explain
+is taken off first; where these are large beside the scatter the runs say little about it and count for less.
 """
 
 import math
@@ -38,13 +38,13 @@ class Scatter:
 
     names: of the parameters. size: (N,) what a change of each is measured by, in the parameter's unit: 1 for a logarithm, the
     direct terms beside a cross-coupled term, the magnitude of an unbalance. variance: (N,) from run to run, in the
-    parameter's unit squared. degrees_of_freedom: with which the variance is known.
+    parameter's unit squared. degrees_of_freedom: (N,) with which each variance is known, PRIOR_WEIGHT to PRIOR_WEIGHT + n - 1.
     """
 
     names: tuple[str, ...]
     size: Floats
     variance: Floats
-    degrees_of_freedom: float
+    degrees_of_freedom: Floats
 
 
 def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
@@ -62,10 +62,12 @@ def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
     size = sizes(names, centre)
     own = np.mean([np.diag(point.covariance) for point in baseline], axis=0)
     freedom = len(baseline) - 1
-    excess = np.maximum(0.0, np.sum((values - centre) ** 2, axis=0) - freedom * own)
     prior = (size * expected_scatter(names)) ** 2
-    whole = PRIOR_WEIGHT + freedom
-    return Scatter(names, size, (PRIOR_WEIGHT * prior + excess) / whole, whole)
+    # A variance that is found as a difference is known as if there were fewer runs.
+    weight = freedom * (prior / (prior + own)) ** 2
+    seen = np.sum((values - centre) ** 2, axis=0) / max(1, freedom)
+    variance = (PRIOR_WEIGHT * prior + weight * np.maximum(0.0, seen - own)) / (PRIOR_WEIGHT + weight)
+    return Scatter(names, size, variance, PRIOR_WEIGHT + weight)
 
 
 def expected_scatter(names: Sequence[str]) -> Floats:
@@ -121,4 +123,4 @@ def _beside(name: str, at: Mapping[str, float]) -> float:
         pair = (f"{term[0]}xx", f"{term[0]}yy")
     suffix = f"@{knot}" if knot else ""
     known = [at[f"{element}.{one}{suffix}"] for one in pair if f"{element}.{one}{suffix}" in at]
-    return math.exp(sum(known) / len(known)) if known else abs(at[name])
+    return math.exp(sum(known) / len(known)) if known else abs(at[name]) or 1.0

@@ -73,7 +73,15 @@ def test_one_run_leaves_the_expectation_as_it_is() -> None:
     (one,) = points(np.zeros((1, 2)))
     found = between_run_scatter([one])
     assert found.variance == pytest.approx([STIFFNESS_SCATTER**2] * 2)
-    assert found.degrees_of_freedom == PRIOR_WEIGHT
+    assert found.degrees_of_freedom == pytest.approx([PRIOR_WEIGHT] * 2)
+
+
+def test_runs_whose_errors_hide_the_scatter_count_for_less() -> None:
+    """Own errors as large as the expected scatter: a difference of two equal variances is known a quarter as well."""
+    values = 0.02 * np.random.default_rng(6).standard_normal((RUNS, 2))
+    assert between_run_scatter(points(values)).degrees_of_freedom == pytest.approx([PRIOR_WEIGHT + RUNS - 1] * 2)
+    hidden = between_run_scatter(points(values, own=STIFFNESS_SCATTER)).degrees_of_freedom
+    assert hidden == pytest.approx([PRIOR_WEIGHT + (RUNS - 1) / 4] * 2)
 
 
 def test_many_runs_outweigh_the_expectation() -> None:
@@ -82,10 +90,11 @@ def test_many_runs_outweigh_the_expectation() -> None:
 
 
 def test_what_the_fits_own_errors_explain_is_no_scatter() -> None:
-    """Own errors of 5 % and a scatter of 3 %: over 2,000 runs the difference of variances is left."""
+    """Own errors of 2 % and a scatter of 3 %: over 5,000 runs their difference outweighs the expected 1 % by 20 to 1."""
     rng = np.random.default_rng(2)
-    values = math.hypot(0.05, 0.03) * rng.standard_normal((2000, 2))
-    assert np.sqrt(between_run_scatter(points(values, own=0.05)).variance) == pytest.approx([0.03, 0.03], rel=0.12)
+    values = math.hypot(0.02, 0.03) * rng.standard_normal((5000, 2))
+    expected = math.sqrt((0.03**2 * 4999 / 25 + STIFFNESS_SCATTER**2 * PRIOR_WEIGHT) / (4999 / 25 + PRIOR_WEIGHT))
+    assert np.sqrt(between_run_scatter(points(values, own=0.02)).variance) == pytest.approx([expected] * 2, rel=0.04)
 
 
 @few_examples
@@ -113,7 +122,7 @@ def test_a_deviation_follows_students_t_when_machines_scatter_as_believed() -> N
         runs = scatter * rng.standard_normal((RUNS + 1, 2))
         found = between_run_scatter(points(runs[:RUNS]))
         error = math.sqrt(found.variance[0] * (1 + 1 / RUNS))
-        chances.append(scipy.stats.t.sf((runs[RUNS, 0] - runs[:RUNS, 0].mean()) / error, found.degrees_of_freedom))
+        chances.append(scipy.stats.t.sf((runs[RUNS, 0] - runs[:RUNS, 0].mean()) / error, found.degrees_of_freedom[0]))
     assert scipy.stats.kstest(chances, "uniform").statistic < 0.03
 
 
