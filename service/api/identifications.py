@@ -8,7 +8,7 @@ from service import requesting
 from service.api import rendering, schemas
 from service.api.access import From, Limit, MachineId, Number, Reading, To, database, moment
 from service.api.problems import RESPONSES, Problem
-from storage import identifications, jobs, machines
+from storage import derived, identifications, jobs, machines
 
 router = APIRouter(tags=["identifications"], responses=RESPONSES)
 
@@ -32,6 +32,7 @@ def read_identification(session: Reading, identification_id: Number, covariance:
     return schemas.IdentificationDetail(
         **rendering.identification(row).model_dump(),
         estimates=[rendering.estimate(one) for one in identifications.estimates(session, identification_id)],
+        derived=[rendering.derived(one) for one in derived.of_identification(session, identification_id)],
         coordinates=row.coordinates if covariance else None,
         covariance=identifications.covariance(row).tolist() if covariance else None,
     )
@@ -65,13 +66,22 @@ def list_jobs(session: Reading, machine_id: MachineId, limit: Limit = 100) -> li
 def read_trends(
     session: Reading,
     machine_id: MachineId,
-    parameter: Annotated[list[str], Query(min_length=1, max_length=100, description="such as bearing.B1.kxx")],
+    parameter: Annotated[
+        list[str], Query(min_length=1, max_length=100, description="such as bearing.B1.kxx or critical_speed.1")
+    ],
     first: From = None,
     last: To = None,
     scope: Scope = "run",
 ) -> schemas.Trends:
-    """History of one or more parameters over a time range, oldest first."""
+    """History of one or more parameters, or quantities derived from them, over a time range, oldest first."""
     machines.get(session, machine_id)
-    rows = identifications.history(session, machine_id, parameter, scope=scope, first=moment(first), last=moment(last))
-    series = [rendering.series(name, [row for row in rows if row[0].parameter == name]) for name in dict.fromkeys(parameter)]
+    start, end = moment(first), moment(last)
+    rows = identifications.history(session, machine_id, parameter, scope=scope, first=start, last=end)
+    others = derived.history(session, machine_id, parameter, scope=scope, first=start, last=end)
+    series = [
+        rendering.series(
+            name, [row for row in rows if row[0].parameter == name], [row for row in others if row[0].name == name]
+        )
+        for name in dict.fromkeys(parameter)
+    ]
     return schemas.Trends(machine=machine_id, scope=scope, series=series)

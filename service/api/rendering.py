@@ -11,6 +11,7 @@ from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.tables import (
+    DerivedRow,
     EstimateRow,
     IdentificationRow,
     JobRow,
@@ -152,17 +153,29 @@ def job(row: JobRow) -> schemas.JobOut:
     )
 
 
-def series(parameter: str, rows: list[tuple[EstimateRow, IdentificationRow]]) -> schemas.Series:
+def derived(row: DerivedRow) -> schemas.DerivedOut:
+    return schemas.DerivedOut(
+        name=row.name, unit=row.unit, value=row.value, lower=row.lower, upper=row.upper, reason=row.reason
+    )
+
+
+def series(
+    name: str,
+    estimates: list[tuple[EstimateRow, IdentificationRow]],
+    quantities: list[tuple[DerivedRow, IdentificationRow]],
+) -> schemas.Series:
+    """The history of a parameter or of a derived quantity; one of the two lists is empty."""
+    rows: list[tuple[EstimateRow | DerivedRow, IdentificationRow]] = [*estimates, *quantities]
     return schemas.Series(
-        parameter=parameter,
+        parameter=name,
         unit=rows[0][0].unit if rows else None,
         measured_at=[to_datetime(e.measured_at) for e, _ in rows],
         computed_at=[to_datetime(i.computed_at) for _, i in rows],
         value=[e.value for e, _ in rows],
-        standard_error=[e.standard_error for e, _ in rows],
+        standard_error=[e.standard_error if isinstance(e, EstimateRow) else None for e, _ in rows],
         lower=[e.lower for e, _ in rows],
         upper=[e.upper for e, _ in rows],
-        imaginary=[e.imaginary for e, _ in rows],
+        imaginary=[e.imaginary if isinstance(e, EstimateRow) else None for e, _ in rows],
         accepted=[i.accepted for _, i in rows],
         run_kind=[i.run_kind for _, i in rows],
         identification=[i.id for _, i in rows],

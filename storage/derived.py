@@ -1,0 +1,53 @@
+"""Repository of the quantities derived from identifications, and of the history that they make."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from estimator.derived import Derived
+from storage.identifications import counting
+from storage.tables import DerivedRow, IdentificationRow
+
+
+def add(session: Session, identification: IdentificationRow, quantities: Sequence[Derived]) -> None:
+    """Store what was derived from a stored identification, in that order."""
+    session.add_all(
+        DerivedRow(
+            identification_id=identification.id,
+            name=one.name,
+            place=place,
+            machine_id=identification.machine_id,
+            measured_at=identification.measured_at,
+            unit=one.unit,
+            value=one.value,
+            lower=one.lower,
+            upper=one.upper,
+            reason=one.reason,
+        )
+        for place, one in enumerate(quantities)
+    )
+
+
+def of_identification(session: Session, identification_id: int) -> Sequence[DerivedRow]:
+    """All quantities derived from one identification, in the order in which they were stored."""
+    query = select(DerivedRow).where(DerivedRow.identification_id == identification_id).order_by(DerivedRow.place)
+    return session.scalars(query).all()
+
+
+def history(
+    session: Session, machine_id: str, names: Sequence[str], *, scope: str, first: int | None, last: int | None
+) -> Sequence[tuple[DerivedRow, IdentificationRow]]:
+    """The history of some quantities between two times [ns], oldest first: one point per run, as `identifications.history`."""
+    query = (
+        select(DerivedRow, IdentificationRow)
+        .join(IdentificationRow, IdentificationRow.id == DerivedRow.identification_id)
+        .where(DerivedRow.machine_id == machine_id, DerivedRow.name.in_(names))
+        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
+        .order_by(DerivedRow.measured_at, DerivedRow.identification_id)
+    )
+    if first is not None:
+        query = query.where(DerivedRow.measured_at >= first)
+    if last is not None:
+        query = query.where(DerivedRow.measured_at <= last)
+    return [(derived, identification) for derived, identification in session.execute(query)]
