@@ -18,7 +18,7 @@ import scipy.special
 from estimator import control_charts, slow_drift
 from estimator.baseline import Point
 from estimator.condensation import Floats
-from estimator.deviation import Whitening, element_distance, element_of
+from estimator.deviation import Whitening, comparable, element_distance, element_of
 from estimator.slow_drift import Drift, TimeToLimit
 
 RUN_LENGTH = 520.0
@@ -77,19 +77,24 @@ class TrendTest:
     drift: Drift | None
 
 
-def trend_tests(baseline: Sequence[Point], readings: Sequence[Reading]) -> tuple[TrendTest, ...]:
-    """Trends of every coordinate that the baseline determines, through the readings that do, in the newest reading's order.
+def trend_tests(
+    baseline: Sequence[Point], readings: Sequence[Reading], names: Sequence[str] | None = None
+) -> tuple[TrendTest, ...]:
+    """Trends of every coordinate that the baseline determines, or of some, through the readings that determine it.
 
-    readings: behind the baseline, in ascending order of time. Raises ValueError for an empty baseline or times that do not
-    ascend.
+    readings: behind the baseline, in ascending order of time. Answers are in the newest reading's order. Raises ValueError for
+    an empty baseline or times that do not ascend.
     """
     _require_ascending(readings)
     if not readings:
         return ()
-    known = [name for name in readings[-1].point.names if all(name in point.names for point in baseline)]
+    known = comparable(baseline, readings[-1].point)
+    everything = Whitening.of(baseline, known)
     found = []
     for name in known:
-        white = Whitening.of(baseline, [name])
+        if names is not None and name not in names:
+            continue
+        white = everything.part([name])
         seen = [one for one in readings if name in one.point.names]
         change = np.array([white.change(one.point)[0] for one in seen])
         own = np.array([one.point.of([name]).covariance[0, 0] for one in seen]) / white.size[0] ** 2
@@ -98,18 +103,23 @@ def trend_tests(baseline: Sequence[Point], readings: Sequence[Reading]) -> tuple
     return tuple(found)
 
 
-def distance_trends(baseline: Sequence[Point], readings: Sequence[Reading]) -> tuple[TrendTest, ...]:
-    """The same for the distance of every element, through the readings that determine all that the newest one does."""
+def distance_trends(
+    baseline: Sequence[Point], readings: Sequence[Reading], elements: Sequence[str] | None = None
+) -> tuple[TrendTest, ...]:
+    """The same for the distance of every element, or of some, through the readings that determine all the newest one does."""
     _require_ascending(readings)
     if not readings:
         return ()
-    known = [name for name in readings[-1].point.names if all(name in point.names for point in baseline)]
+    known = comparable(baseline, readings[-1].point)
+    everything = Whitening.of(baseline, known)
     found = []
     for element in dict.fromkeys(element_of(name) for name in known):
+        if elements is not None and element not in elements:
+            continue
         names = [name for name in known if element_of(name) == element]
-        white = Whitening.of(baseline, names)
+        white = everything.part(names)
         seen = [one for one in readings if set(names) <= set(one.point.names)]
-        distances = [element_distance(white, one.point, element) for one in seen]
+        distances = [element_distance(white, one.point) for one in seen]
         # As many standard deviations as are as unlikely; a chance of 1 or 0 would be infinitely many.
         chance = np.clip([one.probability for one in distances], 1e-300, 1.0 - 1e-12)
         deviation = -scipy.special.ndtri(chance)
