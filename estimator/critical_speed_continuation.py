@@ -7,7 +7,7 @@ Newton-type methods and nonlinear Rayleigh functionals, thesis, TU Berlin 2008).
 is halved.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cache, lru_cache
 
@@ -20,7 +20,7 @@ from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
 from estimator.machine import Machine
 from estimator.modes import Modes, modes
-from estimator.shaft import NODE_DOFS
+from estimator.shaft import NODE_DOFS, PLANE_DOFS
 from estimator.system_matrices import SystemMatrices
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model
@@ -61,7 +61,8 @@ class NominalCrossings:
 class FollowedCrossings:
     """The critical speeds of an updated model: `modes` of those that were followed, ascending, `number` (f,) of each.
 
-    count: how many the document's model has; a number that is not there could not be followed.
+    count: how many the document's model has; a number that is not there is so damped that nothing is felt of it any more, or
+    could not be followed.
     """
 
     modes: Modes
@@ -79,8 +80,16 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     way = _Way.between(expected_model(model.machine), model)
     ends = [way.followed(one) for one in _each(nominal.modes)]
     for place, end in enumerate(ends):
-        if end is not None and any(other is not None and _coincide(other, end, way.mass) for other in ends[:place]):
-            ends[place] = None  # two ways that end at one crossing: one of them has gone astray
+        if end is None:
+            continue
+        # Two ways that end at one crossing: one of them has gone astray.
+        astray = any(other is not None and _coincide(other, end, way.mass) for other in ends[:place])
+        if astray or end.damping_ratio[0] >= HEAVILY_DAMPED:
+            ends[place] = None
+    for place in sorted({place for pair in nominal.pairs for place in pair}):
+        if ends[place] is None:
+            known = [end for end in ends if end is not None]
+            ends[place] = _new_one(way.at(1.0), _each(nominal.modes)[place], known, direction=way.direction)
     found = [end for end in ends if end is not None]
     number = np.array([place for place, end in enumerate(ends) if end is not None], dtype=np.intp)
     return FollowedCrossings(_joined(found, nominal.modes.shape.shape[0]), number, len(ends), nominal.pairs)
@@ -118,6 +127,31 @@ class _Way:
             else:
                 return None
         return mode
+
+
+def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
+    """A felt crossing with the deflection line of a mode that is none of those known.
+
+    Equal planes make circles out of which any difference makes lines: no step is small enough for such a mode's shape.
+    """
+    mass = matrices(like.eigenvalue[0].imag).mass
+    line = _deflection_line(like.shape[:, 0], mass)
+    for guess in _polarised(line, complex(like.eigenvalue[0])):
+        found = corrected(matrices, guess, direction=direction)
+        if found is None or found.damping_ratio[0] >= HEAVILY_DAMPED or any(_coincide(one, found, mass) for one in known):
+            continue
+        other = _deflection_line(found.shape[:, 0], mass)
+        if assurance(line[:, None], other[:, None], _plane(mass))[0, 0] >= ALIKE:
+            return found
+    return None
+
+
+def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
+    """A deflection line (N/2,) in the one plane, in the other, and turning either way."""
+    displacement, slope = line[::PLANE_DOFS], line[1::PLANE_DOFS]
+    for x, y in ((1.0, 0.0), (0.0, 1.0), (1.0, -1j), (1.0, 1j)):
+        shape = np.stack([x * displacement, y * displacement, -y * slope, x * slope], axis=1).reshape(-1, 1)
+        yield Modes(np.array([eigenvalue]), shape, np.conj(shape))
 
 
 def corrected(matrices: MatricesOverSpeed, guess: Modes, *, direction: int) -> Modes | None:
@@ -170,7 +204,9 @@ def _nominal(document: str) -> NominalCrossings:
             continue
         guess = Modes(crowd.eigenvalue[[nearest]], basis @ crowd.shape[:, [nearest]], basis @ crowd.left[:, [nearest]])
         exact = corrected(model.matrices, guess, direction=direction)
-        if exact is not None and not any(_coincide(other, exact, mass) for other in found):
+        if exact is not None and any(_coincide(other, exact, mass) for other in found):
+            exact = _new_one(model.matrices, exact, found, direction=direction)
+        if exact is not None:
             found.append(exact)
     joined = _joined(found, mass.shape[0])
     return NominalCrossings(joined, _pairs(joined, mass))
