@@ -389,6 +389,20 @@ class BaselineRow(Base):
     created_at: Mapped[int]
 
 
+class LimitsRow(Base):
+    """One version of the limits that a person set for a machine; never changed. The newest is in force."""
+
+    __tablename__ = "limits"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    at: Mapped[int]
+    by: Mapped[str] = mapped_column(String(120))
+    comment: Mapped[str] = mapped_column(Text)
+
+
 class SubscriptionRow(Base):
     """Who is told of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
 

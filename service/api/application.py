@@ -13,6 +13,7 @@ from service.api import (
     event_stream,
     identifications,
     ingestion,
+    limits,
     machine_state,
     machines,
     measurements,
@@ -78,6 +79,7 @@ def application(
         alerts,
         suppressions,
         baselines,
+        limits,
         subscriptions,
         operations,
     ):
