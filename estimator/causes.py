@@ -5,17 +5,15 @@ bearings beside it grow together. A bearing or a coupling that changes alone is 
 coefficient; an error of a channel moves all that this channel is seen by, in proportions that the fit itself can tell.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from estimator.condensation import Floats
-from estimator.healthy_variation import complex_size
 from estimator.machine import Machine
 from estimator.misalignment import neighbouring_bearings
-from estimator.observation import Observation
 from estimator.parameters import Coefficient, Unknowns
 
 Kind = Literal["misalignment", "coupling", "bearing", "unbalance", "bow", "run_out", "sensor"]
@@ -50,17 +48,25 @@ class Hypothesis:
     rising: Floats
 
 
-def hypotheses(machine: Machine, unknowns: Unknowns, names: Sequence[str], typical: Observation) -> tuple[Hypothesis, ...]:
-    """Everything that a diagnosis of this machine chooses from."""
-    return tuple(_Builder(machine, unknowns, names, typical).all())
+def hypotheses(
+    machine: Machine, unknowns: Unknowns, names: Sequence[str], *, typical: Floats, amplitude: Mapping[str, float]
+) -> tuple[Hypothesis, ...]:
+    """Everything that a diagnosis of this machine chooses from.
+
+    typical: (N,) the quantities that `names` lists while the machine is healthy. amplitude: of each channel then [m].
+    """
+    return tuple(_Builder(machine, unknowns, names, typical, amplitude).all())
 
 
 class _Builder:
-    def __init__(self, machine: Machine, unknowns: Unknowns, names: Sequence[str], typical: Observation) -> None:
+    def __init__(
+        self, machine: Machine, unknowns: Unknowns, names: Sequence[str], typical: Floats, amplitude: Mapping[str, float]
+    ) -> None:
         self.machine = machine
         self.unknowns = unknowns
         self.names = list(names)
         self.typical = typical
+        self.amplitude = amplitude
         self.coefficients = {one.name: one for one in unknowns.coefficients}
 
     def all(self) -> Iterator[Hypothesis]:
@@ -73,24 +79,23 @@ class _Builder:
         for bearing in self.machine.bearings:
             own = f"bearing.{bearing.id}"
             yield Hypothesis("bearing", own, self._variants([own]), self._none())
-        median = float(np.median([complex_size(self.typical, one.name) for one in self.unknowns.unbalances]))
+        median = float(np.median([self._size(one.name) for one in self.unknowns.unbalances]))
         for plane in self.unknowns.unbalances:
-            columns = self._pair(plane.name, UNBALANCE * max(median, complex_size(self.typical, plane.name)))
+            columns = self._pair(plane.name, UNBALANCE * max(median, self._size(plane.name)))
             yield Hypothesis("unbalance", plane.element, (columns,), self._none())
         yield from self._channels()
 
     def _channels(self) -> Iterator[Hypothesis]:
-        every = max(self.typical.amplitude.values(), default=0.0)
         for probe in self.machine.probes:
             if f"probe.{probe.id}.gain.real" in self.names:
                 yield Hypothesis("sensor", f"probe.{probe.id}", (self._pair(f"probe.{probe.id}.gain", GAIN),), self._none())
             if f"probe.{probe.id}.run_out.real" in self.names:
-                yield Hypothesis("run_out", f"probe.{probe.id}", (self._run_out(probe.id, every),), self._none())
+                yield Hypothesis("run_out", f"probe.{probe.id}", (self._run_out(probe.id),), self._none())
         for shaft in self.machine.shafts:
             probes = [probe.id for probe in self.machine.probes if probe.shaft == shaft.id]
             known = [one for one in probes if f"probe.{one}.run_out.real" in self.names]
             if len(known) > 1:
-                columns = np.concatenate([self._run_out(one, every) for one in known], axis=1)
+                columns = np.concatenate([self._run_out(one) for one in known], axis=1)
                 yield Hypothesis("bow", f"shaft.{shaft.id}", (columns,), self._none())
 
     def _misalignment(self, own: str, beside: list[str]) -> Hypothesis:
@@ -114,7 +119,7 @@ class _Builder:
         """(N,) how all coefficients of an element change when they grow in proportion, as logarithms or in SI."""
         found = np.zeros(len(self.names))
         for place, one in self._of(element):
-            found[place] = 1.0 if one.direct else self.typical.reference[place]
+            found[place] = 1.0 if one.direct else self.typical[place]
         return found
 
     def _apart(self, element: str) -> list[Floats]:
@@ -143,8 +148,12 @@ class _Builder:
             columns[self.names.index(f"{name}.{part}"), column] = size
         return columns
 
-    def _run_out(self, probe: str, every: float) -> Floats:
-        return self._pair(f"probe.{probe}.run_out", RUN_OUT * (self.typical.amplitude.get(probe) or every or 1e-6))
+    def _run_out(self, probe: str) -> Floats:
+        return self._pair(f"probe.{probe}.run_out", RUN_OUT * self.amplitude[probe])
+
+    def _size(self, name: str) -> float:
+        """Magnitude of a complex quantity."""
+        return float(np.hypot(*(self.typical[self.names.index(f"{name}.{part}")] for part in ("real", "imaginary"))))
 
     def _none(self) -> Floats:
         return np.zeros((0, len(self.names)))

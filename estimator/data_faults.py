@@ -110,4 +110,5 @@ def _surprise(left_out: int, count: int) -> float:
 
 def _cause(kind: str, element: str, agreement: tuple[float, ...]) -> Cause:
     none = np.zeros(0)
-    return Cause(kind, element, math.fsum(agreement), (), none, np.zeros((0, 0)), agreement)
+    evidence = math.fsum(agreement)
+    return Cause(kind, element, evidence, (), none, np.zeros((0, 0)), math.sqrt(2.0 * evidence), agreement)

@@ -8,6 +8,7 @@ Gaussian. What explains most is taken first; more is added as long as the eviden
 a misalignment are both named.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -16,7 +17,7 @@ import scipy.special
 
 from estimator.causes import Hypothesis, hypotheses
 from estimator.condensation import Floats
-from estimator.healthy_variation import run_variation, slow_variation
+from estimator.healthy_variation import run_variation, slow_variation, typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
 from estimator.parameters import unknowns
@@ -42,9 +43,10 @@ OPEN = 1e-6
 class Cause:
     """Something that has happened.
 
-        evidence: log of the factor by which it makes the runs more probable, beside the other causes. names: of the
-    quantities that     it moves; change: by how much, logarithms or SI; covariance: of the change. agreement: per run of
-    the window the logarithm of     the factor by which the change makes this run by itself more probable.
+        evidence: log of the factor by which it makes the runs more probable, beside the other causes. names: of the quantities
+    that it moves; change: by how much, logarithms or SI; covariance: of the change. distance: of the change, in standard
+    deviations. agreement: per run of the window the logarithm of the factor by which the change makes this run by itself
+    more probable.
     """
 
     kind: str
@@ -53,6 +55,7 @@ class Cause:
     names: tuple[str, ...]
     change: Floats
     covariance: Floats
+    distance: float
     agreement: tuple[float, ...]
 
     @property
@@ -100,18 +103,19 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
     if any(one.names != names for one in baseline):
         raise ValueError("the baseline's identifications are of different quantities")
     unknown = unknowns(machine, assemble_rotor(machine))
-    typical = _typical(baseline)
-    unit = run_variation(unknown, names, typical)
-    precision = np.diag(OPEN + unit**2 * np.array([_believed(name, typical) for name in names]))
+    origin = np.median([one.reference for one in baseline], axis=0)
+    unit = run_variation(baseline)
+    precision = np.diag(OPEN + unit**2 * np.array([_believed(name, baseline) for name in names]))
     pull = np.zeros(len(names))
     for one in baseline:
-        seen, drawn = _through_variation(one, typical.reference, unit)
+        seen, drawn = _through_variation(one, origin, unit)
         precision += seen
         pull += drawn
     error = np.linalg.inv(precision)
     doubt = error + slow_variation(unknown, names) / np.outer(unit, unit)
-    found = hypotheses(machine, unknown, names, typical)
-    return Reference(names, typical.reference, unit, error @ pull, (doubt + doubt.T) / 2, found)
+    amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
+    found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
+    return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found)
 
 
 def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
@@ -213,8 +217,12 @@ class Deviation:
             names=tuple(self.baseline.names[place] for place in moved),
             change=change[moved],
             covariance=columns[moved] @ spread @ columns[moved].T,
+            distance=math.sqrt(max(0.0, float(mean @ self._pull_along(columns)))),
             agreement=tuple(float(white @ drawn - 0.5 * white @ seen @ white) for seen, drawn in self.runs),
         )
+
+    def _pull_along(self, columns: Floats) -> Floats:
+        return np.asarray((columns / self.baseline.unit[:, None]).T @ self.pull)
 
     def _by_variant(self, one: Hypothesis) -> tuple[float, ...]:
         if id(one) not in self._evidence:
@@ -226,7 +234,7 @@ class Deviation:
 
     def _evidence_of(self, columns: Floats, rising: Floats) -> float:
         white = columns / self.baseline.unit[:, None]
-        pull = white.T @ self.pull
+        pull = self._pull_along(columns)
         whole = np.eye(columns.shape[1]) + white.T @ self.precision @ white
         found = 0.5 * float(pull @ np.linalg.solve(whole, pull)) - 0.5 * float(np.linalg.slogdet(whole)[1])
         if len(rising):
@@ -240,7 +248,7 @@ class Deviation:
     def _posterior(self, columns: Floats) -> tuple[Floats, Floats]:
         white = columns / self.baseline.unit[:, None]
         spread = np.linalg.inv(np.eye(columns.shape[1]) + white.T @ self.precision @ white)
-        return np.asarray(spread @ (white.T @ self.pull)), np.asarray(spread)
+        return np.asarray(spread @ self._pull_along(columns)), np.asarray(spread)
 
 
 def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:
@@ -255,18 +263,11 @@ def _symmetric(matrix: Floats) -> Floats:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-def _typical(baseline: Sequence[Observation]) -> Observation:
-    """The observation in the middle of the baseline."""
-    middle = np.median([one.reference for one in baseline], axis=0)
-    return min(baseline, key=lambda one: float(np.sum(np.abs(one.reference - middle) / (np.abs(middle) + 1e-300))))
-
-
-def _believed(name: str, typical: Observation) -> float:
+def _believed(name: str, baseline: Sequence[Observation]) -> float:
     """Precision of what is believed of a channel's error before the baseline; 0 for everything else."""
     parts = name.split(".")
     if parts[0] != "probe":
         return 0.0
     if parts[2] == "gain":
         return 1.0 / GAIN_TOLERANCE**2
-    amplitude = typical.amplitude.get(parts[1]) or max(typical.amplitude.values(), default=0.0) or 1e-6
-    return 1.0 / (RUN_OUT_TOLERANCE * amplitude) ** 2
+    return 1.0 / (RUN_OUT_TOLERANCE * typical_amplitude(parts[1], baseline)) ** 2

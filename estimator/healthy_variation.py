@@ -1,27 +1,20 @@
 """How much a machine's parameters differ from run to run, and over the seasons, while nothing is wrong with it.
 
-Load and temperature are never quite the same, so that a deviation must be judged against more than the fit's own error. The
-variation is the sum of what is each coefficient's own, what all of an element share (a bearing's oil, a coupling's
-temperature), and what all stiffnesses of the machine share (the season).
+Load and temperature are never quite the same, so that a deviation must be judged against more than the fit's own error. What
+each parameter does by itself from run to run is taken from the baseline (`between_run_scatter`). What a baseline of a few
+weeks cannot show is what changes slowly: what all terms of an element share (a bearing's oil, a coupling's temperature), and
+what all stiffnesses of the machine share (the season).
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.between_run_scatter import between_run_scatter
 from estimator.condensation import Floats
 from estimator.observation import Observation
-from estimator.parameters import Coefficient, Quantity, Unknowns
+from estimator.parameters import SCALE_FACTORS, Quantity, Unknowns
 
-OWN: dict[Quantity, float] = {
-    "stiffness": 0.01,
-    "angular stiffness": 0.01,
-    "coupled stiffness": 0.01,
-    "inertia": 0.01,
-    "damping": 0.05,
-    "angular damping": 0.05,
-}
-"""Run-to-run standard deviation of each coefficient, relative; of a cross-coupled one to its element's direct terms."""
 SHARED: dict[Quantity, float] = {
     "stiffness": 0.02,
     "angular stiffness": 0.02,
@@ -32,26 +25,22 @@ SHARED: dict[Quantity, float] = {
 """Standard deviation of what the direct terms of one element share, between any two times of the year."""
 SEASON = 0.02
 """Standard deviation of what all direct stiffnesses of the machine share."""
-UNBALANCE = 0.03
-"""Of an unbalance, relative to its size, each way …"""
-UNBALANCE_FLOOR = 0.01
-"""… and relative to the machine's largest."""
 SCALE_FACTOR = 5e-4
-"""Of E and density: the steel stays the same."""
+"""Run-to-run standard deviation of E and density: the steel stays the same."""
 GAIN = 0.005
 """Of a channel's gain."""
 RUN_OUT = 0.005
 """Of a run-out, relative to the channel's median amplitude."""
-OTHER = 0.05
-"""Of bows, forces and moments, relative to their size."""
 
 
-def run_variation(unknowns: Unknowns, names: Sequence[str], typical: Observation) -> Floats:
-    """Run-to-run standard deviations (N,) of the quantities that `names` lists, each by itself.
-
-    typical: an observation of the healthy machine, for the sizes of its unbalances and amplitudes.
-    """
-    return np.array([_own(unknowns, name, typical) for name in names])
+def run_variation(baseline: Sequence[Observation]) -> Floats:
+    """Run-to-run standard deviations (N,) of the quantities of a baseline, each by itself."""
+    points = [one.point for one in baseline]
+    unit = np.array([_of_channel(name, baseline) for name in baseline[0].names])
+    own = np.sqrt(between_run_scatter(points).variance)
+    steel = [name.rpartition(".")[2] in SCALE_FACTORS for name in points[0].names]
+    unit[: own.size] = np.where(steel, SCALE_FACTOR, own)
+    return unit
 
 
 def slow_variation(unknowns: Unknowns, names: Sequence[str]) -> Floats:
@@ -68,34 +57,14 @@ def slow_variation(unknowns: Unknowns, names: Sequence[str]) -> Floats:
     return np.asarray(covariance)
 
 
-def _own(unknowns: Unknowns, name: str, typical: Observation) -> float:
-    coefficient = next((one for one in unknowns.coefficients if one.name == name.partition("@")[0]), None)
-    if coefficient is not None:
-        return _of_coefficient(coefficient)
-    whole, _, part = name.rpartition(".")
-    if part not in ("real", "imaginary"):
-        return SCALE_FACTOR
-    kind, channel = whole.rpartition(".")[2], whole.split(".")[1]
-    if kind == "gain":
-        return GAIN
-    if kind == "run_out":
-        return RUN_OUT * typical.amplitude.get(channel, 0.0) or RUN_OUT * _largest_amplitude(typical)
-    size = complex_size(typical, whole)
-    if kind == "unbalance":
-        planes = [complex_size(typical, one.name) for one in unknowns.unbalances]
-        return UNBALANCE * size + UNBALANCE_FLOOR * max(planes)
-    return OTHER * size or 1.0
+def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:
+    """Median amplitude [m] of a channel in a baseline; that of the largest channel where it had no phasors."""
+    own = float(np.median([one.amplitude.get(channel, 0.0) for one in baseline]))
+    return own or max((size for one in baseline for size in one.amplitude.values()), default=0.0) or 1e-6
 
 
-def complex_size(typical: Observation, name: str) -> float:
-    """Magnitude of a complex quantity."""
-    real, imaginary = (typical.reference[typical.names.index(f"{name}.{part}")] for part in ("real", "imaginary"))
-    return float(np.hypot(real, imaginary))
-
-
-def _of_coefficient(one: Coefficient) -> float:
-    return OWN[one.quantity] * (1.0 if one.direct else one.scale)
-
-
-def _largest_amplitude(typical: Observation) -> float:
-    return max(typical.amplitude.values(), default=0.0) or 1e-6
+def _of_channel(name: str, baseline: Sequence[Observation]) -> float:
+    parts = name.split(".")
+    if parts[0] != "probe":
+        return 0.0
+    return GAIN if parts[2] == "gain" else RUN_OUT * typical_amplitude(parts[1], baseline)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.baseline import Point
 from estimator.channel_effects import ChannelEffects
 from estimator.condensation import Floats
 from estimator.identification import Identification
@@ -18,12 +19,14 @@ from estimator.identification import Identification
 class Observation:
     """names: (N,) of the quantities z: logarithms of direct terms and scale factors, everything else in SI.
 
-    reference (N,), gradient (N,), information (N, N): the likelihood, see above. accepted, chi_square, degrees_of_freedom: of
+    coordinates: how many of them are the fit's own, the others are errors of channels. reference (N,), gradient (N,),
+    information (N, N): the likelihood, see above. accepted, chi_square, degrees_of_freedom: of
     the fit, from so many samples. phasors: how many of each channel were used, outliers: how many were left out,
     amplitude: their median [m].
     """
 
     names: tuple[str, ...]
+    coordinates: int
     reference: Floats
     gradient: Floats
     information: Floats
@@ -34,6 +37,12 @@ class Observation:
     phasors: dict[str, int]
     outliers: dict[str, int]
     amplitude: dict[str, float]
+
+    @property
+    def point(self) -> Point:
+        """The fit's own estimates, with their covariance when the channels are as the document has them."""
+        own = slice(self.coordinates)
+        return Point(self.names[own], self.reference[own], inverse(self.information[own, own]))
 
 
 def observed(identification: Identification, channels: tuple[str, ...]) -> Observation:
@@ -66,7 +75,7 @@ def observation(
     outliers: dict[str, int],
 ) -> Observation:
     """The same from the parts of an identification; without effects nothing is said of the channels."""
-    own = _inverse(covariance)
+    own = inverse(covariance)
     names, information, gradient = coordinates, own, np.zeros(len(coordinates))
     phasors: dict[str, int] = {}
     amplitude: dict[str, float] = {}
@@ -80,6 +89,7 @@ def observation(
         amplitude = dict(zip(channels, effects.amplitude, strict=True))
     return Observation(
         names=names,
+        coordinates=len(coordinates),
         reference=np.concatenate([point, np.zeros(len(names) - len(point))]),
         gradient=gradient,
         information=information,
@@ -93,8 +103,8 @@ def observation(
     )
 
 
-def _inverse(covariance: Floats) -> Floats:
-    """Inverse of a covariance whose coordinates are of very different sizes."""
+def inverse(covariance: Floats) -> Floats:
+    """Inverse of a covariance or an information matrix whose coordinates are of very different sizes."""
     size = np.sqrt(np.diag(covariance))
     inverse = np.linalg.inv(covariance / np.outer(size, size)) / np.outer(size, size)
     return np.asarray((inverse + inverse.T) / 2)

@@ -4,79 +4,73 @@ A step shows in the newest runs at once, a creeping change only in the mean of s
 averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from estimator.data_faults import CHANNEL_KINDS, explained_channels, fits, lost_channels, many_outliers, misfit
-from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, diagnose
+from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, diagnose, reference
+from estimator.machine import Machine
 from estimator.observation import Observation
 
 LONGEST = 3
 """The longest window has so many times as many runs as must agree."""
 GONE = 0.3
 """A cause that was said to be there is gone when its evidence falls below this part of what it took to say so."""
+Delay = Callable[[str, str], int]
+"""How many runs must agree on a cause of that kind at that element."""
 
 
 @dataclass(frozen=True)
-class Statement:
-    """causes: with their runners-up, strongest first. runs: of the window that showed them. standing: (kind, element) of all
-    that cannot be said to be gone."""
+class Watch:
+    """A machine under watch: the baseline's observations and what they say together."""
 
-    causes: tuple[Cause, ...]
-    runners_up: tuple[tuple[Cause, ...], ...]
-    runs: int
-    standing: frozenset[tuple[str, str]]
+    baseline: tuple[Observation, ...]
+    reference: Reference
 
+    @classmethod
+    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
+        """From the observations of a healthy machine. Raises ValueError as `reference` does."""
+        return cls(tuple(baseline), reference(machine, baseline))
 
-def window_lengths(on_delay: int) -> tuple[int, ...]:
-    """Numbers of runs that are looked at together, shortest first, where so many must agree."""
-    return tuple(sorted({on_delay, on_delay + 1, LONGEST * on_delay}))
+    def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
+        """What the newest of the runs after the baseline, oldest first, agree on."""
+        causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
+        for length in self._window_lengths(on_delay):
+            if length > len(after):
+                break
+            found = self._diagnosis(after[-length:])
+            for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
+                needed = on_delay(cause.kind, cause.element)
+                if needed <= length and min(cause.agreement[-needed:]) > 0.0:
+                    causes.setdefault((cause.kind, cause.element), (cause, runners_up))
+            if causes:
+                break
+        order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
+        return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
 
+    def gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
+        """Whether the newest runs show a cause no more."""
+        if len(after) < off_delay:
+            return False
+        window = after[-off_delay:]
+        whole = self._diagnosis(window)
+        if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
+            return False
+        channels = explained_channels(whole)
+        if not all(fits(one, channels) for one in window) and kind not in CHANNEL_KINDS:
+            return kind in ("misfit", "outliers") and all(one.accepted for one in window)
+        return diagnose(self.reference, window).evidence.get((kind, element), 0.0) < GONE * STRONG
 
-def statement(
-    baseline: Sequence[Observation], reference: Reference, after: Sequence[Observation], *, on_delay: int, off_delay: int
-) -> Statement:
-    """What the runs after the baseline, oldest first, say. on_delay: so many newest runs must agree before a cause is named.
+    def _window_lengths(self, on_delay: Delay) -> list[int]:
+        delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}
+        return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
 
-    off_delay: so many must show a cause no more before it is gone.
-    """
-    found = Diagnosis((), ())
-    runs = 0
-    for length in window_lengths(on_delay):
-        if length > len(after):
-            break
-        found, runs = _agreed(baseline, reference, after[-length:], on_delay), length
-        if found.causes:
-            break
-    standing = {(cause.kind, cause.element) for cause in found.causes}
-    if after:
-        standing |= _standing(baseline, reference, after[-off_delay:])
-    if len(after) < off_delay:
-        standing |= {(one.kind, one.element) for one in reference.hypotheses}
-    return Statement(found.causes, found.runners_up, runs, frozenset(standing))
-
-
-def _agreed(baseline: Sequence[Observation], reference: Reference, window: Sequence[Observation], on_delay: int) -> Diagnosis:
-    """The diagnosis of a window, without causes that not every one of the newest runs agrees on."""
-    found = _whole(baseline, reference, window)
-    kept = [i for i, cause in enumerate(found.causes) if min(cause.agreement[-on_delay:]) > 0.0]
-    return Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
-
-
-def _whole(baseline: Sequence[Observation], reference: Reference, window: Sequence[Observation]) -> Diagnosis:
-    """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
-    found = diagnose(reference, window)
-    channels = explained_channels(found)
-    if not all(fits(one, channels) for one in window):
-        kept = [i for i, cause in enumerate(found.causes) if cause.kind in CHANNEL_KINDS]
-        found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
-    beside = (*lost_channels(baseline, window), *misfit(window, found), *many_outliers(window))
-    return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
-
-
-def _standing(baseline: Sequence[Observation], reference: Reference, window: Sequence[Observation]) -> set[tuple[str, str]]:
-    """What some evidence is left for in the newest runs."""
-    found = diagnose(reference, window)
-    whole = _whole(baseline, reference, window)
-    left = {key for key, evidence in found.evidence.items() if evidence >= GONE * STRONG}
-    return left | {(cause.kind, cause.element) for cause in whole.causes}
+    def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
+        """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
+        found = diagnose(self.reference, window)
+        channels = explained_channels(found)
+        if not all(fits(one, channels) for one in window):
+            kept = [i for i, cause in enumerate(found.causes) if cause.kind in CHANNEL_KINDS]
+            found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
+        beside = (*lost_channels(self.baseline, window), *misfit(window, found), *many_outliers(window))
+        return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
