@@ -10,6 +10,7 @@ from fastapi_offline import FastAPIOffline
 from service.api import (
     alerts,
     baselines,
+    diagnoses,
     event_stream,
     identifications,
     ingestion,
@@ -75,6 +76,7 @@ def application(
         orbits,
         run_quality,
         identifications,
+        diagnoses,
         event_stream,
         alerts,
         suppressions,
