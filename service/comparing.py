@@ -40,7 +40,7 @@ class Compared:
         if number in {row.id for row in self.baseline}:
             return f"identification {number} is part of the baseline"
         if not self.after or self.after[-1].id != number:
-            return f"identification {number} does not count: it was not accepted, or its run was identified again"
+            return f"identification {number} does not count: not accepted, identified again, or dated in the future"
         return None
 
 

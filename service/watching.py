@@ -11,6 +11,7 @@ from estimator.misalignment import MisalignmentEvidence, determines, misalignmen
 from service import alerting
 from service.alerting import Finding
 from storage import alerts, baselines, identifications, jobs, machines
+from storage.clock import now
 from storage.identifications import Like
 from storage.tables import IdentificationRow
 
@@ -31,10 +32,19 @@ class Judgement:
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
     """Open, update or close the machine's misalignment alerts after an identification was stored."""
-    if stored.scope != jobs.RUN or not stored.accepted:
+    if stored.scope != jobs.RUN or not stored.accepted or _of_the_past(session, stored):
         return
     for judgement in judgements(session, stored, baseline_runs=baseline_runs):
         _act(session, judgement)
+
+
+def _of_the_past(session: Session, stored: IdentificationRow) -> bool:
+    """Whether a late run belongs to the machine as it was: alerts speak of the machine as it is."""
+    newest = machines.get(session, stored.machine_id).revision
+    if stored.revision not in machines.comparable(session, stored.machine_id, newest):
+        return True
+    then, today = (baselines.in_force(session, stored.machine_id, at=moment) for moment in (stored.measured_at, now()))
+    return then is not today
 
 
 def judgements(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> list[Judgement]:

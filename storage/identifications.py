@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session, undefer
 from estimator.baseline import Point
 from estimator.identification import Identification
 from estimator.parameters import is_direct
-from storage.clock import now
+from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
 from storage.runs import DISCARDED
 from storage.tables import EstimateRow, IdentificationRow, RunRow
@@ -161,6 +161,7 @@ def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | No
     """The newest accepted identification of a single run, of any kind, that counts."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
     query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
 
@@ -195,10 +196,11 @@ def counting(machine_id: str) -> Select[int]:
 
 
 def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+    """Without what a clock that was wrong dated in the future: it would be the newest for as long as that takes to come."""
     return (
         select(IdentificationRow)
         .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
-        .where(IdentificationRow.measured_at >= like.since)
+        .where(IdentificationRow.measured_at >= like.since, IdentificationRow.measured_at <= now() + TOLERANCE)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))
