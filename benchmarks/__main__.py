@@ -12,10 +12,11 @@ from benchmarks import (
     phasors,
     states,
     throughput,
+    trend_tests,
     updated_model,
 )
 
-WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life)
+WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life, trend_tests)
 WITHOUT = (latency, throughput, many_sources)
 
 if __name__ == "__main__":
