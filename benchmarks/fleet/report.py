@@ -19,7 +19,7 @@ from benchmarks.fleet.amount import (
     rises,
 )
 from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
-from benchmarks.fleet.judging import Named, Outcome, Rule, earlier_rule, judged
+from benchmarks.fleet.judging import Named, Outcome, Rule, judged, service_rule
 from benchmarks.fleet.measuring import PROCESSES, Ordered, fleet
 from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
 
@@ -239,7 +239,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = SHORT if options.short else fleets(options.scale)
     orders = [order for one in chosen if one.scenario in (options.only or SCENARIOS) for order in one.orders(options.seed)]
     began = time.monotonic()
-    found = results(orders, earlier_rule, processes=options.processes)
+    found = results(orders, service_rule, processes=options.processes)
     years = sum(order.watched for order in orders) / WEEKS_A_YEAR
     print(f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed},", end=" ")
     print(f"{time.monotonic() - began:.0f} s\n")
