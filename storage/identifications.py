@@ -1,5 +1,6 @@
 """Repository of identifications and of the parameter history that they make."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -155,6 +156,25 @@ def newest_runs(session: Session, machine_id: str, like: Like, *, until: int, li
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
+def last_accepted(
+    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None
+) -> Sequence[IdentificationRow]:
+    """The newest accepted identifications of single runs that are alike, measured up to a time [ns], newest first."""
+    query = _accepted_runs(machine_id, like)
+    if last is not None:
+        query = query.where(IdentificationRow.measured_at <= last)
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(limit)).all()
+
+
+def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | None:
+    """The newest accepted identification of a single run, of any kind, that counts."""
+    query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
+    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(1)).one_or_none()
+
+
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
     """Those of some identifications that are accepted and alike, oldest first; whenever they were measured.
 
@@ -232,6 +252,27 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
     return Point(
         tuple(names), np.log(np.array([values[name] for name in names])), covariance(row)[np.ix_(index, index)].copy()
     )
+
+
+def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
+    """Per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else SI."""
+    found: dict[int, dict[str, float]] = {row.id: {} for row in rows}
+    query = select(EstimateRow).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))
+    for one in session.scalars(query):
+        if one.value is None:
+            continue
+        values = found[one.identification_id]
+        if one.imaginary is not None:
+            values[f"{one.parameter}.real"], values[f"{one.parameter}.imaginary"] = one.value, one.imaginary
+        else:
+            values[one.parameter] = math.log(one.value) if is_direct(one.parameter) else one.value
+    return {row.id: _point(row, found[row.id]) for row in rows}
+
+
+def _point(row: IdentificationRow, values: dict[str, float]) -> Point:
+    names = [name for name in row.coordinates if name in values]
+    index = [row.coordinates.index(name) for name in names]
+    return Point(tuple(names), np.array([values[name] for name in names]), covariance(row)[np.ix_(index, index)].copy())
 
 
 def history(

@@ -10,6 +10,7 @@ from fastapi_offline import FastAPIOffline
 from service.api import (
     alerts,
     baselines,
+    deviations,
     diagnoses,
     event_stream,
     identifications,
@@ -30,6 +31,7 @@ from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
+from service.settings import DEFAULT_BASELINE_RUNS
 from service.submissions import Submissions
 from storage.database import Database
 
@@ -43,10 +45,11 @@ def application(
     try_out: TryOut | None = None,
     submissions: Submissions | None = None,
     depth: Callable[[], int] | None = None,
+    baseline_runs: int = DEFAULT_BASELINE_RUNS,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
-    this process stores.
+    this process stores. baseline_runs: as in the settings.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -64,6 +67,7 @@ def application(
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
@@ -81,6 +85,7 @@ def application(
         alerts,
         suppressions,
         baselines,
+        deviations,
         limits,
         subscriptions,
         operations,
