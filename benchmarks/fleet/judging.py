@@ -1,6 +1,6 @@
 """What a rule says week after week about a machine, and how that compares with what befell it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History
@@ -18,7 +18,6 @@ Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""
 Standing = tuple[frozenset[Named], ...]
 """The alerts that stand after each week, of the baseline's weeks too, in which there are none."""
-Rule = Callable[[History, Sequence[Identification]], Standing]
 
 
 @dataclass(frozen=True)
