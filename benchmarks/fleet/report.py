@@ -70,11 +70,11 @@ def fleets(scale: float) -> tuple[Fleet, ...]:
 
 
 SHORT = (
-    Fleet("healthy", {SMALL: 2}, watched=30),
+    Fleet("healthy", {SMALL: 2}, watched=16),
     Fleet("unbalance step", {SMALL: 2}, watched=10),
     Fleet("probe lost", {SMALL: 2}, watched=10),
-    Fleet("misalignment step", {SMALL: 4, MIDDLE: 2}, watched=8),
-    Fleet("misalignment drift", {SMALL: 2}, watched=40),
+    Fleet("misalignment step", {SMALL: 2, MIDDLE: 2}, watched=8),
+    Fleet("misalignment drift", {SMALL: 2}, watched=34),
     Fleet("bearing step", {SMALL: 2}, watched=10),
 )
 """Enough to see that everything runs; says next to nothing about rates."""
