@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.change_size import change_size
-from estimator.diagnosis import Diagnosis
+from estimator.change_size import ChangeSize, change_size
+from estimator.diagnosis import Cause, Diagnosis
 from estimator.healthy_variation import typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
@@ -51,7 +51,7 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
     found = comparison(session, stored, baseline_runs=baseline_runs)
     if found is None:
         return
-    diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: _delays(limits, kind, element)[0])
+    diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     statements = _statements(session, found, diagnosis, stored)
     diagnoses.keep(
         session,
@@ -116,7 +116,8 @@ def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: 
     """Open an alert or bring it up to date, where a limit is reached."""
     rule, element = rule_of(one.cause), one.cause.element
     present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
-    severity = _severity(limits, one, None if present is None else Severity(present.severity))
+    held = None if present is None else Severity(present.severity)
+    severity = cause_severity(limits, one.cause, one.size, force=one.force, present=held)
     if severity is None:
         return None
     finding = Finding(
@@ -130,22 +131,25 @@ def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: 
     return alerting.raise_alert(session, stored.machine_id, rule=rule, element=element, finding=finding)
 
 
-def _severity(limits: Limits, one: Statement, present: Severity | None) -> Severity | None:
-    rule = rule_of(one.cause)
-    if rule in DATA_RULES or one.size.per_cent is None:
+def cause_severity(
+    limits: Limits, cause: Cause, size: ChangeSize, *, force: float | None, present: Severity | None
+) -> Severity | None:
+    """How severe a cause of a size is, with the force in the coupling [N] and the severity that its alert has so far."""
+    rule = rule_of(cause)
+    if rule in DATA_RULES or size.per_cent is None:
         return Severity.ALERT
     return severity_of(
         limits,
         rule,
-        sigma=one.cause.distance,
-        per_cent=one.size.per_cent,
-        force=one.force,
+        sigma=cause.distance,
+        per_cent=size.per_cent,
+        force=force,
         present=present,
-        element=one.cause.element,
+        element=cause.element,
     )
 
 
-def _delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
+def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
     """How many runs in a row open and clear an alert."""
     rule = rule_of(kind)
     if rule in DATA_RULES:
@@ -164,7 +168,7 @@ def _clear_if_gone(
 ) -> None:
     kind = str(alert.evidence.get("kind", alert.rule))
     still = [one for one in statements if (one.cause.kind, one.cause.element) == (kind, alert.element)]
-    off_delay = _delays(limits, kind, alert.element)[1]
+    off_delay = delays(limits, kind, alert.element)[1]
     # What is still seen, but below its limit with the hysteresis taken off, has returned as well.
     if still or found.watch.gone(found.observations, kind, alert.element, off_delay=off_delay):
         alerting.clear_alert(session, alert)
