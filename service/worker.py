@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import threadpoolctl
 
+from estimator.derived import Derived, derived_quantities
 from estimator.gate import Gated, identify_gated
 from estimator.gathering import combined
 from estimator.identification import Identification, Options
@@ -44,11 +45,15 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`."""
+    """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`.
+
+    derived: what follows from an accepted identification.
+    """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
     error: str | None = None
+    derived: tuple[Derived, ...] = ()
 
 
 class OutOfTime(RuntimeError):
@@ -74,7 +79,9 @@ def compute(task: Task) -> Outcome:
         found = [one.identification for one in gated if one.identification is not None]
         if len(found) < len(gated):
             return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
-        return Outcome(qualities, found[0] if len(found) == 1 else combined(found))
+        result = found[0] if len(found) == 1 else combined(found)
+        derived = derived_quantities(machine, result) if result.accepted else ()
+        return Outcome(qualities, result, derived=derived)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 

@@ -217,21 +217,3 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
     return Point(
         tuple(names), np.log(np.array([values[name] for name in names])), covariance(row)[np.ix_(index, index)].copy()
     )
-
-
-def history(
-    session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
-) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
-    """The history of some parameters between two times [ns], oldest first: one point per run, see `counting`."""
-    query = (
-        select(EstimateRow, IdentificationRow)
-        .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
-        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
-        .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
-    )
-    if first is not None:
-        query = query.where(EstimateRow.measured_at >= first)
-    if last is not None:
-        query = query.where(EstimateRow.measured_at <= last)
-    return [(estimate, identification) for estimate, identification in session.execute(query)]

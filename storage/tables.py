@@ -231,6 +231,8 @@ class IdentificationRow(Base):
     outliers: Mapped[dict[str, Any] | None]
     point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     slow_roll_version: Mapped[int | None]
+    conditions: Mapped[dict[str, Any] | None]
+    """Mean of each operating condition over the runs, null where it was not measured; null as a whole where none is named."""
 
 
 class EstimateRow(Base):
@@ -252,6 +254,24 @@ class EstimateRow(Base):
     upper: Mapped[float | None]
     imaginary: Mapped[float | None]
     imaginary_standard_error: Mapped[float | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+
+
+class DerivedRow(Base):
+    """One quantity that follows from an identification, see `estimator.derived`. Values are null for a `reason`."""
+
+    __tablename__ = "derived_quantities"
+    __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(160), primary_key=True)
+    place: Mapped[int]
+    machine_id: Mapped[str] = mapped_column(String(64))
+    measured_at: Mapped[int]
+    unit: Mapped[str] = mapped_column(String(16))
+    value: Mapped[float | None]
+    lower: Mapped[float | None]
+    upper: Mapped[float | None]
     reason: Mapped[str | None] = mapped_column(Text)
 
 
@@ -367,6 +387,20 @@ class BaselineRow(Base):
     reason: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(String(120))
     created_at: Mapped[int]
+
+
+class LimitsRow(Base):
+    """One version of the limits that a person set for a machine; never changed. The newest is in force."""
+
+    __tablename__ = "limits"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    at: Mapped[int]
+    by: Mapped[str] = mapped_column(String(120))
+    comment: Mapped[str] = mapped_column(Text)
 
 
 class SubscriptionRow(Base):

@@ -17,6 +17,7 @@ from service.api import (
     fleet,
     identifications,
     ingestion,
+    limits,
     machine_state,
     machines,
     measurements,
@@ -94,6 +95,7 @@ def application(
         alerts,
         suppressions,
         baselines,
+        limits,
         subscriptions,
         operations,
     ):

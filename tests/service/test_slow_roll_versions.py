@@ -18,7 +18,7 @@ from service.journal import Journal
 from service.requesting import quality_rules
 from service.settings import Settings
 from service.watching import judgements
-from storage import identifications, jobs, machines, runs
+from storage import identifications, jobs, machines, runs, trends
 from storage.blocks import Samples, encode
 from storage.database import Database
 from storage.identifications import Like
@@ -302,11 +302,11 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         made: list[int] = []
 
         def counted() -> tuple[list[int], list[int]]:
-            rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
+            history = trends.histories(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
             accepted = identifications.first_accepted(session, "pump-7", like, limit=10)
             newest = identifications.last_accepted(session, "pump-7", like, limit=10)
             assert [row.id for row in newest] == [row.id for row in reversed(accepted)]
-            return [row.id for _, row in rows], [row.id for row in accepted]
+            return history.identification.tolist(), [row.id for row in accepted]
 
         assert counted() == ([first, other], [first, other])
         again(accepted=False)  # a refused one takes nobody's place
@@ -328,8 +328,8 @@ def test_of_a_run_that_was_never_accepted_the_newest_identification_shows(plant:
         assert job is not None
         origin = identifications.Origin("pump-7", 1, job.id, jobs.RUN, "run-down", [1], START, {}, "0.1.0")
         newest = identifications.add(session, origin, identification(accepted=False)).id
-        rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
-        assert [row.id for _, row in rows] == [newest]
+        history = trends.histories(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
+        assert history.identification.tolist() == [newest]
 
 
 def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database) -> None:
