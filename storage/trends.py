@@ -24,7 +24,7 @@ Stamp = tuple[int | None, ...]
 
 @dataclass(frozen=True)
 class History:
-    """One parameter or derived quantity over n identifications, oldest first; (n,) each. Times in ns since 1970; NaN: no value.
+    """One parameter or derived quantity at n identifications, oldest first; (n,) each. Times [ns since 1970]; NaN: no value.
 
     standard_error: of a parameter's value; imaginary: of an unbalance, whose value is the real part.
     """
