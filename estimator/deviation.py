@@ -104,6 +104,19 @@ class Whitening:
             degrees_of_freedom=found.degrees_of_freedom,
         )
 
+    def part(self, names: Sequence[str]) -> "Whitening":
+        """The same for fewer coordinates."""
+        index = [self.names.index(name) for name in names]
+        return Whitening(
+            names=tuple(names),
+            count=self.count,
+            centre=self.centre[index],
+            size=self.size[index],
+            scatter=self.scatter[index],
+            own=self.own[np.ix_(index, index)],
+            degrees_of_freedom=self.degrees_of_freedom[index],
+        )
+
     def change(self, now: Point) -> Floats:
         """Changes (N,) of a point that has all names [-]."""
         return (now.of(self.names).value - self.centre) / self.size
@@ -150,12 +163,9 @@ def element_of(name: str) -> str:
     return ".".join(name.split(".", 2)[:2])
 
 
-def element_distance(white: Whitening, now: Point, element: str) -> ElementDistance:
-    """Distance of one element of a point that has all names. Raises ValueError for an element without coordinates."""
-    index = [i for i, name in enumerate(white.names) if element_of(name) == element]
-    if not index:
-        raise ValueError(f"nothing of {element} is compared")
-    return _element(white, white.change(now), white.covariance(now), index)
+def element_distance(white: Whitening, now: Point) -> ElementDistance:
+    """Distance of the element that all coordinates of `white` belong to, of a point that has them."""
+    return _element(white, white.change(now), white.covariance(now), list(range(len(white.names))))
 
 
 def chance_of_distance(squared: float, *, size: int, degrees_of_freedom: float) -> float:

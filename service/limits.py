@@ -37,6 +37,16 @@ ELEMENTS: Mapping[str, tuple[str, ...]] = {
 }
 """Kinds of elements that each rule speaks of."""
 
+CHANGES: Mapping[str, RuleName] = {
+    "bearing": "bearing",
+    "seal": "bearing",
+    "coupling": "coupling",
+    "disc": "unbalance",
+    "shaft": "run_out",
+    "probe": "sensor",
+}
+"""The rule whose limits the changes of each kind of element are measured by."""
+
 Limit = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -211,6 +221,11 @@ def severity_of(
         if level.reached(found, sigma=needed, part=part):
             return severity
     return None
+
+
+def rule_of(element: str) -> RuleName | None:
+    """The rule whose limits changes of an element, such as `bearing.B1`, are measured by; None where there is none."""
+    return CHANGES.get(element.split(".", 1)[0])
 
 
 def require_suited(limits: Limits, machine: Machine) -> None:

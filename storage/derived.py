@@ -32,3 +32,9 @@ def of_identification(session: Session, identification_id: int) -> Sequence[Deri
     """All quantities derived from one identification, in the order in which they were stored."""
     query = select(DerivedRow).where(DerivedRow.identification_id == identification_id).order_by(DerivedRow.place)
     return session.scalars(query).all()
+
+
+def value(session: Session, identification_id: int, name: str) -> float | None:
+    """The value of one derived quantity; None where there is none."""
+    row = session.get(DerivedRow, (identification_id, name))
+    return None if row is None else row.value

@@ -26,7 +26,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         for number, some in enumerate(quantities, start=1):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number * HOUR)
             derived.add(session, row, some)
-    with served(plant) as url, httpx.Client(base_url=url) as client:
+    with served(plant) as url, httpx.Client(base_url=url, timeout=20.0) as client:
         yield client
 
 
