@@ -130,6 +130,17 @@ def covariance(row: IdentificationRow) -> np.ndarray[tuple[int, int], np.dtype[n
     return np.frombuffer(row.covariance, "<f8").reshape(size, size)
 
 
+def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
+    """Values over the row's coordinates, as `Identification.point`; None where an older release identified.
+
+    Raises IdentificationUnknown.
+    """
+    row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.point)])
+    if row is None:
+        raise IdentificationUnknown(identification_id)
+    return None if row.point is None else np.frombuffer(row.point, "<f8")
+
+
 def of_machine(
     session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
 ) -> Sequence[IdentificationRow]:
@@ -271,21 +282,3 @@ def _point(row: IdentificationRow, values: dict[str, float]) -> Point:
     names = [name for name in row.coordinates if name in values]
     index = [row.coordinates.index(name) for name in names]
     return Point(tuple(names), np.array([values[name] for name in names]), covariance(row)[np.ix_(index, index)].copy())
-
-
-def history(
-    session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
-) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
-    """The history of some parameters between two times [ns], oldest first: one point per run, see `counting`."""
-    query = (
-        select(EstimateRow, IdentificationRow)
-        .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
-        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
-        .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
-    )
-    if first is not None:
-        query = query.where(EstimateRow.measured_at >= first)
-    if last is not None:
-        query = query.where(EstimateRow.measured_at <= last)
-    return [(estimate, identification) for estimate, identification in session.execute(query)]
