@@ -4,12 +4,12 @@ from collections.abc import Callable
 from importlib.metadata import version
 
 from fastapi import APIRouter, FastAPI
-from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
     baselines,
+    dashboard,
     event_stream,
     identifications,
     ingestion,
@@ -84,9 +84,5 @@ def application(
         router.include_router(part.router)
     app.include_router(router)
     app.include_router(metrics.router)
-
-    @app.get("/", include_in_schema=False)
-    def root() -> RedirectResponse:
-        return RedirectResponse(f"{PREFIX}/docs")
-
+    app.include_router(dashboard.router)
     return app

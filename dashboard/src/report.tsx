@@ -1,0 +1,1 @@
+export function Report({ id }: { id: string }) { return <p>{id}</p>; }

@@ -1,0 +1,2 @@
+import type { Document } from "./answers";
+export function TrendsView({ machine }: { machine: Document }) { return <p>{machine.id}</p>; }
