@@ -23,11 +23,13 @@ from service.api import (
     slow_roll,
     subscriptions,
     suppressions,
+    trends,
 )
 from service.api.event_stream import Broadcaster
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
+from service.api.trend_columns import KeptHistories
 from service.submissions import Submissions
 from storage.database import Database
 
@@ -62,6 +64,7 @@ def application(
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.histories = KeptHistories(database)
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
@@ -74,6 +77,7 @@ def application(
         orbits,
         run_quality,
         identifications,
+        trends,
         event_stream,
         alerts,
         suppressions,

@@ -152,23 +152,6 @@ def job(row: JobRow) -> schemas.JobOut:
     )
 
 
-def series(parameter: str, rows: list[tuple[EstimateRow, IdentificationRow]]) -> schemas.Series:
-    return schemas.Series(
-        parameter=parameter,
-        unit=rows[0][0].unit if rows else None,
-        measured_at=[to_datetime(e.measured_at) for e, _ in rows],
-        computed_at=[to_datetime(i.computed_at) for _, i in rows],
-        value=[e.value for e, _ in rows],
-        standard_error=[e.standard_error for e, _ in rows],
-        lower=[e.lower for e, _ in rows],
-        upper=[e.upper for e, _ in rows],
-        imaginary=[e.imaginary for e, _ in rows],
-        accepted=[i.accepted for _, i in rows],
-        run_kind=[i.run_kind for _, i in rows],
-        identification=[i.id for _, i in rows],
-    )
-
-
 def source(row: SourceRow) -> schemas.SourceOut:
     return schemas.SourceOut(
         machine=row.machine_id,

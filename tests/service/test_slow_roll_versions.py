@@ -1,9 +1,7 @@
 """Slow-roll vectors and repeated identifications over the API and in real workers: versions, raw data kept, what counts."""
 
-import asyncio
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 import yaml
@@ -14,7 +12,6 @@ from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
 from service import requesting, worker
-from service.api.application import application
 from service.collection import Collector
 from service.identifying import Identifying
 from service.journal import Journal
@@ -25,6 +22,7 @@ from storage import identifications, jobs, machines, runs
 from storage.blocks import Samples, encode
 from storage.database import Database
 from storage.identifications import Like
+from tests.asking import Api
 from tests.estimator.trains import ROOT
 from tests.plant import (
     CHANNELS,
@@ -39,28 +37,10 @@ from tests.plant import (
     wait_until,
 )
 
-PREFIX = "/api/v1"
 PUMP = "/machines/pump-7/slow-roll"
 TRAIN = "thesis-chapter-3"
 RUN_OUT = 2e-4 * np.exp(1j * np.arange(8))
 """Of each channel of the train [m]."""
-
-
-class Api:
-    """The application, asked as over HTTP; every answer is a value, errors as problem details."""
-
-    def __init__(self, database: Database) -> None:
-        self.app = application(database, dict)
-
-    def __call__(self, method: str, path: str, status: int = 200, **arguments: Any) -> Any:
-        answer = asyncio.run(self._ask(method, PREFIX + path, **arguments))
-        assert answer.status_code == status, answer.text
-        return answer.json()
-
-    async def _ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
-        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
-            return await client.request(method, path, **arguments)
 
 
 @pytest.fixture
