@@ -7,45 +7,13 @@ export interface MachineSummary {
   revision: number;
 }
 
-export interface Section {
-  length: number;
-  outer_diameter: number;
-  inner_diameter: number;
-}
-
-export interface Placed {
-  id: string;
-  shaft: string;
-  station: number;
-}
-
-export interface Disc extends Placed {
-  mass: number;
-  polar_inertia: number;
-}
-
-export interface Probe extends Placed {
-  angle_deg: number;
-}
-
-export interface Coupling {
-  id: string;
-  driver: string;
-  driven: string;
-}
-
 export interface Document {
   id: string;
   plant: string;
   name: string;
-  rotation: "positive" | "negative";
   speed_range: { minimum_rpm: number; maximum_rpm: number };
-  shafts: { id: string; sections: Section[] }[];
-  discs: Disc[];
-  bearings: Placed[];
-  seals: Placed[];
-  couplings: Coupling[];
-  probes: Probe[];
+  couplings: { id: string }[];
+  probes: { id: string }[];
 }
 
 export interface MachineRevision {
@@ -207,4 +175,108 @@ export interface Orbits {
   orbits: Orbit[];
   without: string[][];
   findings: { code: string; channels: string[]; words: string }[];
+}
+
+export interface Series {
+  parameter: string;
+  unit: string | null;
+  down_sampling?: { method: string; points: number };
+  measured_at: string[];
+  value: (number | null)[];
+  lower: (number | null)[];
+  upper: (number | null)[];
+  quality: string[];
+  run_kind: string[];
+  identification: number[];
+  baseline?: { lower: number; centre: number; upper: number } | null;
+}
+
+export interface Trends {
+  machine: string;
+  scope: string;
+  series: Series[];
+}
+
+type Column = (number | null)[];
+
+export interface Bode {
+  fitted: { speed: number[]; channels: { channel: string; amplitude: Column; phase: Column; lower: Column; upper: Column }[] };
+  measured: MeasuredRun[];
+}
+
+export interface MeasuredRun {
+  run: number;
+  speed: number[];
+  channels: { channel: string; amplitude: Column; phase: Column; used: boolean[]; residual: Column; residual_sigma: Column }[];
+}
+
+export interface CriticalSpeed {
+  speed: number;
+  standard_error: number | null;
+  lower: number | null;
+  upper: number | null;
+  damping_ratio: number;
+  log_decrement: number;
+  whirl: number;
+}
+
+export interface CriticalSpeeds {
+  highest: number;
+  critical_speeds: CriticalSpeed[];
+}
+
+export interface Campbell {
+  speed: number[];
+  synchronous_hz: Column;
+  curves: { frequency_hz: Column; damping_ratio: Column; whirl: Column }[];
+  critical_speeds: CriticalSpeed[];
+}
+
+export interface Displacement {
+  real: number[];
+  imaginary: number[];
+}
+
+export interface ModeShape {
+  frequency_hz: number;
+  standard_error_hz: number | null;
+  damping_ratio: number;
+  log_decrement: number;
+  whirl: number;
+  shafts: { shaft: string; at: number[]; x: Displacement; y: Displacement; semi_major: number[]; semi_minor: number[] }[];
+}
+
+export interface Modes {
+  speed: number;
+  modes: ModeShape[];
+}
+
+export interface Load {
+  amplitude: Column;
+  lower: Column;
+  upper: Column;
+  phase: Column;
+}
+
+export interface MisalignmentForce {
+  speed: number[];
+  couplings: { coupling: string; force_x: Load; force_y: Load; moment_x: Load; moment_y: Load }[];
+}
+
+export interface Balancing {
+  speed: number[];
+  corrections: { plane: string; unbalance_g_mm: number; angle_deg: number }[];
+  before: { channel: string; amplitude: Column; lower: Column; upper: Column }[];
+  after: { channel: string; amplitude: Column; lower: Column; upper: Column }[];
+  condition_number: number;
+}
+
+export interface Drawing {
+  length: number;
+  sections: { shaft: string; begin: number; end: number; outer_diameter: number; inner_diameter: number }[];
+  discs: { element: string; at: number; radius: number | null; width: number | null }[];
+  bearings: { element: string; at: number }[];
+  seals: { element: string; at: number }[];
+  couplings: { element: string; at: number }[];
+  probes: { channel: string; at: number; angle_deg: number }[];
 }

@@ -3,7 +3,7 @@ import type { Document, MachineState, Phasors } from "./answers";
 import { Panel } from "./parts";
 import { Plot } from "./plot";
 import { useResource } from "./resource";
-import { byspeed } from "./sweep";
+import { bySpeed } from "./sweep";
 
 const MS = 1500;
 
@@ -11,7 +11,7 @@ export function LiveRun({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
   const phasors = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, MS).data;
   if (!run) return null;
-  const sweep = phasors && byspeed(phasors);
+  const sweep = phasors && bySpeed(phasors);
   return (
     <Panel title={`Run ${run.id}, as it comes`} class="live">
       {sweep ? (

@@ -1,5 +1,5 @@
 // The machine at a glance: the train with what has changed, its alerts, its newest runs.
-import type { Alert, Document, Run } from "./answers";
+import type { Alert, Document, Drawing, Run } from "./answers";
 import { Alerts } from "./alerts";
 import { query } from "./api";
 import { marksOf } from "./deviations";
@@ -12,15 +12,21 @@ import { Train } from "./train";
 
 export function Overview({ machine }: { machine: Document }) {
   const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts${query({ open: true })}`, 10_000);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   return (
     <>
       <Panel title="Train" aside={<Legend />}>
-        <Train
-          machine={machine}
-          marks={marksOf(alerts.data ?? [])}
-          chosen={null}
-          onChoose={(element) => go(["machines", machine.id, "trends"], { element })}
-        />
+        <Shown answer={drawing} lines={15}>
+          {(found) => (
+            <Train
+              name={machine.name}
+              drawing={found}
+              marks={marksOf(alerts.data ?? [])}
+              chosen={null}
+              onChoose={(element) => go(["machines", machine.id, "trends"], { element })}
+            />
+          )}
+        </Shown>
       </Panel>
       <div class="columns">
         <Panel title="Open alerts">

@@ -17,6 +17,10 @@ export interface Curve {
   upper?: (number | null)[];
   /** Beside the others for comparison: paler. */
   faint?: boolean;
+  /** Joined over points that other curves have and it has not. */
+  spans?: boolean;
+  /** Not named above the plot nor read out: it goes with another. */
+  aside?: boolean;
 }
 
 export interface Marker {
@@ -47,9 +51,21 @@ export interface PlotProps {
 }
 
 const DASHES: number[][] = [[], [7, 3], [2, 3], [9, 3, 2, 3], [12, 4], [4, 2]];
+/** Colours and dashes of curves; beyond them they begin again. */
 export const STYLES = 6;
-const GLYPHS: Record<Marker["kind"], string> = { alert: "▲", danger: "◆", maintenance: "✚", note: "●", speed: "" };
+/** Signs of the markers. */
+export const MARKS: Record<Marker["kind"], string> = { alert: "▲", danger: "◆", maintenance: "✚", note: "●", speed: "" };
 const ALPHA = 0.2;
+const DAY_S = 86_400;
+/** Labels of a time axis by the distance of its marks: what every mark says, and what is added where year or day changes. */
+const DATES: uPlot.Axis.Values = [
+  [365 * DAY_S, "{YYYY}", null, null, null, null, null, null, 1],
+  [28 * DAY_S, "{MMM}", "\n{YYYY}", null, null, null, null, null, 1],
+  [DAY_S, "{D} {MMM}", "\n{YYYY}", null, null, null, null, null, 1],
+  [3600, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
+  [60, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
+  [1, "{HH}:{mm}:{ss}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
+];
 
 export function Plot(props: PlotProps) {
   const place = useRef<HTMLDivElement>(null);
@@ -78,8 +94,11 @@ export function Plot(props: PlotProps) {
   }, [shape]);
 
   useEffect(() => {
-    plot.current?.setData(data(props), !zoomed(plot.current));
-    plot.current?.redraw();
+    const made = plot.current;
+    if (!made) return;
+    const kept = zoomed(made);
+    made.setData(data(props), !kept);
+    if (kept) made.redraw();
   }, [props.x, props.curves, props.band, props.markers, props.xRange?.[0], props.xRange?.[1]]);
 
   const last = props.x.length - 1;
@@ -95,11 +114,11 @@ export function Plot(props: PlotProps) {
   );
 }
 
-function Names({ curves }: { curves: Curve[] }) {
+export function Names({ curves }: { curves: Pick<Curve, "name" | "style" | "faint" | "aside">[] }) {
   return (
     <span class="names">
       {curves
-        .filter((one) => !one.faint)
+        .filter((one) => !one.faint && !one.aside)
         .map((one, index) => (
           <span key={one.name} class={`series s${(one.style ?? index) % STYLES}`}>
             {one.name}
@@ -112,7 +131,7 @@ function Names({ curves }: { curves: Curve[] }) {
 function values(props: PlotProps): (index: number) => string {
   return (index) => {
     const x = `${number(props.x[index], 4)} ${props.xUnit ?? ""}`;
-    const said = props.curves.filter((one) => !one.faint && one.y[index] !== null).map((one) => `${one.name} ${number(one.y[index])}`);
+    const said = props.curves.filter((one) => !one.faint && !one.aside && (one.y[index] ?? null) !== null).map((one) => `${one.name} ${number(one.y[index])}`);
     return `${x}: ${said.join(", ")} ${props.yUnit}`;
   };
 }
@@ -176,11 +195,12 @@ function options(
       width: one.line === false ? 0 : one.faint ? 1 : 1.6,
       dash: DASHES[style] ?? [],
       points: { show: one.points ?? false, size: one.faint ? 4 : 5, width: 1, stroke, fill: one.faint ? "transparent" : stroke },
-      spanGaps: false,
+      spanGaps: one.spans ?? false,
     });
     if (one.lower && one.upper) {
       const main = series.length - 1;
-      series.push({ stroke: "transparent", points: { show: false }, width: 0 }, { stroke: "transparent", points: { show: false }, width: 0 });
+      const bound: uPlot.Series = { stroke: "transparent", points: { show: false }, width: 0, spanGaps: one.spans ?? false };
+      series.push(bound, { ...bound });
       bands.push({ series: [main + 2, main + 1], fill: faded(stroke) });
     }
   });
@@ -195,8 +215,8 @@ function options(
       y: { range: (_, min, max) => yRange(latest.current, min, max) },
     },
     axes: [
-      { ...axis, size: 34, values: props.time ? undefined : (_, ticks) => ticks.map((tick) => String(tick)) },
-      { ...axis, size: 54, values: (_, ticks) => ticks.map((tick) => number(tick, 4).replace(/\.?0+$/, (zeros) => (zeros.startsWith(".") ? "" : zeros))), label: props.yUnit, labelSize: 16, labelFont: "11px system-ui, sans-serif", labelGap: 0 },
+      { ...axis, size: 34, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
+      { ...axis, size: 54, values: (_, ticks) => ticks.map(short), label: props.yUnit, labelSize: 16, labelFont: "11px system-ui, sans-serif", labelGap: 0 },
     ],
     cursor: {
       drag: { x: true, y: false, setScale: true },
@@ -230,6 +250,11 @@ function yRange(props: PlotProps, min: number | null, max: number | null): [numb
   return [low >= 0 && low - room < 0 ? 0 : low - room, high + room];
 }
 
+function short(tick: number): string {
+  const text = number(tick, 4);
+  return text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text;
+}
+
 function faded(stroke: string): string {
   return /^#[0-9a-f]{6}$/i.test(stroke) ? `${stroke}${Math.round(255 * ALPHA).toString(16)}` : stroke;
 }
@@ -259,7 +284,7 @@ function markers(made: uPlot, { markers: wanted }: PlotProps): void {
     ctx.moveTo(x, bbox.top);
     ctx.lineTo(x, bbox.top + bbox.height);
     ctx.stroke();
-    ctx.fillText(GLYPHS[one.kind], x, bbox.top + 10 * devicePixelRatio);
+    ctx.fillText(MARKS[one.kind], x, bbox.top + 10 * devicePixelRatio);
   }
   ctx.restore();
 }

@@ -10,7 +10,7 @@ export interface Sweep {
   lag: (number | null)[][];
 }
 
-export function byspeed(phasors: Phasors): Sweep {
+export function bySpeed(phasors: Phasors): Sweep {
   const order = phasors.speed_rpm.map((_, index) => index).sort((a, b) => phasors.speed_rpm[a]! - phasors.speed_rpm[b]!);
   const sorted = <T>(values: T[]): T[] => order.map((index) => values[index]!);
   return {

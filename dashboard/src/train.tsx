@@ -1,5 +1,6 @@
 // The train drawn to scale from its document: shafts, discs, bearings, seals, couplings, probes.
-import type { Document } from "./answers";
+import type { Drawing } from "./answers";
+import { elementName } from "./format";
 import { layout, type Layout } from "./layout";
 
 /** How far an element is from its baseline; the words go beside it, so that colour is never alone. */
@@ -13,14 +14,15 @@ const MARGIN = 24;
 const GLYPHS: Record<Mark["level"], string> = { normal: "", changed: "●", alert: "▲", danger: "◆", unknown: "" };
 
 interface Props {
-  machine: Document;
+  name: string;
+  drawing: Drawing;
   marks: Map<string, Mark>;
   chosen: string | null;
   onChoose: (element: string) => void;
 }
 
-export function Train({ machine, marks, chosen, onChoose }: Props) {
-  const plan = layout(machine);
+export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
+  const plan = layout(drawing);
   const scale = (WIDTH - 2 * MARGIN) / plan.length;
   // Radii are drawn to the same scale as lengths, unless the train is so slender that nothing would be seen.
   const stretch = Math.max(1, 26 / (plan.radius * scale));
@@ -29,35 +31,35 @@ export function Train({ machine, marks, chosen, onChoose }: Props) {
   const height = axis + tall + 64;
   const at = (z: number) => MARGIN + z * scale;
   const thick = (radius: number) => Math.min(tall, radius * scale * stretch);
-  const element = (name: string, kind: string, shape: preact.ComponentChildren, x: number, y: number) => {
-    const mark = marks.get(name) ?? { level: "unknown", words: "" };
+  const element = (id: string, kind: string, shape: preact.ComponentChildren, x: number, y: number) => {
+    const mark = marks.get(id) ?? { level: "unknown", words: "" };
     return (
       <g
-        key={name}
-        class={`element ${kind} ${mark.level} ${chosen === name ? "chosen" : ""}`}
+        key={id}
+        class={`element ${kind} ${mark.level} ${chosen === id ? "chosen" : ""}`}
         tabIndex={0}
         role="button"
-        aria-label={`${name.replace(".", " ")}${mark.words ? `: ${mark.words}` : ""}`}
-        data-element={name}
-        onClick={() => onChoose(name)}
-        onKeyDown={(event: KeyboardEvent) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), onChoose(name))}
+        aria-label={`${elementName(id)}${mark.words ? `: ${mark.words}` : ""}`}
+        data-element={id}
+        onClick={() => onChoose(id)}
+        onKeyDown={(event: KeyboardEvent) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), onChoose(id))}
       >
-        <title>{`${name.replace(".", " ")}${mark.words ? `\n${mark.words}` : ""}`}</title>
+        <title>{`${elementName(id)}${mark.words ? `\n${mark.words}` : ""}`}</title>
         {shape}
         <text x={x} y={y} text-anchor="middle">
-          {GLYPHS[mark.level]} {name.split(".")[1]}
+          {GLYPHS[mark.level]} {id.split(".")[1]}
         </text>
       </g>
     );
   };
   return (
     <figure class="train">
-      <svg viewBox={`0 0 ${WIDTH} ${height}`} role="group" aria-label={`${machine.name}, drawn to scale from driver to driven`}>
+      <svg viewBox={`0 0 ${WIDTH} ${height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={axis} y2={axis} />
         {plan.sections.map((one) => (
           <rect
             class="section"
-            x={at(one.z)}
+            x={at(one.at)}
             width={one.length * scale}
             y={axis - thick(one.radius)}
             height={2 * thick(one.radius)}
@@ -67,44 +69,44 @@ export function Train({ machine, marks, chosen, onChoose }: Props) {
           const half = thick(one.radius);
           const wide = Math.max(7, one.width * scale);
           return element(
-            `disc.${one.id}`,
+            one.element,
             "disc",
-            <rect x={at(one.z) - wide / 2} width={wide} y={axis - half} height={2 * half} rx={1.5} />,
-            at(one.z),
+            <rect x={at(one.at) - wide / 2} width={wide} y={axis - half} height={2 * half} rx={1.5} />,
+            at(one.at),
             axis - half - 6,
           );
         })}
         {plan.couplings.map((one) => {
           const half = Math.max(16, thick(one.radius) + 5);
           return element(
-            `coupling.${one.id}`,
+            one.element,
             "coupling",
             <>
-              <rect x={at(one.z) - 9} width={7} y={axis - half} height={2 * half} rx={1.5} />
-              <rect x={at(one.z) + 2} width={7} y={axis - half} height={2 * half} rx={1.5} />
-              <path d={`M${at(one.z) - 2} ${axis - half + 3}L${at(one.z) + 2} ${axis - half + 8}M${at(one.z) - 2} ${axis + half - 3}L${at(one.z) + 2} ${axis + half - 8}`} />
+              <rect x={at(one.at) - 9} width={7} y={axis - half} height={2 * half} rx={1.5} />
+              <rect x={at(one.at) + 2} width={7} y={axis - half} height={2 * half} rx={1.5} />
+              <path d={`M${at(one.at) - 2} ${axis - half + 3}L${at(one.at) + 2} ${axis - half + 8}M${at(one.at) - 2} ${axis + half - 3}L${at(one.at) + 2} ${axis + half - 8}`} />
             </>,
-            at(one.z),
+            at(one.at),
             axis - half - 6,
           );
         })}
         {plan.bearings.map((one) => {
           const foot = axis + thick(one.radius);
           return element(
-            `bearing.${one.id}`,
+            one.element,
             "bearing",
-            <path d={`M${at(one.z)} ${foot}l-11 19h22zM${at(one.z) - 15} ${foot + 22}h30`} />,
-            at(one.z),
+            <path d={`M${at(one.at)} ${foot}l-11 19h22zM${at(one.at) - 15} ${foot + 22}h30`} />,
+            at(one.at),
             foot + 37,
           );
         })}
         {plan.seals.map((one) => {
           const foot = axis + thick(one.radius);
           return element(
-            `seal.${one.id}`,
+            one.element,
             "seal",
-            <path d={`M${at(one.z) - 8} ${foot + 2}l4 7l4 -7l4 7l4 -7`} />,
-            at(one.z),
+            <path d={`M${at(one.at) - 8} ${foot + 2}l4 7l4 -7l4 7l4 -7`} />,
+            at(one.at),
             foot + 24,
           );
         })}
@@ -121,10 +123,10 @@ function Probes(props: { plan: Layout; at: (z: number) => number; y: number; thi
     <>
       {props.plan.probes.map((one) => (
         <g class="probe">
-          <title>{`probes ${one.ids.join(", ")}`}</title>
+          <title>{`probes ${one.channels.join(", ")}`}</title>
           <path
-            d={`M${props.at(one.z)} ${props.y - props.thick(one.radius) - 3}v-12m-3.5 0h7`}
-            aria-label={`probes ${one.ids.join(", ")}`}
+            d={`M${props.at(one.at)} ${props.y - props.thick(one.radius) - 3}v-12m-3.5 0h7`}
+            aria-label={`probes ${one.channels.join(", ")}`}
           />
         </g>
       ))}
