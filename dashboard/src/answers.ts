@@ -280,3 +280,24 @@ export interface Drawing {
   couplings: { element: string; at: number }[];
   probes: { channel: string; at: number; angle_deg: number }[];
 }
+
+export interface FleetMachine {
+  id: string;
+  plant: string;
+  name: string;
+  state: string;
+  state_since: string | null;
+  speed_rpm: number | null;
+  newest_sample_at: string | null;
+  open_run: OpenRun | null;
+  last_run: { id: number; kind: string; state: string; started_at: string } | null;
+  last_identification: { id: number; measured_at: string; accepted: boolean; verdict: string } | null;
+  open_alerts: Record<string, number>;
+  unacknowledged: number;
+  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline", number>;
+}
+
+export interface Fleet {
+  since: string;
+  machines: FleetMachine[];
+}
