@@ -126,6 +126,17 @@ def covariance(row: IdentificationRow) -> np.ndarray[tuple[int, int], np.dtype[n
     return np.frombuffer(row.covariance, "<f8").reshape(size, size)
 
 
+def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
+    """Values over the row's coordinates, as `Identification.point`; None where an older release identified.
+
+    Raises IdentificationUnknown.
+    """
+    row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.point)])
+    if row is None:
+        raise IdentificationUnknown(identification_id)
+    return None if row.point is None else np.frombuffer(row.point, "<f8")
+
+
 def of_machine(
     session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
 ) -> Sequence[IdentificationRow]:

@@ -9,14 +9,19 @@ from fastapi_offline import FastAPIOffline
 from service.api import (
     alerts,
     baselines,
+    bode,
+    comparisons,
     dashboard,
+    drawing,
     event_stream,
+    fleet,
     identifications,
     ingestion,
     machine_state,
     machines,
     measurements,
     metrics,
+    model,
     operations,
     orbits,
     run_quality,
@@ -26,6 +31,7 @@ from service.api import (
     trends,
 )
 from service.api.event_stream import Broadcaster
+from service.api.kept_answers import KeptAnswers
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
@@ -64,19 +70,25 @@ def application(
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.answers = KeptAnswers()
     app.state.histories = KeptHistories(database)
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
     for part in (
         machines,
+        fleet,
         machine_state,
         slow_roll,
         measurements,
         ingestion,
         orbits,
         run_quality,
+        drawing,
+        comparisons,
         identifications,
+        model,
+        bode,
         trends,
         event_stream,
         alerts,

@@ -10,11 +10,11 @@ from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
+from storage.fleet import ListedMachine
 from storage.tables import (
     EstimateRow,
     IdentificationRow,
     JobRow,
-    MachineRow,
     QuarantineRow,
     RevisionRow,
     RunRow,
@@ -36,9 +36,9 @@ def _rpm(speed: float | None) -> float | None:
     return None if speed is None else rad_per_s_to_rpm(speed)
 
 
-def machine_summary(row: MachineRow, document: Machine) -> schemas.MachineSummary:
+def machine_summary(one: ListedMachine) -> schemas.MachineSummary:
     return schemas.MachineSummary(
-        id=row.id, plant=row.plant, name=document.name, revision=row.revision, created_at=to_datetime(row.created_at)
+        id=one.id, plant=one.plant, name=one.name, revision=one.revision, created_at=to_datetime(one.created_at)
     )
 
 

@@ -121,8 +121,8 @@ def _columns(history: History) -> Columns:
     quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)
     return Columns(
         history=history,
-        measured_at=_texts(history.measured_at),
-        computed_at=_texts(history.computed_at),
+        measured_at=texts(history.measured_at),
+        computed_at=texts(history.computed_at),
         value=value,
         standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
         quality=quality.astype(np.object_),
@@ -130,6 +130,7 @@ def _columns(history: History) -> Columns:
     )
 
 
-def _texts(nanoseconds: trends.Integers) -> Texts:
+def texts(nanoseconds: trends.Integers) -> Texts:
+    """Times [ns since 1970] as RFC 3339 in UTC, to the microsecond."""
     moments = (nanoseconds // 1000).astype("datetime64[us]")
     return np.datetime_as_string(moments, timezone="UTC").astype(np.object_)
