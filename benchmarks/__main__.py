@@ -9,13 +9,14 @@ from benchmarks import (
     latency,
     many_sources,
     orbit_sense,
+    page_paint,
     phasors,
     states,
     throughput,
     updated_model,
 )
 
-WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life)
+WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life, page_paint)
 WITHOUT = (latency, throughput, many_sources)
 
 if __name__ == "__main__":

@@ -172,7 +172,7 @@ function Forces({ path }: { path: string }) {
 function BalancingPanel({ path }: { path: string }) {
   const answer = useResource<Balancing>(path);
   return (
-    <Panel title="Balancing proposal" aside={<p class="muted">Unbalance to add, from the identified model, without trial weights</p>}>
+    <Panel title="Balancing proposal" aside={<p class="muted">Unbalance to add, from the identified model, without trial weights; what is left is the model's uncertainty</p>}>
       <Shown answer={answer} lines={8}>
         {(found) => (
           <div class="columns">
@@ -199,7 +199,7 @@ function BalancingPanel({ path }: { path: string }) {
                 <tr>
                   <th>Channel</th>
                   <th class="number">Largest now</th>
-                  <th class="number">Largest then</th>
+                  <th class="number">Largest then, 95 %</th>
                 </tr>
               </thead>
               <tbody>
@@ -207,7 +207,7 @@ function BalancingPanel({ path }: { path: string }) {
                   <tr key={one.channel}>
                     <td>{one.channel}</td>
                     <td class="number">{number(largest(one.amplitude))} µm pp</td>
-                    <td class="number">{number(largest(found.after[at]?.amplitude ?? []))} µm pp</td>
+                    <td class="number">below {number(largest(found.after[at]?.upper ?? []))} µm pp</td>
                   </tr>
                 ))}
               </tbody>

@@ -29,13 +29,13 @@ export function Overview({ machine }: { machine: Document }) {
         </Shown>
       </Panel>
       <div class="columns">
-        <Panel title="Open alerts">
-          <Alerts answer={alerts} none="No alert is open." />
-        </Panel>
         <div>
+          <Panel title="Open alerts">
+            <Alerts answer={alerts} none="No alert is open." />
+          </Panel>
           <LiveRun machine={machine} />
-          <Runs machine={machine} />
         </div>
+        <Runs machine={machine} />
       </div>
     </>
   );

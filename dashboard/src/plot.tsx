@@ -55,6 +55,11 @@ const DASHES: number[][] = [[], [7, 3], [2, 3], [9, 3, 2, 3], [12, 4], [4, 2]];
 export const STYLES = 6;
 /** Signs of the markers. */
 export const MARKS: Record<Marker["kind"], string> = { alert: "▲", danger: "◆", maintenance: "✚", note: "●", speed: "" };
+/** Of a curve, by its style: beyond the last colour the dashes move on by one, so that no two curves look alike. */
+function dash(style: number): number[] {
+  return DASHES[(style + Math.floor(style / STYLES)) % DASHES.length]!;
+}
+
 const ALPHA = 0.2;
 const DAY_S = 86_400;
 /** Labels of a time axis by the distance of its marks: what every mark says, and what is added where year or day changes. */
@@ -106,7 +111,7 @@ export function Plot(props: PlotProps) {
   return (
     <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out.`} onKeyDown={(event) => keyed(event, plot.current, last)}>
       <div class="readout" aria-live="off">
-        {last < 0 ? "no values" : index === null ? (props.readOut ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
+        {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
         {index === null && !props.readOut && <Names curves={props.curves} />}
       </div>
       <div ref={place} class="canvas" style={{ height: `${height}px` }} />
@@ -120,7 +125,10 @@ export function Names({ curves }: { curves: Pick<Curve, "name" | "style" | "fain
       {curves
         .filter((one) => !one.faint && !one.aside)
         .map((one, index) => (
-          <span key={one.name} class={`series s${(one.style ?? index) % STYLES}`}>
+          <span key={one.name} class={`curve s${(one.style ?? index) % STYLES}`}>
+            <svg width={24} height={8} aria-hidden="true">
+              <path d="M0 4h24" stroke-dasharray={dash(one.style ?? index).join(" ")} />
+            </svg>{" "}
             {one.name}
           </span>
         ))}
@@ -187,13 +195,13 @@ function options(
   const series: uPlot.Series[] = [{}];
   const bands: uPlot.Band[] = [];
   props.curves.forEach((one, index) => {
-    const style = (one.style ?? index) % STYLES;
-    const stroke = one.faint ? colour("faint") : colour(`s${style}`);
+    const style = one.style ?? index;
+    const stroke = one.faint ? colour("faint") : colour(`s${style % STYLES}`);
     series.push({
       label: one.name,
       stroke,
       width: one.line === false ? 0 : one.faint ? 1 : 1.6,
-      dash: DASHES[style] ?? [],
+      dash: dash(style),
       points: { show: one.points ?? false, size: one.faint ? 4 : 5, width: 1, stroke, fill: one.faint ? "transparent" : stroke },
       spanGaps: one.spans ?? false,
     });

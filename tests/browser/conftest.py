@@ -2,28 +2,17 @@
 
 import os
 import re
-import shutil
 import subprocess
 from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.end_to_end.processes import EXAMPLES, ROOT, Service, process, until
+from tests.browser.story import installed, launch, tell
+from tests.end_to_end.processes import ROOT, Service
 
-MACHINE = "thesis-chapter-3"
-CYCLES = 8
 PICTURES = ROOT / "artefacts" / "browser"
 """Where screenshots are left for people to look at; not committed."""
-FLAGS = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
 PATIENCE_MS = 20_000
 
 
@@ -59,9 +48,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
 def serving(place: Service) -> Iterator[subprocess.Popen[bytes]]:
     """The process of a service that has watched a coupling go out of alignment for some weeks, and still runs."""
     with place.running() as started:
-        place.create(MACHINE)
-        simulate(place, MACHINE, cycles=CYCLES, rate=1000, wait_s=90, story="misalignment")
-        until(place.idle, within_s=90, what="all runs are identified")
+        tell(place)
         yield started
 
 
@@ -72,28 +59,16 @@ def service(place: Service, serving: subprocess.Popen[bytes]) -> Service:
     return place
 
 
-def simulate(service: Service, machine: str, *, cycles: int, rate: float, wait_s: float, story: str = "healthy") -> None:
-    """Run-ups and run-downs over zenoh until all of them are closed."""
-    flags = ["--cycles", str(cycles), "--samples", "60", "--rate", str(rate), "--seed", "3", "--connect", service.endpoint]
-    with process(service.folder / "simulate.log", "simulate", f"{EXAMPLES / machine}.yaml:{story}", *flags):
-        until(lambda: len(closed(service, machine)) == 2 * cycles, within_s=wait_s, what=f"the runs of {machine} are closed")
-
-
-def closed(service: Service, machine: str) -> list[int]:
-    """Closed runs."""
-    return [run["id"] for run in service.get(f"/machines/{machine}/runs") if run["state"] == "closed"]
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """Headless Chromium."""
-    program = shutil.which("chromium")
+    program = installed()
     if program is None:
         if os.environ.get("RUNDOWN_REQUIRE_ALL"):
             pytest.fail("chromium is not installed; .ci/run installs it")
         pytest.skip("chromium is not installed")
     with sync_playwright() as playwright:
-        launched = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        launched = launch(playwright, program)
         yield launched
         launched.close()
 
