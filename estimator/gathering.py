@@ -52,6 +52,7 @@ def combined(results: Sequence[Identification]) -> Identification:
         speed_minimum=min(result.speed_minimum for result in results),
         speed_maximum=max(result.speed_maximum for result in results),
         outliers=dict(sum((Counter(result.outliers) for result in results), Counter())),
+        channel_effects=None,
     )
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from estimator.channel_effects import ChannelEffects, channel_effects
 from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
 from estimator.estimates import Estimate, determined, estimates
@@ -57,6 +58,7 @@ class Identification:
     verdict says it in words. condition_number: of the correlation form of the information matrix. samples: used in the fit.
     point: (N,) the values over `coordinates`, of what is not estimable too: for computing on, never for showing.
     noise: as stated or estimated. outliers: per channel the number of phasors that were left out as no noise explains them.
+    channel_effects: what errors of single channels would do to the fit; None where several fits are combined.
     """
 
     estimates: tuple[Estimate, ...]
@@ -75,6 +77,7 @@ class Identification:
     speed_maximum: float
     noise: Noise
     outliers: dict[str, int]
+    channel_effects: ChannelEffects | None = None
 
     @property
     def correlation(self) -> Floats:
@@ -285,4 +288,5 @@ def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identif
         speed_maximum=float(speed.max()),
         noise=found.noise,
         outliers={channel: int(count) for channel, count in zip(problem.train.channels, left_out, strict=True) if count},
+        channel_effects=channel_effects(problem, found, inflation=beside.inflation),
     )

@@ -219,6 +219,9 @@ class Operation(_Part):
         default=None,
         description="a run-down from speed that is faster than this is a trip [r/min per s]; by default twice the usual one",
     )
+    running_rpm: Positive | None = Field(
+        default=None, description="speed at which it works, for loads at running speed [r/min]; by default a run's highest"
+    )
     longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
         default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
     )

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.condensation import Complexes, Floats
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.forced_response import coefficient_slopes, forced_response
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS
 from estimator.updated_model import UpdatedModel
+from estimator.whirl import orbit
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class CouplingForce:
 
     force_x, force_y: (S,) [N]; moment_x, moment_y: (S,) about x and y [N m]. The coupling pushes its driven half with them
     and its driver half with the opposite. An equivalent load that was identified acts beside them and is not in them.
+    force, moment: (S,) along the major axis of the ellipse that they run through in a turn: the most that they reach in it.
     """
 
     coupling: str
@@ -32,6 +34,8 @@ class CouplingForce:
     force_y: PhasorBand
     moment_x: PhasorBand
     moment_y: PhasorBand
+    force: PhasorBand
+    moment: PhasorBand
 
 
 def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForce, ...]:
@@ -61,4 +65,12 @@ def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> Coupli
         for place, by_coordinate in slopes.get(k, {}).items():
             load_slope[:, component, place] += by_coordinate * deformation
     bands = [phasor_band(load[:, dof], load_slope[:, dof], model.covariance) for dof in range(NODE_DOFS)]
-    return CouplingForce(coupling, speed, *bands)
+    largest = [_along_major_axis(load[:, pair], load_slope[:, pair], model) for pair in (slice(0, 2), slice(2, 4))]
+    return CouplingForce(coupling, speed, *bands, *largest)
+
+
+def _along_major_axis(load: Complexes, slope: Complexes, model: UpdatedModel) -> PhasorBand:
+    """Of a load (S, 2) over two axes with slopes (S, 2, n). To first order the axis itself stays where it is."""
+    inclination = orbit(load[:, 0], load[:, 1], direction=model.machine.direction).inclination
+    axis = np.stack([np.cos(inclination), np.sin(inclination)], axis=1)
+    return phasor_band(np.sum(axis * load, axis=1), np.sum(axis[:, :, None] * slope, axis=1), model.covariance)

@@ -64,6 +64,10 @@ def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
         if count > LARGEST_ELEMENT_COUNT:
             message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
             yield _problem(("element_length",), machine.element_length, message)
+    running, highest = machine.operation.running_rpm, machine.speed_range.maximum_rpm
+    if running is not None and running > highest:
+        message = f"lies above the speed range, which ends at {highest:g} r/min"
+        yield _problem(("operation", "running_rpm"), running, message)
     yield from _coupling_problems(machine)
     yield from _dependence_problems(machine)
     yield from _rule_problems(machine)

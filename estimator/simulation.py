@@ -112,13 +112,18 @@ def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int)
 
 def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
     """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
+    clean = true_phasors(machine, truth, speed)
+    return clean + noise(machine.noise, clean, rng)
+
+
+def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
+    """The same without noise."""
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
     train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
     # A simulated machine has no bow and no misalignment load, even where its document allows for them.
     excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
     excitations[: truth.unbalances.size] = truth.unbalances
-    clean = response(train, coefficients=truth.coefficients, excitations=excitations)
-    return clean + noise(machine.noise, clean, rng)
+    return response(train, coefficients=truth.coefficients, excitations=excitations)
 
 
 def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:

@@ -16,7 +16,7 @@ from estimator.identification import Options
 from estimator.machine import DocumentError, parse_machine
 from service import requesting, watching, worker
 from service.settings import Settings
-from storage import identifications, jobs, machines, runs, slow_roll
+from storage import derived, identifications, jobs, machines, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.identifications import Origin
@@ -139,6 +139,7 @@ class Identifying:
                 logger.warning("identification job %d failed: %s", job_id, outcome.error)
                 return
             stored = identifications.add(session, _origin(session, row, self._options), result)
+            derived.add(session, stored, outcome.derived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
             watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)

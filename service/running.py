@@ -55,7 +55,14 @@ def serve(settings: Settings) -> None:
         dispatcher.start()
         if not settings.zenoh_listen and not connected(session):
             logger.warning(_waiting(settings))
-        app = application(database, parts, try_out=dispatcher.try_out, submissions=submissions, depth=lambda: ingest.depth)
+        app = application(
+            database,
+            parts,
+            try_out=dispatcher.try_out,
+            submissions=submissions,
+            depth=lambda: ingest.depth,
+            baseline_runs=settings.baseline_runs,
+        )
         config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5)
         host, port = listener.getsockname()[:2]
         logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))

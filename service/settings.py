@@ -6,6 +6,7 @@ from pydantic import Field, IPvAnyNetwork, SecretStr
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
+DEFAULT_BASELINE_RUNS = 5
 
 
 class Settings(BaseSettings):
@@ -31,7 +32,8 @@ class Settings(BaseSettings):
     )
     gathered_runs: Annotated[int, Field(ge=2, le=20)] = Field(default=4, description="how many runs that takes together")
     baseline_runs: Annotated[int, Field(ge=3, le=100)] = Field(
-        default=5, description="accepted identifications of each kind of run that make a machine's baseline"
+        default=DEFAULT_BASELINE_RUNS,
+        description="accepted identifications of each kind of run that make a machine's baseline",
     )
     silence_s: Annotated[float, Field(gt=0)] = Field(
         default=120.0, description="an open run is closed when its machine has sent nothing for this long"

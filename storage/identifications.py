@@ -1,5 +1,6 @@
 """Repository of identifications and of the parameter history that they make."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +11,9 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.baseline import Point
 from estimator.identification import Identification
+from estimator.observation import Observation, observation
 from estimator.parameters import is_direct
+from storage import channel_effects
 from storage.clock import now
 from storage.jobs import GATHERED, RUN
 from storage.runs import DISCARDED
@@ -74,6 +77,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
         noise_relative=result.noise.relative,
@@ -156,11 +160,30 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
-def last_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
-    """The newest accepted identifications of single runs that are alike, newest first."""
-    query = _accepted_runs(machine_id, like)
+def newest_runs(session: Session, machine_id: str, like: Like, *, until: int, limit: int) -> Sequence[IdentificationRow]:
+    """The newest identifications of single runs that are alike, accepted or not, measured by a time [ns]; newest first."""
+    query = _runs(machine_id, like).where(IdentificationRow.measured_at <= until)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(limit)).all()
+
+
+def last_accepted(
+    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None
+) -> Sequence[IdentificationRow]:
+    """The newest accepted identifications of single runs that are alike, measured up to a time [ns], newest first."""
+    query = _accepted_runs(machine_id, like)
+    if last is not None:
+        query = query.where(IdentificationRow.measured_at <= last)
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(limit)).all()
+
+
+def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | None:
+    """The newest accepted identification of a single run, of any kind, that counts."""
+    query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
+    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(1)).one_or_none()
 
 
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
@@ -193,14 +216,37 @@ def counting(machine_id: str) -> Select[int]:
 
 
 def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+    return _runs(machine_id, like).where(IdentificationRow.accepted)
+
+
+def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     return (
         select(IdentificationRow)
         .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
         .where(IdentificationRow.measured_at >= like.since)
-        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
+        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))
-        .options(undefer(IdentificationRow.covariance))
+        .options(undefer(IdentificationRow.covariance), undefer(IdentificationRow.point))
+        .options(undefer(IdentificationRow.channel_effects))
+    )
+
+
+def observed(row: IdentificationRow, channels: tuple[str, ...]) -> Observation | None:
+    """What an identification says of its machine, which has these channels; None where an older release identified."""
+    if row.point is None or row.channel_effects is None:
+        return None
+    return observation(
+        coordinates=tuple(row.coordinates),
+        point=np.frombuffer(row.point, "<f8"),
+        covariance=covariance(row),
+        effects=channel_effects.decode(row.channel_effects),
+        channels=channels,
+        accepted=row.accepted,
+        chi_square=row.chi_square,
+        degrees_of_freedom=row.degrees_of_freedom,
+        samples=row.samples,
+        outliers=row.outliers or {},
     )
 
 
@@ -219,19 +265,22 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
     )
 
 
-def history(
-    session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
-) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
-    """The history of some parameters between two times [ns], oldest first: one point per run, see `counting`."""
-    query = (
-        select(EstimateRow, IdentificationRow)
-        .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
-        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
-        .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
-    )
-    if first is not None:
-        query = query.where(EstimateRow.measured_at >= first)
-    if last is not None:
-        query = query.where(EstimateRow.measured_at <= last)
-    return [(estimate, identification) for estimate, identification in session.execute(query)]
+def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
+    """Per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else SI."""
+    found: dict[int, dict[str, float]] = {row.id: {} for row in rows}
+    query = select(EstimateRow).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))
+    for one in session.scalars(query):
+        if one.value is None:
+            continue
+        values = found[one.identification_id]
+        if one.imaginary is not None:
+            values[f"{one.parameter}.real"], values[f"{one.parameter}.imaginary"] = one.value, one.imaginary
+        else:
+            values[one.parameter] = math.log(one.value) if is_direct(one.parameter) else one.value
+    return {row.id: _point(row, found[row.id]) for row in rows}
+
+
+def _point(row: IdentificationRow, values: dict[str, float]) -> Point:
+    names = [name for name in row.coordinates if name in values]
+    index = [row.coordinates.index(name) for name in names]
+    return Point(tuple(names), np.array([values[name] for name in names]), covariance(row)[np.ix_(index, index)].copy())

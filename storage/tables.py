@@ -34,7 +34,14 @@ class Base(DeclarativeBase):
     """Parent of all tables."""
 
     metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map = {int: BigInteger, dict[str, Any]: JSON, list[int]: JSON, list[str]: JSON, list[list[int]]: JSON}  # noqa: RUF012
+    type_annotation_map = {  # noqa: RUF012
+        int: BigInteger,
+        dict[str, Any]: JSON,
+        list[int]: JSON,
+        list[str]: JSON,
+        list[list[int]]: JSON,
+        list[dict[str, Any]]: JSON,
+    }
 
 
 class MachineRow(Base):
@@ -231,6 +238,24 @@ class IdentificationRow(Base):
     outliers: Mapped[dict[str, Any] | None]
     point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     slow_roll_version: Mapped[int | None]
+    channel_effects: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    conditions: Mapped[dict[str, Any] | None]
+    """Mean of each operating condition over the runs, null where it was not measured; null as a whole where none is named."""
+
+
+class DiagnosisRow(Base):
+    """What an identification said of its machine when it was filed. baseline: the ids that it was compared with."""
+
+    __tablename__ = "diagnoses"
+    __table_args__ = (Index(None, "machine_id", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    measured_at: Mapped[int]
+    made_at: Mapped[int]
+    baseline: Mapped[list[int]]
+    runs: Mapped[int]
+    causes: Mapped[list[dict[str, Any]]]
 
 
 class EstimateRow(Base):
@@ -252,6 +277,24 @@ class EstimateRow(Base):
     upper: Mapped[float | None]
     imaginary: Mapped[float | None]
     imaginary_standard_error: Mapped[float | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+
+
+class DerivedRow(Base):
+    """One quantity that follows from an identification, see `estimator.derived`. Values are null for a `reason`."""
+
+    __tablename__ = "derived_quantities"
+    __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    name: Mapped[str] = mapped_column(String(160), primary_key=True)
+    place: Mapped[int]
+    machine_id: Mapped[str] = mapped_column(String(64))
+    measured_at: Mapped[int]
+    unit: Mapped[str] = mapped_column(String(16))
+    value: Mapped[float | None]
+    lower: Mapped[float | None]
+    upper: Mapped[float | None]
     reason: Mapped[str | None] = mapped_column(Text)
 
 
@@ -367,6 +410,20 @@ class BaselineRow(Base):
     reason: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(String(120))
     created_at: Mapped[int]
+
+
+class LimitsRow(Base):
+    """One version of the limits that a person set for a machine; never changed. The newest is in force."""
+
+    __tablename__ = "limits"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    at: Mapped[int]
+    by: Mapped[str] = mapped_column(String(120))
+    comment: Mapped[str] = mapped_column(Text)
 
 
 class SubscriptionRow(Base):

@@ -1,17 +1,18 @@
 """Histories of parameters in columns: what a trend is drawn from."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy import func, select
+from sqlalchemy import func, null, select
 from sqlalchemy.orm import Session
 
 from storage.identifications import counting
 from storage.runs import DISCARDED
-from storage.tables import BaselineRow, EstimateRow, IdentificationRow, MachineRow, RunRow
+from storage.tables import BaselineRow, DerivedRow, EstimateRow, IdentificationRow, MachineRow, RunRow
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -23,9 +24,9 @@ Stamp = tuple[int | None, ...]
 
 @dataclass(frozen=True)
 class History:
-    """One parameter over n identifications, oldest first; (n,) each. Times in ns since 1970; NaN where there is no value.
+    """One parameter or derived quantity at n identifications, oldest first; (n,) each. Times [ns since 1970]; NaN: no value.
 
-    standard_error: of the value; imaginary: of an unbalance, whose value is the real part.
+    standard_error: of a parameter's value; imaginary: of an unbalance, whose value is the real part.
     """
 
     unit: str | None
@@ -47,33 +48,45 @@ class History:
         return len(self.measured_at)
 
 
-def histories(session: Session, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, History]:
-    """The whole history of each parameter: one point per run, see `identifications.counting`. Unknown ones are empty."""
-    identification = IdentificationRow
-    query = (
-        select(
-            EstimateRow.parameter,
-            EstimateRow.unit,
-            EstimateRow.measured_at,
-            identification.computed_at,
-            EstimateRow.value,
-            EstimateRow.standard_error,
-            EstimateRow.lower,
-            EstimateRow.upper,
-            EstimateRow.imaginary,
-            identification.accepted,
-            identification.run_kind,
-            identification.id,
-            identification.revision,
-            identification.slow_roll_version,
+def histories(session: Session, machine_id: str, names: Sequence[str], *, scope: str) -> dict[str, History]:
+    """The whole history of each parameter or derived quantity: one point per run, see `identifications.counting`.
+
+    Unknown ones are empty.
+    """
+    found = {
+        name: _history(list(rows)) for name, rows in groupby(_rows(session, machine_id, names, scope), key=lambda row: row[0])
+    }
+    return {name: found.get(name, _NOTHING) for name in names}
+
+
+def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -> Iterator[Sequence[Any]]:
+    """Rows by name and time: estimates, then derived quantities, which have other names."""
+    estimate, derived = EstimateRow, DerivedRow
+    of_estimate = estimate.parameter, estimate.unit, estimate.measured_at, estimate.value, estimate.lower, estimate.upper
+    of_derived = derived.name, derived.unit, derived.measured_at, derived.value, derived.lower, derived.upper
+    nothing = null(), null()
+    for table, columns, errors in (
+        (estimate, of_estimate, (estimate.standard_error, estimate.imaginary)),
+        (derived, of_derived, nothing),
+    ):
+        identification = IdentificationRow
+        query = (
+            select(
+                *columns,
+                *errors,
+                identification.computed_at,
+                identification.accepted,
+                identification.run_kind,
+                identification.id,
+                identification.revision,
+                identification.slow_roll_version,
+            )
+            .join(identification, identification.id == table.identification_id)
+            .where(table.machine_id == machine_id, columns[0].in_(names))
+            .where(identification.scope == scope, identification.id.in_(counting(machine_id)))
+            .order_by(columns[0], table.measured_at, table.identification_id)
         )
-        .join(identification, identification.id == EstimateRow.identification_id)
-        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(identification.scope == scope, identification.id.in_(counting(machine_id)))
-        .order_by(EstimateRow.parameter, EstimateRow.measured_at, EstimateRow.identification_id)
-    )
-    found = {name: _history(list(rows)) for name, rows in groupby(session.execute(query), key=lambda row: row[0])}
-    return {name: found.get(name, _NOTHING) for name in parameters}
+        yield from session.execute(query)
 
 
 def stamp(session: Session, machine_id: str) -> Stamp:
@@ -90,7 +103,7 @@ def stamp(session: Session, machine_id: str) -> Stamp:
 
 def _history(rows: Sequence[Sequence[object]]) -> History:
     columns = list(zip(*rows, strict=True)) or [()] * 14
-    _, units, measured, computed, value, error, lower, upper, imaginary, accepted, kind, number, revision, version = columns
+    _, units, measured, value, lower, upper, error, imaginary, computed, accepted, kind, number, revision, version = columns
     return History(
         unit=str(units[0]) if units else None,
         measured_at=np.array(measured, np.int64),

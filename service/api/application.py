@@ -12,11 +12,14 @@ from service.api import (
     bode,
     comparisons,
     dashboard,
+    deviations,
+    diagnoses,
     drawing,
     event_stream,
     fleet,
     identifications,
     ingestion,
+    limits,
     machine_state,
     machines,
     measurements,
@@ -36,6 +39,7 @@ from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
+from service.settings import DEFAULT_BASELINE_RUNS
 from service.submissions import Submissions
 from storage.database import Database
 
@@ -49,10 +53,11 @@ def application(
     try_out: TryOut | None = None,
     submissions: Submissions | None = None,
     depth: Callable[[], int] | None = None,
+    baseline_runs: int = DEFAULT_BASELINE_RUNS,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
-    this process stores.
+    this process stores. baseline_runs: as in the settings.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -72,6 +77,7 @@ def application(
     app.state.depth = depth
     app.state.answers = KeptAnswers()
     app.state.histories = KeptHistories(database)
+    app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
@@ -90,10 +96,13 @@ def application(
         model,
         bode,
         trends,
+        diagnoses,
         event_stream,
         alerts,
         suppressions,
         baselines,
+        deviations,
+        limits,
         subscriptions,
         operations,
     ):

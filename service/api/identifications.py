@@ -8,7 +8,7 @@ from service import requesting
 from service.api import rendering, schemas
 from service.api.access import From, Limit, MachineId, Number, Reading, To, database, moment
 from service.api.problems import RESPONSES, Problem
-from storage import identifications, jobs, machines
+from storage import derived, identifications, jobs, machines
 
 router = APIRouter(tags=["identifications"], responses=RESPONSES)
 
@@ -30,6 +30,7 @@ def read_identification(session: Reading, identification_id: Number, covariance:
     return schemas.IdentificationDetail(
         **rendering.identification(row).model_dump(),
         estimates=[rendering.estimate(one) for one in identifications.estimates(session, identification_id)],
+        derived=[rendering.derived(one) for one in derived.of_identification(session, identification_id)],
         coordinates=row.coordinates if covariance else None,
         covariance=identifications.covariance(row).tolist() if covariance else None,
     )

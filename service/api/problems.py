@@ -17,7 +17,9 @@ from service.alert_life import Forbidden
 from service.baselining import BaselineRefused
 from service.delivery.addresses import TargetRefused
 from service.identified import NoModel
+from service.limits import LimitsRefused
 from service.requesting import NotToIdentify
+from service.setting_limits import LimitsChanged
 from storage.alerts import AlertUnknown
 from storage.database import DatabaseUnusable
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
@@ -67,6 +69,7 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
+    LimitsChanged: (HTTPStatus.PRECONDITION_FAILED, "{0}"),
     MachineExists: (HTTPStatus.CONFLICT, "{0}"),
     PlantChanged: (HTTPStatus.CONFLICT, "{0}"),
     DatabaseUnusable: (HTTPStatus.SERVICE_UNAVAILABLE, "{0}"),
@@ -92,6 +95,11 @@ def add_handlers(app: FastAPI) -> None:
     async def document(_request: Request, error: DocumentError) -> JSONResponse:
         problems = [FieldProblem(field=field, message=message) for field, message in error.problems]
         return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the machine document is wrong", problems)
+
+    @app.exception_handler(LimitsRefused)
+    async def limits(_request: Request, error: LimitsRefused) -> JSONResponse:
+        problems = [FieldProblem(field=f"limits.{field}", message=message) for field, message in error.problems]
+        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", problems)
 
     @app.exception_handler(RequestValidationError)
     async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
@@ -124,3 +132,12 @@ CHANGES: dict[int | str, dict[str, Any]] = {
     409: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus.CONFLICT.phrase}
 }
 """The same for operations that what is there may forbid."""
+
+STALE: dict[int | str, dict[str, Any]] = {
+    412: {
+        "model": Problem,
+        "content": {"application/problem+json": {}},
+        "description": HTTPStatus.PRECONDITION_FAILED.phrase,
+    }
+}
+"""The same for operations that replace what a person has read."""

@@ -12,6 +12,7 @@ from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.fleet import ListedMachine
 from storage.tables import (
+    DerivedRow,
     EstimateRow,
     IdentificationRow,
     JobRow,
@@ -149,6 +150,12 @@ def job(row: JobRow) -> schemas.JobOut:
         created_at=to_datetime(row.created_at),
         finished_at=time_or_none(row.finished_at),
         options=row.options,
+    )
+
+
+def derived(row: DerivedRow) -> schemas.DerivedOut:
+    return schemas.DerivedOut(
+        name=row.name, unit=row.unit, value=row.value, lower=row.lower, upper=row.upper, reason=row.reason
     )
 
 

@@ -119,6 +119,17 @@ class EstimateOut(BaseModel):
     reason: str | None = None
 
 
+class DerivedOut(BaseModel):
+    """A quantity that follows from an identification, SI. Null values: there is none, `reason` says why."""
+
+    name: str
+    unit: str
+    value: float | None
+    lower: float | None = Field(description="of the 95 % interval")
+    upper: float | None
+    reason: str | None
+
+
 class IdentificationSummary(BaseModel):
     """One identification, without its estimates."""
 
@@ -149,9 +160,10 @@ class IdentificationSummary(BaseModel):
 
 
 class IdentificationDetail(IdentificationSummary):
-    """One identification with its estimates and, where asked for, their covariance."""
+    """One identification with its estimates, what is derived from them and, where asked for, their covariance."""
 
     estimates: list[EstimateOut]
+    derived: list[DerivedOut] = Field(description="critical speeds, coupling loads and the like; none unless it is accepted")
     coordinates: list[str] | None = Field(default=None, description="rows of the covariance; direct terms as logarithms")
     covariance: list[list[float]] | None = None
 

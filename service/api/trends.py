@@ -25,7 +25,11 @@ MaxPoints = Annotated[
 ]
 Parameters = Annotated[
     list[Annotated[str, Field(min_length=1, max_length=160)]],
-    Query(min_length=1, max_length=MOST_PARAMETERS, description="such as bearing.B1.kxx; several in one question"),
+    Query(
+        min_length=1,
+        max_length=MOST_PARAMETERS,
+        description="such as bearing.B1.kxx or critical_speed.1; several in one question",
+    ),
 ]
 FormatChoice = Annotated[Format | None, Query(alias="format", description="by default what the Accept header prefers")]
 
@@ -41,7 +45,7 @@ class DownSampling(BaseModel):
 
 
 class Series(BaseModel):
-    """History of one parameter; all lists have one entry for each point, oldest first."""
+    """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
 
     parameter: str
     unit: str | None = Field(description="null for a parameter that was never identified")
@@ -49,7 +53,9 @@ class Series(BaseModel):
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
     computed_at: list[str] = Field(description="when it was identified")
     value: list[float | None] = Field(description="of an unbalance its magnitude")
-    standard_error: list[float | None] = Field(description="null for an unbalance, of which the interval tells")
+    standard_error: list[float | None] = Field(
+        description="null for an unbalance and for derived quantities, of which the interval tells"
+    )
     lower: list[float | None] = Field(description="of the 95 % interval")
     upper: list[float | None]
     quality: list[str] = Field(
@@ -91,7 +97,7 @@ def read_trends(
     scope: Scope = "run",
     chosen: FormatChoice = None,
 ) -> Response:
-    """History of one or more parameters over a time range, oldest first.
+    """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
     The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`.
     """

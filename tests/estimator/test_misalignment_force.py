@@ -118,9 +118,30 @@ def test_bands_are_those_of_monte_carlo() -> None:
         for part, index in (("real", 0), ("imag", 1)):
             expected = np.std(getattr(spread, part), axis=0)
             assert np.sqrt(one.covariance[:, index, index]) == pytest.approx(expected, rel=0.12)
-        half = one.upper - one.amplitude
-        assert np.quantile(np.abs(spread), 0.975, axis=0) == pytest.approx(one.upper, abs=0.15 * half.max())
-        assert np.quantile(np.abs(spread), 0.025, axis=0) == pytest.approx(one.lower, abs=0.15 * half.max())
+        assert_quantiles(one, np.abs(spread))
+    assert_quantiles(found.force, largest_in_a_turn(cloud[:, :, :2]))
+    assert_quantiles(found.moment, largest_in_a_turn(cloud[:, :, 2:]))
+
+
+def assert_quantiles(band: PhasorBand, drawn: np.ndarray) -> None:
+    half = (band.upper - band.amplitude).max()
+    assert np.quantile(drawn, 0.975, axis=0) == pytest.approx(band.upper, abs=0.15 * half)
+    assert np.quantile(drawn, 0.025, axis=0) == pytest.approx(band.lower, abs=0.15 * half)
+
+
+def largest_in_a_turn(load: Complexes) -> np.ndarray:
+    """Of loads (..., 2) over x and y: the longest of 720 vectors in a turn."""
+    turn = np.exp(1j * np.linspace(0.0, 2 * np.pi, 720))
+    return np.asarray(np.max(np.linalg.norm((load[..., None] * turn).real, axis=-2), axis=-1))
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["positive", "negative"])
+def test_largest_load_is_the_longest_vector_of_a_turn(turned: bool) -> None:
+    machine = parse_machine(mirrored(chapter_3_document())) if turned else chapter_3()
+    (found,) = coupling_forces(model_of(machine), speed=SPEED)
+    values = np.array([one.value for one in components(found)]).T
+    assert found.force.amplitude == pytest.approx(largest_in_a_turn(values[:, :2]), rel=1e-4)
+    assert found.moment.amplitude == pytest.approx(largest_in_a_turn(values[:, 2:]), rel=1e-4)
 
 
 def test_sure_parameters_make_no_band() -> None:

@@ -17,7 +17,7 @@ from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
 from service.identifying import Identifying
 from service.settings import Settings
-from storage import identifications, jobs, machines, runs
+from storage import derived, identifications, jobs, machines, runs
 from storage.blocks import Samples
 from storage.database import Database
 from tests.plant import wait_until
@@ -84,6 +84,10 @@ def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: D
         assert [one.parameter for one in stored][:2] == ["bearing.B1.kxx", "bearing.B1.kxy"]
         assert all((one.value is None) == (one.standard_error is None) for one in stored)
         assert identifications.covariance(identifications.get(session, row.id)).shape == (50, 50)
+        quantities = {one.name: one for one in derived.of_identification(session, row.id)}
+        force = quantities["coupling.C1.misalignment_force"]
+        assert (force.unit, force.measured_at, force.reason) == ("N", row.measured_at, None)
+        assert 0.0 < (force.lower or 0.0) < (force.value or 0.0) < (force.upper or 0.0)
 
 
 def test_interrupted_job_is_computed_after_the_next_start(database: Database, train: Machine) -> None:

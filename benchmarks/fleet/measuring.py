@@ -1,0 +1,101 @@
+"""What the service would have of a simulated machine: each week's phasors, and the real estimator's fit of them."""
+
+import math
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+
+import numpy as np
+import threadpoolctl
+
+from benchmarks.fleet.amount import example
+from benchmarks.fleet.histories import WEEKS_A_YEAR, History, Seasonality, State
+from benchmarks.fleet.scenarios import SAMPLES, SCENARIOS
+from estimator.condensation import Complexes, Floats
+from estimator.identification import Identification, identify
+from estimator.machine import Machine
+from estimator.measurement import Measurement
+from estimator.simulation import noise, speed_law, true_phasors
+
+SPEED_SCATTER = 0.002
+"""Run-downs are not sampled at the same speeds every week: relative rms."""
+SMALLEST_OUTLIER, LARGEST_OUTLIER = 0.2, 1.0
+"""An outlier is off by such a part of its amplitude: twenty times the noise and more."""
+PROCESSES = 2
+
+
+@dataclass(frozen=True)
+class Ordered:
+    """One machine's history to simulate and identify. machine: an example's name. number: of the machine in its fleet."""
+
+    machine: str
+    scenario: str
+    seasonality: Seasonality
+    seed: int
+    number: int
+    watched: int = WEEKS_A_YEAR
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Of this machine's own random numbers; another scenario's machines are others."""
+        return (self.seed, self.number, *(ord(letter) for letter in f"{self.machine} {self.scenario} {self.seasonality}"))
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A history with the identification of each week."""
+
+    ordered: Ordered
+    history: History
+    identifications: tuple[Identification, ...]
+
+
+def watched(ordered: Ordered) -> Watched:
+    """Simulate and identify one machine's history. Every fit starts from the first one's end."""
+    scenario = SCENARIOS[ordered.scenario]
+    history = scenario.history(
+        example(ordered.machine), seed=ordered.seeds, seasonality=ordered.seasonality, watched=ordered.watched
+    )
+    rng = np.random.default_rng((*ordered.seeds, 1))
+    found: list[Identification] = []
+    for state in history.states:
+        beginning = found[0].point if found else None
+        found.append(identify(history.machine, measured(history.machine, state, rng), beginning=beginning))
+    return Watched(ordered, history, tuple(found))
+
+
+def fleet(orders: Iterable[Ordered], *, processes: int = PROCESSES) -> Iterator[Watched]:
+    """The histories of many machines, in order, computed in processes of one BLAS thread each."""
+    if processes == 1:
+        with threadpoolctl.threadpool_limits(1):
+            yield from map(watched, orders)
+        return
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
+        yield from pool.map(watched, orders)
+
+
+def measured(machine: Machine, state: State, rng: np.random.Generator) -> Measurement:
+    """One week's run-down through the channels as they are, with the document's noise and the outliers."""
+    _, speed = speed_law(machine, "run-down", duration=1.0, samples=SAMPLES)
+    speed = speed * np.exp(SPEED_SCATTER * rng.standard_normal(SAMPLES))
+    shown = state.gain * true_phasors(machine, state.truth, speed) + _turned(state.run_out, machine)
+    phasor = shown + noise(machine.noise, shown, rng)
+    phasor = _with_outliers(phasor, state.outlier_part, rng)
+    phasor[:, state.lost] = complex(math.nan, math.nan)
+    return Measurement.of(speed=speed, phasor=phasor, direction=float(machine.direction))
+
+
+def _turned(run_out: Complexes, machine: Machine) -> Complexes:
+    return run_out if machine.direction > 0 else np.conj(run_out)
+
+
+def _with_outliers(phasor: Complexes, part: float, rng: np.random.Generator) -> Complexes:
+    hit = rng.random(phasor.shape) < part
+    size: Floats = rng.uniform(SMALLEST_OUTLIER, LARGEST_OUTLIER, phasor.shape)
+    turn = np.exp(1j * rng.uniform(0.0, 2.0 * math.pi, phasor.shape))
+    return np.asarray(phasor * (1.0 + hit * size * turn))
+
+
+def _one_thread() -> None:
+    threadpoolctl.threadpool_limits(1)

@@ -1,0 +1,246 @@
+"""The figures of a rule on simulated fleets, each beside the figure asked for."""
+
+import argparse
+import math
+import statistics
+import time
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import scipy.stats
+
+from benchmarks.fleet.amount import (
+    PRINTED_RISE,
+    RIG,
+    case_a1,
+    case_a1_least_squares,
+    example,
+    rises,
+)
+from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
+from benchmarks.fleet.judging import Named, Outcome, Rule, earlier_rule, judged
+from benchmarks.fleet.measuring import PROCESSES, Ordered, fleet
+from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
+
+SEED = 5
+SMALL, MIDDLE, LARGE = "thesis-chapter-3", "motor-pump", "turbine-compressor-generator"
+SEASONS: tuple[Seasonality, ...] = ("together", "apart")
+SOON = 3
+"""Runs within which a step should be seen."""
+HEALTHY_ASKED, DISTURBED_ASKED = 1 / 20, 1 / 10
+"""False misalignment alerts a machine-year."""
+HEALTHY = ("healthy",)
+DISTURBED = ("short baseline", "outliers", "unbalance step", "probe drifts", "probe lost", "all together")
+NAMED = ("unbalance step", "probe drifts", "probe lost", "outliers", "bearing step", "run-out step", "misalignment step")
+STEPS = ("misalignment step", "smaller misalignment step")
+
+
+@dataclass(frozen=True)
+class Fleet:
+    """How many machines of each example live through a scenario, and for how many weeks behind the baseline."""
+
+    scenario: str
+    machines: dict[str, int]
+    watched: int = WEEKS_A_YEAR
+
+    def orders(self, seed: int) -> Iterator[Ordered]:
+        """Every machine, half of them in each kind of season."""
+        for machine, count in self.machines.items():
+            for number in range(count):
+                yield Ordered(machine, self.scenario, SEASONS[number % 2], seed, number, self.watched)
+
+
+def fleets(scale: float) -> tuple[Fleet, ...]:
+    """What is simulated; scale: how many times as many machines."""
+
+    def of(small: int, middle: int, large: int) -> dict[str, int]:
+        counts = {SMALL: small, MIDDLE: middle, LARGE: large}
+        return {name: max(2, round(scale * count)) for name, count in counts.items() if count}
+
+    return (
+        Fleet("healthy", of(40, 40, 16)),
+        *(Fleet(scenario, of(12, 10, 2)) for scenario in DISTURBED),
+        Fleet("misalignment step", of(100, 100, 60), watched=10),
+        Fleet("smaller misalignment step", of(20, 20, 10), watched=10),
+        Fleet("misalignment drift", of(20, 20, 10)),
+        Fleet("bearing step", of(30, 30, 15), watched=16),
+        Fleet("run-out step", of(10, 6, 0), watched=8),
+    )
+
+
+SHORT = (
+    Fleet("healthy", {SMALL: 2}, watched=30),
+    Fleet("unbalance step", {SMALL: 2}, watched=10),
+    Fleet("probe lost", {SMALL: 2}, watched=10),
+    Fleet("misalignment step", {SMALL: 4, MIDDLE: 2}, watched=8),
+    Fleet("misalignment drift", {SMALL: 2}, watched=40),
+    Fleet("bearing step", {SMALL: 2}, watched=10),
+)
+"""Enough to see that everything runs; says next to nothing about rates."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """One machine's outcome. changes: kind and element of what befell it. refused: identifications that were not accepted."""
+
+    ordered: Ordered
+    changes: tuple[Named, ...]
+    outcome: Outcome
+    refused: int
+
+
+def results(ordered: Sequence[Ordered], rule: Rule, *, processes: int = PROCESSES) -> list[Result]:
+    """Simulate, identify and judge."""
+    return [
+        Result(
+            one.ordered,
+            tuple((change.kind, change.element) for change in one.history.changes),
+            judged(one.history, rule(one.history, one.identifications)),
+            sum(not identification.accepted for identification in one.identifications),
+        )
+        for one in fleet(ordered, processes=processes)
+    ]
+
+
+def rate_bound(count: int, years: float) -> float:
+    """Upper end of the 95 % interval, two-sided, of a rate of rare events: Garwood, Biometrika 28 (1936) 437."""
+    return float(scipy.stats.chi2.ppf(0.975, 2 * count + 2)) / 2.0 / years
+
+
+def part_interval(count: int, of: int) -> tuple[float, float]:
+    """95 % interval of a part: Clopper and Pearson, Biometrika 26 (1934) 404."""
+    if of == 0:
+        return 0.0, 1.0
+    found = scipy.stats.binomtest(count, of).proportion_ci(0.95, method="exact")
+    return float(found.low), float(found.high)
+
+
+def report(found: Sequence[Result]) -> str:
+    """All figures."""
+    parts = (_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found))
+    return "\n\n".join(_table(rows) for rows in parts)
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    """Rows under a header, the first column to the left and the others to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join(
+        "  ".join(f"{cell:{'>' if place else '<'}{widths[place]}}" for place, cell in enumerate(row)).rstrip() for row in rows
+    )
+
+
+def _amount() -> list[list[str]]:
+    rows = [["case A1, rise of natural frequencies [%]", "coefficients", "1st", "2nd", "3rd"]]
+    rows.append(["thesis, Table 5.5", "", *(f"{100 * rise:.2f}" for rise in PRINTED_RISE)])
+    for name, growth in (("mean rise as printed", case_a1()), ("least squares", case_a1_least_squares())):
+        for machine in map(example, (RIG, SMALL, MIDDLE, LARGE)):
+            for coupling in machine.couplings:
+                rise = (f"{100 * one:.2f}" for one in rises(machine, coupling, growth))
+                rows.append([f"{name}: {machine.id} {coupling.id}", f"{100 * growth:+.1f} %", *rise])
+    return rows
+
+
+def _false_alarms(found: Sequence[Result]) -> list[list[str]]:
+    columns = ["machine-years", "alerts", "a year", "97.5 % below", "asked", "fits refused"]
+    rows = [["false misalignment alerts", "machine", "season", *columns]]
+    for name, scenarios, asked in (("healthy", HEALTHY, HEALTHY_ASKED), ("disturbed", DISTURBED, DISTURBED_ASKED)):
+        groups = _grouped(found, scenarios, lambda one: (one.scenario, one.machine, one.seasonality), (name, "all", ""))
+        for key, group in groups.items():
+            rows.append([*key, *_rate(group), f"{asked:.2f}", str(sum(one.refused for one in group))])
+    return rows
+
+
+def _rate(group: Sequence[Result]) -> list[str]:
+    years = math.fsum(one.outcome.years for one in group)
+    count = sum(one.outcome.false_misalignments for one in group)
+    return [f"{years:.1f}", str(count), f"{count / years:.3f}", f"{rate_bound(count, years):.3f}"]
+
+
+def _power(found: Sequence[Result]) -> list[list[str]]:
+    rows = [[f"detected within {SOON} runs", "machine", "season", "machines", "part", "95 % interval", "asked"]]
+    for scenario in STEPS:
+        groups = _grouped(found, (scenario,), lambda one: (one.scenario, one.machine, one.seasonality), (scenario, "all", ""))
+        for key, group in groups.items():
+            soon = sum(runs is not None and runs <= SOON for one in group for runs in one.outcome.runs)
+            rows.append([*key, *_part(soon, len(group)), "99 %"])
+    return rows
+
+
+def _part(count: int, of: int) -> list[str]:
+    low, high = part_interval(count, of)
+    return [str(of), f"{100 * count / of:.1f} %", f"{100 * low:.1f} to {100 * high:.1f} %"]
+
+
+def _drift(found: Sequence[Result]) -> list[list[str]]:
+    rows = [[f"drift to A1 in {DRIFT_WEEKS} weeks", "machines", "detected", "median part", "asked"]]
+    groups = _grouped(found, ("misalignment drift",), lambda one: (one.machine,), ("all",))
+    for (machine,), group in groups.items():
+        # Not detected at all counts as later than everything.
+        parts = [math.inf if one.outcome.part[0] is None else one.outcome.part[0] for one in group]
+        detected = sum(map(math.isfinite, parts))
+        rows.append([machine, str(len(parts)), str(detected), f"{statistics.median(parts):.2f}", "below 0.60"])
+    return rows
+
+
+def _names(found: Sequence[Result]) -> list[list[str]]:
+    rows = [["right kind and element named", "machine", "changes", "part", "95 % interval", "asked", "wrong alerts a year"]]
+    for scenario in (*NAMED, "all together"):
+        groups = _grouped(found, (scenario,), lambda one: (one.scenario, one.machine), (scenario, "all"))
+        for key, group in groups.items():
+            right = [one for result in group for one in result.outcome.right]
+            rows.append([*key, *_part(sum(right), len(right)), "95 %", _wrong(group)])
+    return rows
+
+
+def _wrong(group: Sequence[Result]) -> str:
+    years = math.fsum(one.outcome.years for one in group)
+    wrong = Counter(opening.named[0] for one in group for opening in one.outcome.wrong)
+    return ", ".join(f"{kind} {number / years:.2f}" for kind, number in sorted(wrong.items())) or "none"
+
+
+def _matrix(found: Sequence[Result]) -> list[list[str]]:
+    """What the first alert after a change called it, in the scenarios with one change."""
+    groups = _grouped(found, NAMED, lambda one: (one.scenario,), ())
+    counts = {key[0]: Counter(_called(one) for one in group) for key, group in groups.items()}
+    called = sorted({name for one in counts.values() for name in one})
+    rows = [[scenario, *(str(counter[name]) for name in called)] for scenario, counter in counts.items()]
+    return [["first alert after a", *called], *rows]
+
+
+def _called(one: Result) -> str:
+    """The kind, and whether it was at another element."""
+    named, change = one.outcome.named[0], one.changes[0]
+    if named is None:
+        return "nothing"
+    return named[0] if named[0] != change[0] or named == change else f"{named[0]} elsewhere"
+
+
+def _grouped(
+    found: Sequence[Result], scenarios: Sequence[str], key: Callable[[Ordered], tuple[str, ...]], whole: tuple[str, ...]
+) -> dict[tuple[str, ...], list[Result]]:
+    """The results of some scenarios by key, and all of them together at the end, where that has a name."""
+    groups: dict[tuple[str, ...], list[Result]] = defaultdict(list)
+    chosen = [one for one in found if one.ordered.scenario in scenarios]
+    for one in chosen:
+        groups[key(one.ordered)].append(one)
+    return groups | ({whole: chosen} if whole and chosen else {})
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fleet", description="Simulated fleets, identified and judged")
+    parser.add_argument("--short", action="store_true", help="a few machines, half a minute")
+    parser.add_argument("--scale", type=float, default=1.0, help="times as many machines, default 1")
+    parser.add_argument("--seed", type=int, default=SEED, help=f"default {SEED}")
+    parser.add_argument("--only", nargs="*", help="these scenarios only")
+    parser.add_argument("--processes", type=int, default=PROCESSES, help=f"default {PROCESSES}")
+    options = parser.parse_args(arguments)
+    chosen = SHORT if options.short else fleets(options.scale)
+    orders = [order for one in chosen if one.scenario in (options.only or SCENARIOS) for order in one.orders(options.seed)]
+    began = time.monotonic()
+    found = results(orders, earlier_rule, processes=options.processes)
+    years = sum(order.watched for order in orders) / WEEKS_A_YEAR
+    print(f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed},", end=" ")
+    print(f"{time.monotonic() - began:.0f} s\n")
+    print(report(found))

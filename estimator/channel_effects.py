@@ -1,0 +1,121 @@
+"""What errors of single channels would do to a fit: a gain that is off, a run-out that was not there.
+
+A fit takes the measuring chains as the document describes them. Beside its estimates it can say, to first order, how each
+would move if a channel's gain or run-out were another, and how much better the data would then be explained: the score and the
+information of those errors (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987), from one more
+linearisation at the fitted point. That is what a diagnosis tells a drifting probe from a changing bearing by.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.condensation import Floats
+from estimator.coordinates import Coordinates
+from estimator.fit import Fit, Problem, settled
+
+MOSTLY_LEFT_OUT = 0.3
+"""A channel of whose phasors more than this part was left out is itself what is wrong: all of them are looked at."""
+RUN_OUT_UNIT = 1e-6
+"""Run-outs are reckoned in micrometres while the matrices are built, so that they are of the size of everything else."""
+
+
+@dataclass(frozen=True)
+class ChannelEffects:
+    """Errors of channels that a fit of n coordinates left out, e of them.
+
+    names: of the errors, such as `probe.B1L.gain.real` [-] and `probe.B1L.run_out.real` [m]. bias: (n, e) what an error of one
+    takes away from the fit's point when it is allowed for. information: (e, e) of the errors beside all coordinates.
+    score: (e,) half the derivative of -χ² by the errors. phasors: (m,) how many phasors of each channel were used.
+    amplitude: (m,) their median [m], 0 where none was used.
+    """
+
+    names: tuple[str, ...]
+    bias: Floats
+    information: Floats
+    score: Floats
+    phasors: tuple[int, ...]
+    amplitude: tuple[float, ...]
+
+
+def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> ChannelEffects:
+    """Effects of every channel's gain and run-out that the fit did not identify along.
+
+    inflation: by which the fit's covariance was widened; the information and the score are worth so much less.
+    """
+    whole = _with_every_channel(settled(problem, found))
+    doubtful = _mostly_left_out(whole)
+    own, extended = problem.coordinates, whole.coordinates
+    index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)
+    added = np.setdiff1d(np.arange(extended.size), index)
+    point = np.zeros(extended.size)
+    point[index] = own.point(found.theta)
+    theta = extended.theta(point)
+
+    amplitude = np.abs(whole.model(theta))
+    _, gradient, curvature = whole.linearised(theta, whole.weight(amplitude, 0.0))
+    unit = extended.unit
+    precision = np.diag((own.spread * own.unit) ** -2.0)
+    among = curvature[np.ix_(index, index)] / np.outer(unit[index], unit[index]) + precision
+    across = curvature[np.ix_(index, added)] / np.outer(unit[index], unit[added])
+    size = np.sqrt(np.diag(among))
+    bias = np.linalg.solve(among / np.outer(size, size), across / size[:, None]) / size[:, None]
+    information = curvature[np.ix_(added, added)] / np.outer(unit[added], unit[added]) - across.T @ bias
+    score = gradient[added] / unit[added]
+    if doubtful.any():
+        bias, information, score = _judged_alone(whole, theta, doubtful, added, (bias, information, score))
+    used = whole.used
+    return ChannelEffects(
+        names=tuple(extended.names[place] for place in added),
+        bias=bias,
+        information=information / inflation,
+        score=score / inflation,
+        phasors=tuple(int(count) for count in np.count_nonzero(used, axis=0)),
+        amplitude=tuple(
+            float(np.median(amplitude[used[:, c], c])) if used[:, c].any() else 0.0 for c in range(amplitude.shape[1])
+        ),
+    )
+
+
+def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
+    """(m,) channels that the fit has given up."""
+    usable = np.count_nonzero(problem.measurement.usable, axis=0)
+    left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
+    return np.asarray(left_out > MOSTLY_LEFT_OUT * np.maximum(usable, 1))
+
+
+def _judged_alone(
+    problem: Problem,
+    theta: Floats,
+    doubtful: NDArray[np.bool_],
+    added: NDArray[np.intp],
+    effects: tuple[Floats, Floats, Floats],
+) -> tuple[Floats, Floats, Floats]:
+    """The effects with the errors of doubtful channels from all their phasors, against what the others' fit says of them.
+
+    Gain and run-out enter a channel's phasors linearly, so that this holds for errors of any size; the fit's own error there
+    is small beside them and left out.
+    """
+    restored = replace(problem, outlier=problem.outlier & ~doubtful)
+    amplitude = np.abs(restored.model(theta))
+    _, gradient, curvature = restored.linearised(theta, restored.weight(amplitude, 0.0))
+    unit = problem.coordinates.unit[added]
+    channels = [channel for channel, bad in zip(problem.train.channels, doubtful, strict=True) if bad]
+    theirs = np.array([problem.coordinates.names[place].split(".")[1] in channels for place in added])
+    bias, information, score = (array.copy() for array in effects)
+    bias[:, theirs] = 0.0
+    information[theirs], information[:, theirs] = 0.0, 0.0
+    own = np.ix_(theirs, theirs)
+    information[own] = (curvature[np.ix_(added, added)] / np.outer(unit, unit))[own]
+    score[theirs] = (gradient[added] / unit)[theirs]
+    return bias, information, score
+
+
+def _with_every_channel(problem: Problem) -> Problem:
+    """The problem with gain and run-out of each channel among its coordinates."""
+    count = len(problem.train.channels)
+    train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
+    scale = problem.coordinates.excitation_scale
+    first = float(scale[0]) if scale.size else 1.0
+    return replace(problem, train=train, coordinates=Coordinates.of(train, unbalance_scale=first), _scaled={})

@@ -1,0 +1,70 @@
+"""How much a machine's parameters differ from run to run, and over the seasons, while nothing is wrong with it.
+
+Load and temperature are never quite the same, so that a deviation must be judged against more than the fit's own error. What
+each parameter does by itself from run to run is taken from the baseline (`between_run_scatter`). What a baseline of a few
+weeks cannot show is what changes slowly: what all terms of an element share (a bearing's oil, a coupling's temperature), and
+what all stiffnesses of the machine share (the season).
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.between_run_scatter import between_run_scatter
+from estimator.condensation import Floats
+from estimator.observation import Observation
+from estimator.parameters import SCALE_FACTORS, Quantity, Unknowns
+
+SHARED: dict[Quantity, float] = {
+    "stiffness": 0.02,
+    "angular stiffness": 0.02,
+    "coupled stiffness": 0.02,
+    "damping": 0.03,
+    "angular damping": 0.03,
+}
+"""Standard deviation of what the direct terms of one element share, between any two times of the year."""
+SEASON = 0.02
+"""Standard deviation of what all direct stiffnesses of the machine share."""
+SCALE_FACTOR = 5e-4
+"""Run-to-run standard deviation of E and density: the steel stays the same."""
+GAIN = 0.005
+"""Of a channel's gain."""
+RUN_OUT = 0.005
+"""Of a run-out, relative to the channel's median amplitude."""
+
+
+def run_variation(baseline: Sequence[Observation]) -> Floats:
+    """Run-to-run standard deviations (N,) of the quantities of a baseline, each by itself."""
+    points = [one.point for one in baseline]
+    unit = np.array([_of_channel(name, baseline) for name in baseline[0].names])
+    own = np.sqrt(between_run_scatter(points).variance)
+    steel = [name.rpartition(".")[2] in SCALE_FACTORS for name in points[0].names]
+    unit[: own.size] = np.where(steel, SCALE_FACTOR, own)
+    return unit
+
+
+def slow_variation(unknowns: Unknowns, names: Sequence[str]) -> Floats:
+    """Covariance (N, N) of what differs between two times of the year, and is alike in runs that follow each other."""
+    coefficients = {one.name: one for one in unknowns.coefficients if one.direct}
+    direct = [coefficients.get(name.partition("@")[0]) for name in names]
+    shared = np.array([0.0 if one is None else SHARED.get(one.quantity, 0.0) for one in direct])
+    groups = [None if one is None else (one.element, "damping" in one.quantity) for one in direct]
+    stiff = SEASON * np.array([one is not None and "stiffness" in one.quantity for one in direct])
+    covariance = np.outer(stiff, stiff)
+    for group in dict.fromkeys(one for one in groups if one is not None):
+        column = shared * np.array([one == group for one in groups])
+        covariance += np.outer(column, column)
+    return np.asarray(covariance)
+
+
+def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:
+    """Median amplitude [m] of a channel in a baseline; that of the largest channel where it had no phasors."""
+    own = float(np.median([one.amplitude.get(channel, 0.0) for one in baseline]))
+    return own or max((size for one in baseline for size in one.amplitude.values()), default=0.0) or 1e-6
+
+
+def _of_channel(name: str, baseline: Sequence[Observation]) -> float:
+    parts = name.split(".")
+    if parts[0] != "probe":
+        return 0.0
+    return GAIN if parts[2] == "gain" else RUN_OUT * typical_amplitude(parts[1], baseline)

@@ -1,0 +1,110 @@
+"""What one identification says about a machine's parameters and about errors of its channels: a Gaussian likelihood.
+
+log L(z) = gradientᵀ (z - reference) - ½ (z - reference)ᵀ information (z - reference), over the fit's coordinates and the
+errors of its channels together. Directions that the data leave open have next to no information, so nothing needs to be left
+out and nothing undetermined can look like a change.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.baseline import Point
+from estimator.channel_effects import ChannelEffects
+from estimator.condensation import Floats
+from estimator.identification import Identification
+
+
+@dataclass(frozen=True)
+class Observation:
+    """names: (N,) of the quantities z: logarithms of direct terms and scale factors, everything else in SI.
+
+    coordinates: how many of them are the fit's own, the others are errors of channels. reference (N,), gradient (N,),
+    information (N, N): the likelihood, see above. accepted, chi_square, degrees_of_freedom: of
+    the fit, from so many samples. phasors: how many of each channel were used, outliers: how many were left out,
+    amplitude: their median [m].
+    """
+
+    names: tuple[str, ...]
+    coordinates: int
+    reference: Floats
+    gradient: Floats
+    information: Floats
+    accepted: bool
+    chi_square: float
+    degrees_of_freedom: int
+    samples: int
+    phasors: dict[str, int]
+    outliers: dict[str, int]
+    amplitude: dict[str, float]
+
+    @property
+    def point(self) -> Point:
+        """The fit's own estimates, with their covariance when the channels are as the document has them."""
+        own = slice(self.coordinates)
+        return Point(self.names[own], self.reference[own], inverse(self.information[own, own]))
+
+
+def observed(identification: Identification, channels: tuple[str, ...]) -> Observation:
+    """What an identification of a machine with these channels says."""
+    return observation(
+        coordinates=identification.coordinates,
+        point=identification.point,
+        covariance=identification.covariance,
+        effects=identification.channel_effects,
+        channels=channels,
+        accepted=identification.accepted,
+        chi_square=identification.chi_square,
+        degrees_of_freedom=identification.degrees_of_freedom,
+        samples=identification.samples,
+        outliers=identification.outliers,
+    )
+
+
+def observation(
+    *,
+    coordinates: tuple[str, ...],
+    point: Floats,
+    covariance: Floats,
+    effects: ChannelEffects | None,
+    channels: tuple[str, ...],
+    accepted: bool,
+    chi_square: float,
+    degrees_of_freedom: int,
+    samples: int,
+    outliers: dict[str, int],
+) -> Observation:
+    """The same from the parts of an identification; without effects nothing is said of the channels."""
+    own = inverse(covariance)
+    names, information, gradient = coordinates, own, np.zeros(len(coordinates))
+    phasors: dict[str, int] = {}
+    amplitude: dict[str, float] = {}
+    if effects is not None:
+        names = (*coordinates, *effects.names)
+        across = own @ effects.bias
+        among = effects.information + effects.bias.T @ across
+        information = np.block([[own, across], [across.T, among]])
+        gradient = np.concatenate([gradient, effects.score])
+        phasors = dict(zip(channels, effects.phasors, strict=True))
+        amplitude = dict(zip(channels, effects.amplitude, strict=True))
+    return Observation(
+        names=names,
+        coordinates=len(coordinates),
+        reference=np.concatenate([point, np.zeros(len(names) - len(point))]),
+        gradient=gradient,
+        information=information,
+        accepted=accepted,
+        chi_square=chi_square,
+        degrees_of_freedom=degrees_of_freedom,
+        samples=samples,
+        phasors=phasors,
+        outliers=outliers,
+        amplitude=amplitude,
+    )
+
+
+def inverse(covariance: Floats) -> Floats:
+    """Inverse of a covariance or an information matrix whose coordinates are of very different sizes."""
+    size = np.sqrt(np.diag(covariance))
+    inverse = np.linalg.inv(covariance / np.outer(size, size)) / np.outer(size, size)
+    return np.asarray((inverse + inverse.T) / 2)

@@ -1,0 +1,86 @@
+"""What is to be said of a machine after its newest run: causes that its newest runs agree on, and those that have gone.
+
+A step shows in the newest runs at once, a creeping change only in the mean of several, in which the run-to-run variation
+averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.data_faults import CHANNEL_KINDS, explained_channels, fits, lost_channels, many_outliers, misfit
+from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, agreement, diagnose, reference
+from estimator.machine import Machine
+from estimator.observation import Observation
+
+LONGEST = 3
+"""The longest window has so many times as many runs as must agree."""
+GONE = 0.3
+"""A cause that was said to be there is gone when its evidence falls below this part of what it took to say so."""
+Delay = Callable[[str, str], int]
+"""How many runs must agree on a cause of that kind at that element."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A machine under watch: the baseline's observations and what they say together."""
+
+    baseline: tuple[Observation, ...]
+    reference: Reference
+
+    @classmethod
+    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
+        """From the observations of a healthy machine. Raises ValueError as `reference` does."""
+        return cls(tuple(baseline), reference(machine, baseline))
+
+    def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
+        """What the newest of the runs after the baseline, oldest first, agree on."""
+        causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
+        for length in self._window_lengths(on_delay):
+            if length > len(after):
+                break
+            found = self._diagnosis(after[-length:])
+            for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
+                needed = on_delay(cause.kind, cause.element)
+                if needed <= length and min(cause.agreement[-needed:]) > 0.0:
+                    causes.setdefault((cause.kind, cause.element), (cause, runners_up))
+            if causes:
+                break
+        order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
+        return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
+
+    def gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
+        """Whether the newest runs show a cause no more."""
+        if len(after) < off_delay:
+            return False
+        window = after[-off_delay:]
+        whole = self._diagnosis(window)
+        if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
+            return False
+        channels = explained_channels(whole)
+        if not all(fits(one, channels) for one in window) and kind not in CHANNEL_KINDS:
+            return kind in ("misfit", "outliers") and all(one.accepted for one in window)
+        return diagnose(self.reference, window).evidence.get((kind, element), 0.0) < GONE * STRONG
+
+    def began(self, cause: Cause, after: Sequence[Observation]) -> int:
+        """Index of the run with which a cause most probably began: from there on the runs together speak for it most."""
+        if not cause.names:
+            return len(after) - len(cause.agreement)
+        spoken = [agreement(self.reference, cause, one) for one in after]
+        sums = np.cumsum(spoken[::-1])[::-1]
+        return int(np.argmax(sums))
+
+    def _window_lengths(self, on_delay: Delay) -> list[int]:
+        delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}
+        return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
+
+    def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
+        """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
+        found = diagnose(self.reference, window)
+        channels = explained_channels(found)
+        if not all(fits(one, channels) for one in window):
+            kept = [i for i, cause in enumerate(found.causes) if cause.kind in CHANNEL_KINDS]
+            found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
+        beside = (*lost_channels(self.baseline, window), *misfit(window, found), *many_outliers(window))
+        return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))

@@ -1,0 +1,242 @@
+"""Deviations of machines from their baselines, and what their trends say."""
+
+import cmath
+import math
+from typing import Annotated, cast
+
+from fastapi import APIRouter, Query, Request
+from sqlalchemy.orm import Session
+
+from estimator.baseline import Point
+from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
+from estimator.parameters import is_direct
+from estimator.slow_drift import Drift
+from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests
+from service.api import deviation_schemas as schemas
+from service.api.access import MachineId, Reading
+from service.api.problems import RESPONSES, Unsuitable
+from service.api.rendering import time_or_none
+from service.comparing import WEEK, Compared, baseline_points, compared, readings
+from service.limits import Level, Limits, rule_of, severity_of
+from service.setting_limits import limits_in_force
+from storage import identifications, machines
+from storage.clock import to_datetime
+from storage.identifications import IdentificationUnknown
+from storage.jobs import RUN
+from storage.tables import IdentificationRow
+
+router = APIRouter(tags=["deviations"], responses=RESPONSES)
+
+CENTURY = 5218.0
+"""[weeks] A limit that is reached later is not reached."""
+
+Which = Annotated[int | None, Query(alias="identification", ge=0, le=2**62, description="by default the newest accepted one")]
+
+
+@router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
+def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
+    """How far every parameter, and every element as a whole, is from the baseline, in per cent and in standard deviations."""
+    found = _compared(request, session, machine_id, which)
+    if found.missing is not None:
+        return schemas.DeviationsOut(**_about(found, {}), parameters=[], elements=[])
+    baseline = baseline_points(session, found)
+    now = identifications.points(session, [found.identification])[found.identification.id]
+    result = deviations(baseline, now)
+    limits = limits_in_force(session, machine_id)
+    return schemas.DeviationsOut(
+        **_about(found, _left_out(session, found, baseline, now)),
+        parameters=[_parameter(one, limits) for one in result.parameters],
+        elements=[_element(one) for one in result.elements],
+    )
+
+
+@router.get("/machines/{machine_id}/trend-tests", operation_id="read_trend_tests")
+def read_trend_tests(
+    request: Request,
+    session: Reading,
+    machine_id: MachineId,
+    parameter: Annotated[list[str] | None, Query(max_length=100, description="such as bearing.B1.kxx; default: all")] = None,
+    element: Annotated[list[str] | None, Query(max_length=100, description="such as coupling.C1; default: all")] = None,
+    which: Which = None,
+) -> schemas.TrendTestsOut:
+    """Steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
+
+    Where only parameters or only elements are asked for, the others are left out.
+    """
+    found = _compared(request, session, machine_id, which)
+    if found.missing is not None:
+        return schemas.TrendTestsOut(**_about(found, {}), run_length=RUN_LENGTH, tests=[])
+    baseline, after = baseline_points(session, found), readings(session, found)
+    limits = limits_in_force(session, machine_id)
+    everything = parameter is None and element is None
+    tests: list[schemas.TrendTestOut] = []
+    if everything or parameter is not None:
+        names = _coordinates(after[-1].point, parameter)
+        tests += [_coordinate_test(one, limits) for one in trend_tests(baseline, after, names)]
+    if everything or element is not None:
+        tests += [_distance_test(one) for one in distance_trends(baseline, after, element)]
+    left_out = _left_out(session, found, baseline, after[-1].point)
+    asked = left_out if everything else [*(parameter or ()), *(element or ())]
+    told = {name for one in tests for name in (one.name, parameter_of(one.name))}
+    unknown = f"machine '{machine_id}' has nothing of that name"
+    reasons = {name: left_out.get(name, unknown) for name in asked if name not in told}
+    return schemas.TrendTestsOut(**_about(found, reasons), run_length=RUN_LENGTH, tests=tests)
+
+
+def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None:
+    """Of some parameters; both components of an unbalance."""
+    if parameters is None:
+        return None
+    return [name for name in point.names if name in parameters or parameter_of(name) in parameters]
+
+
+def _compared(request: Request, session: Session, machine_id: str, which: int | None) -> Compared:
+    machines.get(session, machine_id)
+    return compared(session, _chosen(session, machine_id, which), baseline_runs=cast(int, request.app.state.baseline_runs))
+
+
+def _chosen(session: Session, machine_id: str, which: int | None) -> IdentificationRow:
+    if which is None:
+        newest = identifications.newest_of_a_run(session, machine_id)
+        if newest is None:
+            raise IdentificationUnknown(f"of machine '{machine_id}' was accepted yet")
+        return newest
+    row = identifications.get(session, which)
+    if row.machine_id != machine_id:
+        raise IdentificationUnknown(f"{which} of machine '{machine_id}'")
+    if row.scope != RUN:
+        raise Unsuitable(f"identification {which} is {row.scope}: only those of single runs are compared with a baseline")
+    return row
+
+
+def _left_out(session: Session, found: Compared, baseline: list[Point], now: Point) -> dict[str, str]:
+    """Parameters that are not compared, and why."""
+    same = {parameter_of(name) for name in comparable(baseline, now)}
+    reasons = {}
+    for one in identifications.estimates(session, found.identification.id):
+        if one.parameter in same:
+            continue
+        if one.value is None:
+            reasons[one.parameter] = one.reason or "not determined"
+            continue
+        lacking = [
+            str(row.id)
+            for row, point in zip(found.baseline, baseline, strict=True)
+            if one.parameter not in {parameter_of(name) for name in point.names}
+        ]
+        reasons[one.parameter] = f"not determined in the baseline, by identification {', '.join(lacking)}"
+    return reasons
+
+
+def _about(found: Compared, left_out: dict[str, str]) -> dict[str, object]:
+    row, began = found.identification, found.began
+    return {
+        "machine": row.machine_id,
+        "identification": row.id,
+        "measured_at": to_datetime(row.measured_at),
+        "run_kind": row.run_kind,
+        "conditions": row.conditions,
+        "baseline": schemas.BaselineUsed(
+            identifications=[one.id for one in found.baseline],
+            wanted=found.wanted,
+            since=time_or_none(None if began is None else began.since),
+            reason=None if began is None else began.reason,
+            by=None if began is None else began.by,
+        ),
+        "missing": found.missing,
+        "left_out": left_out,
+    }
+
+
+def _parameter(one: ParameterDeviation, limits: Limits) -> schemas.ParameterDeviationOut:
+    rule = rule_of(one.element)
+    reached = None
+    if rule is not None:
+        reached = severity_of(limits, rule, sigma=one.sigma, per_cent=100 * one.change, element=one.element)
+    return schemas.ParameterDeviationOut(
+        parameter=one.name,
+        element=one.element,
+        per_cent=100 * one.change,
+        lower_per_cent=100 * one.lower,
+        upper_per_cent=100 * one.upper,
+        sigma=one.sigma,
+        degrees_of_freedom=one.degrees_of_freedom,
+        probability=one.probability,
+        added=None if one.vector is None else abs(one.vector),
+        added_angle_deg=None if one.vector is None else math.degrees(cmath.phase(one.vector)) % 360.0,
+        reaches=None if reached is None else reached.label,
+    )
+
+
+def _element(one: ElementDistance) -> schemas.ElementDistanceOut:
+    return schemas.ElementDistanceOut(
+        element=one.element,
+        coordinates=list(one.names),
+        distance=one.distance,
+        degrees_of_freedom=one.degrees_of_freedom,
+        probability=one.probability,
+    )
+
+
+def _coordinate_test(one: TrendTest, limits: Limits) -> schemas.TrendTestOut:
+    direct = is_direct(one.name)
+
+    def per_cent(change: float) -> float:
+        return 100 * (math.expm1(change) if direct else change)
+
+    rule = rule_of(one.element)
+    chosen = None if rule is None else limits.rule(rule, one.element)
+    # A component of a vector does not tell when the vector's length reaches a limit.
+    reaches = chosen is not None and parameter_of(one.name) == one.name
+    drift = None
+    if one.drift is not None:
+        drift = schemas.DriftOut(
+            per_week=per_cent(one.drift.slope),
+            lower=per_cent(one.drift.slope_lower),
+            upper=per_cent(one.drift.slope_upper),
+            probability=one.drift.probability,
+            correction=one.drift.correction,
+            alert=_ahead(one.drift, chosen.alert, direct) if chosen is not None and reaches else None,
+            danger=_ahead(one.drift, chosen.danger, direct) if chosen is not None and reaches else None,
+        )
+    return _test(one, per_cent(one.newest), drift)
+
+
+def _distance_test(one: TrendTest) -> schemas.TrendTestOut:
+    drift = None
+    if one.drift is not None:
+        drift = schemas.DriftOut(
+            per_week=one.drift.slope,
+            lower=one.drift.slope_lower,
+            upper=one.drift.slope_upper,
+            probability=one.drift.probability,
+            correction=one.drift.correction,
+            alert=None,
+            danger=None,
+        )
+    return _test(one, one.newest, drift)
+
+
+def _test(one: TrendTest, newest: float, drift: schemas.DriftOut | None) -> schemas.TrendTestOut:
+    return schemas.TrendTestOut(
+        name=one.name,
+        runs=one.runs,
+        newest=newest,
+        step_up=_chart(one.step_up),
+        step_down=None if one.step_down is None else _chart(one.step_down),
+        creep=_chart(one.creep),
+        drift=drift,
+    )
+
+
+def _chart(one: Chart) -> schemas.ChartOut:
+    began = None if one.began is None else to_datetime(round(one.began * WEEK))
+    return schemas.ChartOut(value=one.value, limit=one.limit, passed=one.passed, began=began)
+
+
+def _ahead(drift: Drift, level: Level | None, direct: bool) -> schemas.AheadOut | None:
+    if level is None or level.per_cent is None:
+        return None
+    found = time_to_change(drift, level.per_cent / 100, logarithmic=direct)
+    weeks = [None if one is None or one > CENTURY else one for one in (found.expected, found.earliest, found.latest)]
+    return schemas.AheadOut(per_cent=level.per_cent, expected=weeks[0], earliest=weeks[1], latest=weeks[2])

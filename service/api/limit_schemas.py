@@ -1,0 +1,30 @@
+"""What the API is asked and answers about limits."""
+
+from datetime import datetime
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from service.api.alert_schemas import Comment, Name
+from service.limits import Limits
+
+
+class LimitsIn(BaseModel):
+    """Limits to put in force, by whom and why. What they leave out is as in the defaults."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    by: Name
+    comment: Annotated[Comment, Field(min_length=1)]
+    limits: Limits
+
+
+class LimitsOut(BaseModel):
+    """One version of a machine's limits. Version 0 are the defaults, which nobody has set."""
+
+    machine: str
+    version: int
+    limits: Limits
+    set_at: datetime | None
+    by: str | None
+    comment: str | None

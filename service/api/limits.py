@@ -1,0 +1,71 @@
+"""Limits of machines: from where on a finding is an alert or a danger."""
+
+import re
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Request, Response
+
+from service.api.access import Limit, MachineId, Reading, database
+from service.api.limit_schemas import LimitsIn, LimitsOut
+from service.api.problems import RESPONSES, STALE
+from service.limits import Limits
+from service.setting_limits import LimitsChanged, set_limits
+from storage import limits, machines
+from storage.clock import to_datetime
+from storage.tables import LimitsRow
+
+router = APIRouter(tags=["limits"], responses=RESPONSES)
+
+IfMatch = Annotated[str | None, Header(description="ETag of the limits that are replaced; without it whatever is in force")]
+
+
+@router.get("/machines/{machine_id}/limits", operation_id="read_limits")
+def read_limits(session: Reading, response: Response, machine_id: MachineId) -> LimitsOut:
+    """The limits in force. Until a person sets some these are the defaults, version 0."""
+    machines.get(session, machine_id)
+    found = _rendered(machine_id, limits.in_force(session, machine_id))
+    response.headers["ETag"] = f'"{found.version}"'
+    return found
+
+
+@router.put("/machines/{machine_id}/limits", operation_id="set_limits", responses=STALE)
+def replace_limits(
+    request: Request, response: Response, machine_id: MachineId, said: LimitsIn, if_match: IfMatch = None
+) -> LimitsOut:
+    """Put other limits in force; the ones before stay readable. The next identification is judged by them."""
+    expected = _expected(if_match)
+    with database(request).transaction() as session:
+        row = set_limits(session, machine_id, said.limits, by=said.by, comment=said.comment, expected=expected)
+        found = _rendered(machine_id, row)
+    response.headers["ETag"] = f'"{found.version}"'
+    return found
+
+
+@router.get("/machines/{machine_id}/limits/versions", operation_id="list_limits")
+def list_limits(session: Reading, machine_id: MachineId, limit: Limit = 100) -> list[LimitsOut]:
+    """All that people have set, newest first."""
+    machines.get(session, machine_id)
+    return [_rendered(machine_id, row) for row in limits.versions(session, machine_id, limit=limit)]
+
+
+def _expected(if_match: str | None) -> int | None:
+    """The version that a person has read; None for any."""
+    if if_match is None or if_match.strip() == "*":
+        return None
+    number = re.fullmatch(r'"([0-9]{1,18})"', if_match.strip())
+    if number is None:
+        raise LimitsChanged(f"If-Match is {if_match[:40]}: it must be the ETag that the limits were read with")
+    return int(number[1])
+
+
+def _rendered(machine_id: str, row: LimitsRow | None) -> LimitsOut:
+    if row is None:
+        return LimitsOut(machine=machine_id, version=0, limits=Limits(), set_at=None, by=None, comment=None)
+    return LimitsOut(
+        machine=machine_id,
+        version=row.version,
+        limits=Limits.model_validate(row.document),
+        set_at=to_datetime(row.at),
+        by=row.by,
+        comment=row.comment,
+    )

@@ -1,0 +1,83 @@
+"""What an identification is compared with: the baseline in force, and the runs between it and now."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from estimator.baseline import Point
+from estimator.trend_tests import Reading
+from storage import baselines, identifications, machines
+from storage.identifications import Like
+from storage.tables import BaselineRow, IdentificationRow
+
+LONGEST_HISTORY = 520
+"""Newest runs behind a baseline that trends are tested over: ten years of one a week."""
+WEEK = 7 * 86_400 * 1_000_000_000
+"""[ns]"""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """An identification, the runs that are its machine's baseline and those that came after it, oldest first.
+
+    began: who began the baseline and why; None for the machine's first runs. wanted: identifications that make it. after:
+    alike and up to the identification, which is the last one unless it belongs to the baseline.
+    """
+
+    identification: IdentificationRow
+    began: BaselineRow | None
+    wanted: int
+    baseline: Sequence[IdentificationRow]
+    after: Sequence[IdentificationRow]
+
+    @property
+    def missing(self) -> str | None:
+        """Why there is nothing to compare yet; None when there is."""
+        number = self.identification.id
+        if len(self.baseline) < self.wanted:
+            return f"the baseline has {len(self.baseline)} of {self.wanted} identifications"
+        if number in {row.id for row in self.baseline}:
+            return f"identification {number} is part of the baseline"
+        if not self.after or self.after[-1].id != number:
+            return f"identification {number} does not count: it was not accepted, or its run was identified again"
+        return None
+
+
+def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:
+    """What an identification of a single run is compared with.
+
+    Like is compared with like: under revisions of the document that describe the same machine, of the same kind of run, with
+    the same slow-roll vectors, behind the beginning of the baseline in force.
+    """
+    began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    like = Like(
+        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
+        run_kind=stored.run_kind,
+        slow_roll_version=stored.slow_roll_version,
+        since=0 if began is None else began.since,
+    )
+    which = session, stored.machine_id, like
+    if began is None or began.identification_ids is None:
+        first = identifications.first_accepted(*which, limit=baseline_runs)
+        wanted = baseline_runs
+    else:
+        first = identifications.named(*which, began.identification_ids)
+        wanted = len(set(began.identification_ids))
+    known = {row.id for row in first}
+    newest = identifications.last_accepted(*which, limit=LONGEST_HISTORY + wanted, last=stored.measured_at)
+    after = [row for row in reversed(newest) if row.id not in known]
+    return Compared(stored, began, wanted, first, after[-LONGEST_HISTORY:])
+
+
+def baseline_points(session: Session, found: Compared) -> list[Point]:
+    """All that the baseline's identifications determined."""
+    points = identifications.points(session, found.baseline)
+    return [points[row.id] for row in found.baseline]
+
+
+def readings(session: Session, found: Compared) -> list[Reading]:
+    """The runs after the baseline at their times [weeks since 1970]. Of several measured at one time the last counts."""
+    points = identifications.points(session, found.after)
+    by_time = {row.measured_at: points[row.id] for row in found.after}
+    return [Reading(moment / WEEK, point) for moment, point in by_time.items()]

@@ -1,0 +1,53 @@
+"""Whether parameters change faster than a person allows: one finding per element, of its fastest parameter."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from estimator.deviation import parameter_of
+from estimator.rate_of_change import Rate, rates_of_change
+from estimator.trend_tests import Reading
+from service.alert_life import Severity
+from service.limits import ELEMENTS, Limits, RuleName, severity_of
+
+RATE_OF_CHANGE: RuleName = "rate_of_change"
+
+
+@dataclass(frozen=True)
+class RateFinding:
+    """An element whose fastest parameter drifts beyond a limit, beside the severity that this has."""
+
+    element: str
+    rate: Rate
+    severity: Severity
+
+    @property
+    def message(self) -> str:
+        """What the alert says."""
+        one = self.rate
+        return (
+            f"{parameter_of(one.name)} drifts by {100 * one.per_week:+.2g} % a week "
+            f"({100 * one.lower:+.2g} to {100 * one.upper:+.2g}) over the last {one.runs} runs"
+        )
+
+
+def rate_findings(
+    limits: Limits, readings: Sequence[Reading], present: Mapping[str, Severity] | None = None
+) -> tuple[RateFinding, ...]:
+    """Elements that drift too fast as the newest of the readings has it.
+
+    readings: alike, in ascending order of time. present: severity of the open alert of this rule, by element. The delays of
+    the rule are for the caller to count, with the readings up to each identification. Raises as `rates_of_change`.
+    """
+    fastest: dict[str, Rate] = {}
+    for rate in rates_of_change(readings):
+        if not rate.certain or rate.element.split(".", 1)[0] not in ELEMENTS[RATE_OF_CHANGE]:
+            continue
+        if rate.element not in fastest or abs(rate.per_week) > abs(fastest[rate.element].per_week):
+            fastest[rate.element] = rate
+    found = []
+    for element, rate in fastest.items():
+        held = (present or {}).get(element)
+        severity = severity_of(limits, RATE_OF_CHANGE, rate=100 * rate.per_week, present=held, element=element)
+        if severity is not None:
+            found.append(RateFinding(element, rate, severity))
+    return tuple(found)
