@@ -7,16 +7,17 @@ standards themselves were not at hand; ROSS's API report and two other public pr
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Floats
+from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import critical_speed_table
-from estimator.forced_response import forced_response
+from estimator.error_propagation import standard_errors
+from estimator.forced_response import ForcedResponse, forced_response
 from estimator.machine import Probe
 from estimator.rotor import assemble_rotor
 from estimator.station_response import displacement_row
@@ -111,6 +112,14 @@ def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_sp
     return SeparationMargin(peak=peak, position=position, actual=actual, required=required)
 
 
+@dataclass(frozen=True)
+class SurePeak:
+    """A response peak and the standard error of its amplification factor; None where the factor is."""
+
+    peak: Peak
+    factor_error: float | None
+
+
 def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
     """Peaks of a curve (S,) over ascending speeds (S,), from a cubic spline through it.
 
@@ -118,7 +127,8 @@ def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
     """
     spline = scipy.interpolate.CubicSpline(speed, amplitude)
     turning = spline.derivative().roots(extrapolate=False)
-    tops = [float(one) for one in turning[np.isfinite(turning)] if float(spline(one, 2)) < 0.0]
+    turning = turning[np.isfinite(turning)]
+    tops = [float(one) for one in turning[spline(turning, 2) < 0.0]]
     peaks = []
     for top in tops:
         height = float(spline(top))
@@ -148,10 +158,9 @@ def amplification(
     """
     if not (0 < lowest < highest and 0 < minimum_speed <= maximum_continuous_speed):
         raise ValueError("speeds must be positive, lowest below highest, minimum_speed not above maximum_continuous_speed")
-    speed = _speeds(model, lowest, highest)
-    rotor = assemble_rotor(model.machine)
-    rows = np.array([displacement_row(model.machine, rotor, place) for place in places])
-    amplitude = np.abs(forced_response(model, speed=speed, output=rows).phasor)
+    table = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+    speed = _speeds(np.array([one.eigenvalue for one in table], dtype=complex), lowest, highest)
+    amplitude = np.abs(_response(model, speed, places).phasor)
     return tuple(
         tuple(
             separation_margin(peak, minimum_speed=minimum_speed, maximum_continuous_speed=maximum_continuous_speed)
@@ -161,11 +170,57 @@ def amplification(
     )
 
 
-def _speeds(model: UpdatedModel, lowest: float, highest: float) -> Floats:
-    """Speeds close enough to each other around every critical speed."""
-    table = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
-    crowds = [one.speed * (1.0 + max(abs(one.damping_ratio), 1e-4) * CROWD) for one in table]
-    whole = np.unique(np.concatenate([np.linspace(lowest, highest, EVEN_SPEEDS), *crowds]))
+def sure_peaks(
+    model: UpdatedModel, *, places: Sequence[Probe], crossings: Complexes, lowest: float, highest: float
+) -> tuple[tuple[SurePeak, ...], ...]:
+    """Response peaks between two speeds [rad/s] at places of the train, with the standard errors of their factors.
+
+    crossings: eigenvalues (c,) [rad/s] at the model's critical speeds.
+    """
+    # Every second speed is close enough, and this is done after every identification.
+    speed = _speeds(crossings, lowest, highest)[::2]
+    found = _response(model, speed, places)
+    return tuple(
+        tuple(_with_errors(speed, found.phasor[:, place], found.slope[:, place], model.covariance))
+        for place in range(len(places))
+    )
+
+
+def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[SurePeak]:
+    """Peaks of one curve (S,) with slopes (S, n).
+
+    A half-power speed N, |X(N)| = h = 0.707 |X(Nc)|, moves by dN = (dh - ∂|X|/∂p dp) / |X|'; the peak's own speed by
+    dNc = -∂|X|'/∂p dp / |X|'', which its height does not feel.
+    """
+    amplitude = np.abs(phasor)
+    size = np.where(amplitude > 0.0, amplitude, 1.0)
+    curve = scipy.interpolate.CubicSpline(speed, amplitude)
+    slopes = scipy.interpolate.CubicSpline(speed, (np.conj(phasor)[:, None] * slope).real / size[:, None])
+    for peak in response_peaks(speed, amplitude):
+        factor = peak.amplification_factor
+        if factor is None:
+            yield SurePeak(peak, None)
+            continue
+        top = -slopes(peak.speed, 1) / float(curve(peak.speed, 2))
+        level = HALF_POWER * slopes(peak.speed)
+        sides = [top if at is None else (level - slopes(at)) / float(curve(at, 1)) for at in (peak.lower, peak.upper)]
+        width, times = sides[1] - sides[0], 2.0 if peak.one_sided else 1.0
+        # AF = Nc / width, the width doubled where one side is missing.
+        change = (top - factor * times * width) * factor / peak.speed
+        yield SurePeak(peak, float(standard_errors(change, covariance)))
+
+
+def _response(model: UpdatedModel, speed: Floats, places: Sequence[Probe]) -> ForcedResponse:
+    rotor = assemble_rotor(model.machine)
+    rows = np.array([displacement_row(model.machine, rotor, place) for place in places])
+    return forced_response(model, speed=speed, output=rows)
+
+
+def _speeds(crossings: Complexes, lowest: float, highest: float) -> Floats:
+    """Speeds close enough to each other around every critical speed; crossings: their eigenvalues."""
+    damping = np.maximum(np.abs(crossings.real / np.abs(crossings)), 1e-4)
+    crowds = crossings.imag[:, None] * (1.0 + damping[:, None] * CROWD)
+    whole = np.unique(np.concatenate([np.linspace(lowest, highest, EVEN_SPEEDS), crowds.reshape(-1)]))
     whole = whole[(whole >= lowest) & (whole <= highest)]
     # Speeds that nearly coincide would make the spline's slope out of rounding errors.
     return np.asarray(whole[np.concatenate([[True], np.diff(whole) > 1e-9 * highest])])

@@ -34,18 +34,20 @@ RUN_OUT = 0.3
 """Change expected of a run-out, each part, in units of the channel's median amplitude."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Hypothesis:
     """One thing that can have happened.
 
     element: such as `coupling.C1`, `bearing.B2`, `disc.D1`, `shaft.motor`, `probe.B1L`. variants: each (N, r) changes that it
     makes, of the size expected of them, from simple to free. rising: functionals (q, N) of the change that must be positive.
+    elements: all whose coefficients it moves.
     """
 
     kind: Kind
     element: str
     variants: tuple[Floats, ...]
     rising: Floats
+    elements: frozenset[str] = frozenset()
 
 
 def hypotheses(
@@ -75,10 +77,10 @@ class _Builder:
             own = f"coupling.{coupling.id}"
             if beside:
                 yield self._misalignment(own, beside)
-            yield Hypothesis("coupling", own, self._variants([own]), self._none())
+            yield Hypothesis("coupling", own, self._variants([own]), self._none(), frozenset([own]))
         for bearing in self.machine.bearings:
             own = f"bearing.{bearing.id}"
-            yield Hypothesis("bearing", own, self._variants([own]), self._none())
+            yield Hypothesis("bearing", own, self._variants([own]), self._none(), frozenset([own]))
         median = float(np.median([self._size(one.name) for one in self.unknowns.unbalances]))
         for plane in self.unknowns.unbalances:
             columns = self._pair(plane.name, UNBALANCE * max(median, self._size(plane.name)))
@@ -106,7 +108,7 @@ class _Builder:
             np.column_stack([together, *each, *more]) for more in ([], [c for e in elements for c in self._apart(e)])
         )
         rising = np.stack([_mean(self._direct(element, "stiffness")) for element in elements])
-        return Hypothesis("misalignment", own, variants, rising)
+        return Hypothesis("misalignment", own, variants, rising, frozenset(elements))
 
     def _variants(self, elements: list[str]) -> tuple[Floats, ...]:
         """Growth of elements as a whole; of stiffness and damping by themselves; of each coefficient."""

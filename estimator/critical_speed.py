@@ -87,6 +87,18 @@ def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: floa
 def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """Every crossing of a damped natural frequency with the synchronous line up to `highest` [rad/s], ascending.
 
+    Raises ValueError when `highest` is not positive.
+    """
+    found = []
+    for root, shape in crossing_modes(matrices, direction=direction, highest=highest):
+        sense = float(whirl(shape[:, None], matrices(root.imag).mass, direction=direction)[0])
+        found.append(CriticalSpeed(speed=root.imag, eigenvalue=root, whirl=sense))
+    return tuple(found)
+
+
+def crossing_modes(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[tuple[complex, Complexes], ...]:
+    """The modes that cross the synchronous line up to `highest` [rad/s]: eigenvalue λ [rad/s] and shape (N,), ascending.
+
     Frequencies in ascending order, zero for overdamped modes, are continuous in the spin speed, so that a change of sign of
     (frequency - spin) between two speeds holds a crossing. The speeds looked at separate the undamped critical speeds from
     each other; between them intervals are halved while some frequency is so near the line that it could cross it and come
@@ -112,7 +124,7 @@ def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highes
                 if start == 0.0 and before[mode] <= 0.0:
                     continue  # overdamped at standstill: nothing is crossed there
                 found.append(_at(matrices, direction, _crossing(frequencies, mode, start, stop), mode))
-    return tuple(sorted(found, key=lambda one: one.speed))
+    return tuple(sorted(found, key=lambda one: one[0].imag))
 
 
 def _samples(undamped: list[Floats], highest: float) -> list[float]:
@@ -141,7 +153,7 @@ def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, u
     return float(scipy.optimize.brentq(gap, lower, upper, xtol=TOLERANCE * upper, rtol=4 * np.finfo(float).eps))
 
 
-def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> CriticalSpeed:
+def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> tuple[complex, Complexes]:
     """The crossing of the mode that is `mode`-th in ascending order of frequency, overdamped ones counted as zero."""
     here = matrices(speed)
     roots, vectors = np.linalg.eig(here.state_matrix(spin=direction * speed))
@@ -149,6 +161,4 @@ def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) ->
     overdamped = size - int(np.count_nonzero(roots.imag > 0))
     rising = np.flatnonzero(roots.imag > 0)
     chosen = rising[np.argsort(roots[rising].imag)][mode - overdamped]
-    shape: Complexes = vectors[:size, [chosen]]
-    sense = float(whirl(shape, here.mass, direction=direction)[0])
-    return CriticalSpeed(speed=speed, eigenvalue=complex(roots[chosen]), whirl=sense)
+    return complex(roots[chosen].real, speed), vectors[:size, chosen]

@@ -29,6 +29,8 @@ BESIDE = 0.05
 """A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact."""
 MOST_CAUSES = 4
 """More causes at once are not told apart."""
+LARGEST_STEPS = 10
+"""Causes are added and taken back at most so often."""
 RUNNERS_UP = 3
 """As many are named."""
 GAIN_TOLERANCE = 0.05
@@ -144,12 +146,14 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     """The hypotheses that explain a deviation, added one by one while there is strong evidence for one more."""
     chosen: list[Hypothesis] = []
     least = STRONG
-    while len(chosen) < MOST_CAUSES:
+    for _ in range(LARGEST_STEPS):
         within = deviation.given(chosen)
-        best = max((one for one in deviation.baseline.hypotheses if one not in chosen), key=within.evidence)
-        if within.evidence(best) < least:
+        left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
+        best = max(left, key=within.evidence)
+        if len(chosen) == MOST_CAUSES or within.evidence(best) < least:
             break
-        chosen.append(best)
+        # A whole takes the place of its parts.
+        chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
         least = max(STRONG, BESIDE * max(deviation.evidence(one) for one in chosen))
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
@@ -157,6 +161,11 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
             break
         chosen = needed
     return chosen
+
+
+def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
+    """Whether a cause moves nothing but what another one moves as well, such as a bearing beside a misaligned coupling."""
+    return bool(one.elements) and any(one.elements < other.elements for other in of)
 
 
 @dataclass(frozen=True)
@@ -249,6 +258,15 @@ class Deviation:
         white = columns / self.baseline.unit[:, None]
         spread = np.linalg.inv(np.eye(columns.shape[1]) + white.T @ self.precision @ white)
         return np.asarray(spread @ self._pull_along(columns)), np.asarray(spread)
+
+
+def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
+    """Logarithm of the factor by which a cause's change makes a run by itself more probable."""
+    white = np.zeros(len(baseline.names))
+    white[[baseline.names.index(name) for name in cause.names]] = cause.change
+    white /= baseline.unit
+    seen, drawn = _through_variation(one, baseline.origin, baseline.unit)
+    return float(white @ (drawn - seen @ baseline.centre) - 0.5 * white @ seen @ white)
 
 
 def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:

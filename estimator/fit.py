@@ -213,7 +213,12 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
     iterations = 0
     converged = False
     stages = list(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
-    for misfit, limit in stages[-1:] if near else stages:
+    if near:
+        # Weights and what is far too large or small are taken from the earlier fit, so that outliers do not lead away from it.
+        measured = np.abs(problem.model(start))
+        problem = problem.without_outliers(start, STAGE_MISFITS[-2])
+        stages = stages[-2:] if problem.outlier.any() else stages[-1:]
+    for misfit, limit in stages:
         theta, converged, steps = descend(problem, theta, problem.weight(measured, misfit), limit)
         problem = problem.without_outliers(theta, misfit)
         iterations += steps

@@ -9,33 +9,39 @@ from estimator.critical_speed import CriticalSpeed
 from estimator.error_propagation import standard_errors
 from estimator.forced_response import coefficient_slopes
 from estimator.modes import Modes, eigenvalue_slopes, modes
-from estimator.system_matrices import SystemMatrices, system_matrices
 from estimator.updated_model import UpdatedModel
 
 SCALE_STEP = 1e-3
 """Change of the logarithm of E or ρ in a central difference of matrices that are all but linear in it."""
+SPEED_STEP = 1e-4
+"""Change of the spin speed, in parts of it, in a central difference: coefficients may follow the speed in any way."""
 
 
 def modes_at(model: UpdatedModel, *, speed: float) -> Modes:
     """Oscillating modes of the updated model at a spin speed [rad/s], in the machine's sense of rotation."""
-    return modes(_matrices(model, speed), spin=model.machine.direction * speed)
+    return modes(model.matrices(speed), spin=model.machine.direction * speed)
 
 
-def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed: float) -> Complexes:
-    """Derivatives (modes, n) [rad/s] of the eigenvalues at a spin speed [rad/s] by the model's coordinates."""
-    coordinates = model.coordinates_at(np.array([speed]))
+def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed: float | Floats) -> Complexes:
+    """Derivatives (modes, n) [rad/s] of the eigenvalues by the model's coordinates, the spin speed held.
+
+    speed: spin speed of all modes, or of each (modes,) [rad/s].
+    """
+    speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
+    coordinates = model.coordinates_at(speeds)
+    coefficients = coordinates.coefficients(coordinates.theta(model.values))
     by_coefficient = eigenvalue_slopes(model.machine, found)
     slopes = np.zeros((found.eigenvalue.size, model.values.size), dtype=complex)
-    for k, places in coefficient_slopes(coordinates, model.coefficients(speed)[None, :]).items():
+    for k, places in coefficient_slopes(coordinates, np.broadcast_to(coefficients, by_coefficient.shape)).items():
         for place, by_coordinate in places.items():
-            slopes[:, place] += by_coefficient[:, k] * by_coordinate[0]
+            slopes[:, place] += by_coefficient[:, k] * by_coordinate
     for place in map(int, coordinates.scale_place):
         step = np.zeros(model.values.size)
         step[place] = SCALE_STEP
-        ahead, behind = (_matrices(replace(model, values=model.values + sign * step), speed) for sign in (1, -1))
-        spin = model.machine.direction * speed
-        for mode, root in enumerate(found.eigenvalue):
-            change = ahead.dynamic_stiffness(root, spin=spin) - behind.dynamic_stiffness(root, spin=spin)
+        ahead, behind = (replace(model, values=model.values + sign * step).matrices for sign in (1, -1))
+        for mode, (root, at) in enumerate(zip(found.eigenvalue, speeds, strict=True)):
+            spin = model.machine.direction * at
+            change = ahead(at).dynamic_stiffness(root, spin=spin) - behind(at).dynamic_stiffness(root, spin=spin)
             slopes[mode, place] = -np.vdot(found.left[:, mode], change @ found.shape[:, mode]) / (2 * SCALE_STEP)
     return slopes
 
@@ -45,27 +51,40 @@ def natural_frequency_errors(model: UpdatedModel, found: Modes, *, speed: float)
     return standard_errors(eigenvalue_slopes_by_coordinate(model, found, speed=speed).imag, model.covariance)
 
 
-def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...]) -> Floats:
-    """Standard errors [rad/s] of the model's critical speeds.
+def crossing_slopes(model: UpdatedModel, found: Modes) -> Complexes:
+    """Derivatives (c, n) [rad/s] of the eigenvalues at c crossings with the synchronous line by the model's coordinates.
 
-    From Im λ(Ω, p) = Ω: dΩ = Im ∂λ/∂p dp / (1 - Im ∂λ/∂Ω).
+    found: the mode that crosses, of each. The spin speed follows, so that the imaginary part is that of the critical speed:
+    from Im λ(Ω, p) = Ω, dΩ = Im ∂λ/∂p dp / (1 - Im ∂λ/∂Ω).
     """
-    errors = []
-    for one in table:
-        found = modes_at(model, speed=one.speed)
-        mode = int(np.argmin(np.abs(found.eigenvalue - one.eigenvalue)))
-        only = Modes(found.eigenvalue[[mode]], found.shape[:, [mode]], found.left[:, [mode]])
-        slope = eigenvalue_slopes_by_coordinate(model, only, speed=one.speed).imag[0]
-        errors.append(float(standard_errors(slope, model.covariance)) / abs(1.0 - _by_speed(model, only, one.speed)))
-    return np.array(errors)
+    held = eigenvalue_slopes_by_coordinate(model, found, speed=found.eigenvalue.imag)
+    by_speed = np.array([_by_speed(model, found, crossing) for crossing in range(found.eigenvalue.size)])[:, None]
+    return np.asarray(held + by_speed * held.imag / (1.0 - by_speed.imag))
 
 
-def _by_speed(model: UpdatedModel, found: Modes, speed: float) -> float:
-    """Im ∂λ/∂Ω of one mode, by a central difference: coefficients may follow the speed in any way."""
-    step, root, direction = 1e-4 * speed, complex(found.eigenvalue[0]), model.machine.direction
-    ahead, behind = (_matrices(model, at).dynamic_stiffness(root, spin=direction * at) for at in (speed + step, speed - step))
-    return float(-np.vdot(found.left[:, 0], (ahead - behind) @ found.shape[:, 0]).imag / (2 * step))
+def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...]) -> Floats:
+    """Standard errors [rad/s] of the model's critical speeds."""
+    crossing = [_nearest(modes_at(model, speed=one.speed), one.eigenvalue) for one in table]
+    if not crossing:
+        return np.empty(0)
+    eigenvalue = np.array([one.eigenvalue for one in table])
+    shape, left = (np.stack(vectors, axis=1) for vectors in zip(*crossing, strict=True))
+    return standard_errors(crossing_slopes(model, Modes(eigenvalue, shape, left)).imag, model.covariance)
 
 
-def _matrices(model: UpdatedModel, speed: float) -> SystemMatrices:
-    return system_matrices(model.scaled_machine, coefficients=model.coefficients(speed))
+def _nearest(found: Modes, eigenvalue: complex) -> tuple[Complexes, Complexes]:
+    """Shape and left vector of the mode of that eigenvalue."""
+    mode = int(np.argmin(np.abs(found.eigenvalue - eigenvalue)))
+    return found.shape[:, mode], found.left[:, mode]
+
+
+def _by_speed(model: UpdatedModel, found: Modes, crossing: int) -> complex:
+    """∂λ/∂Ω of one of the crossing modes."""
+    root, direction = complex(found.eigenvalue[crossing]), model.machine.direction
+    speed = root.imag
+    ahead, behind = (
+        model.matrices(at).dynamic_stiffness(root, spin=direction * at)
+        for at in (speed * (1.0 + SPEED_STEP), speed * (1.0 - SPEED_STEP))
+    )
+    change = np.vdot(found.left[:, crossing], (ahead - behind) @ found.shape[:, crossing])
+    return complex(-change / (2 * SPEED_STEP * speed))

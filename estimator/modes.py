@@ -72,12 +72,12 @@ def eigenvalue_slopes(machine: Machine, found: Modes) -> Complexes:
     """
     unknown = unknowns(machine, assemble_rotor(machine)).coefficients
     size = found.shape.shape[0]
-    slopes = np.zeros((found.eigenvalue.size, len(unknown)), dtype=complex)
-    for k, one in enumerate(unknown):
-        left, right = (dense(list(side), size) for side in zip(*one.pairs, strict=True))
-        acting = np.sum((np.conj(found.left).T @ left) * (found.shape.T @ right), axis=1)
-        slopes[:, k] = -acting * found.eigenvalue**one.order
-    return slopes
+    pairs = [pair for one in unknown for pair in one.pairs]
+    left, right = (dense(list(side), size) for side in zip(*pairs, strict=True))
+    acting = (np.conj(found.left).T @ left) * (found.shape.T @ right)
+    first = np.concatenate([[0], np.cumsum([len(one.pairs) for one in unknown])[:-1]])
+    order = np.array([one.order for one in unknown])
+    return np.asarray(-np.add.reduceat(acting, first, axis=1) * found.eigenvalue[:, None] ** order)
 
 
 def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Complexes:

@@ -1,5 +1,6 @@
 """The updated model: a machine with everything that an identification found put in, and how sure that is."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,6 +10,7 @@ from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
+from estimator.system_matrices import SystemMatrices, system_matrices_over_speed
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,14 @@ class UpdatedModel:
         }
         return self.machine.model_copy(update={"materials": materials})
 
+    @cached_property
+    def matrices(self) -> Callable[[float], SystemMatrices]:
+        """What gives the matrices of the whole train at a spin speed [rad/s, without sign]."""
+        constant = not self.coordinates_at(np.ones(1)).follows
+        return system_matrices_over_speed(
+            self.scaled_machine, coefficients=self.coefficients(1.0) if constant else self.coefficients
+        )
+
     def turning(self, direction: int) -> "UpdatedModel":
         """The same machine turning in a sense: +1 from +x to +y, -1 against it."""
         if direction == self.machine.direction:
@@ -114,6 +124,14 @@ def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, cova
     rows = [coordinates.index(name) for name in names]
     whole = np.zeros((len(coordinates), len(coordinates))) if covariance is None else covariance
     return UpdatedModel(exact, names, point[rows], whole[np.ix_(rows, rows)])
+
+
+def expected_model(machine: Machine) -> UpdatedModel:
+    """The model that a machine's document expects before anything is identified, taken as exactly known."""
+    exact = with_exact_probes(machine)
+    coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+    size = coordinates.size
+    return UpdatedModel(exact, coordinates.names, coordinates.point(coordinates.centre), np.zeros((size, size)))
 
 
 def with_exact_probes(machine: Machine) -> Machine:

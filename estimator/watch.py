@@ -7,8 +7,10 @@ averages out. So windows of different lengths end at the newest run, and the sho
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from estimator.data_faults import CHANNEL_KINDS, explained_channels, fits, lost_channels, many_outliers, misfit
-from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, diagnose, reference
+from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, agreement, diagnose, reference
 from estimator.machine import Machine
 from estimator.observation import Observation
 
@@ -60,6 +62,14 @@ class Watch:
         if not all(fits(one, channels) for one in window) and kind not in CHANNEL_KINDS:
             return kind in ("misfit", "outliers") and all(one.accepted for one in window)
         return diagnose(self.reference, window).evidence.get((kind, element), 0.0) < GONE * STRONG
+
+    def began(self, cause: Cause, after: Sequence[Observation]) -> int:
+        """Index of the run with which a cause most probably began: from there on the runs together speak for it most."""
+        if not cause.names:
+            return len(after) - len(cause.agreement)
+        spoken = [agreement(self.reference, cause, one) for one in after]
+        sums = np.cumsum(spoken[::-1])[::-1]
+        return int(np.argmax(sums))
 
     def _window_lengths(self, on_delay: Delay) -> list[int]:
         delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}

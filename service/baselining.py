@@ -3,7 +3,7 @@
 from sqlalchemy.orm import Session
 
 from service import alerting
-from service.watching import MISALIGNMENT
+from service.statements import RULES
 from storage import alerts, baselines, identifications, timeline
 from storage.tables import BaselineRow, TimelineRow
 
@@ -30,7 +30,7 @@ def begin(
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
     for alert in alerts.open_alerts(session, machine_id):
-        if alert.rule == MISALIGNMENT and alert.measured_at < since:
+        if alert.rule in RULES and alert.measured_at < since:
             alerting.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
     return row
 

@@ -1,114 +1,189 @@
-"""What a new identification says about its machine: misalignment against the baseline, and the alert row that follows."""
+"""What a new identification says about its machine: a diagnosis against the baseline, and the alerts that follow."""
 
-import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.baseline import CommonShift
-from estimator.misalignment import MisalignmentEvidence, determines, misalignment_evidence, watched
+from estimator.change_size import change_size
+from estimator.diagnosis import Diagnosis
+from estimator.healthy_variation import typical_amplitude
+from estimator.machine import Machine
+from estimator.observation import Observation
+from estimator.watch import Watch
 from service import alerting
+from service.alert_life import Severity
 from service.alerting import Finding
-from storage import alerts, baselines, identifications, jobs, machines
+from service.limits import Limits, severity_of
+from service.setting_limits import limits_in_force
+from service.statements import RULES, Statement, rule_of
+from storage import alerts, baselines, derived, diagnoses, identifications, jobs, machines
 from storage.clock import now
 from storage.identifications import Like
-from storage.tables import IdentificationRow
+from storage.tables import AlertRow, IdentificationRow
 
-MISALIGNMENT = "misalignment"
-SEARCHED = 10
-"""So many times as many identifications are looked through for those that determine what is watched."""
-IN_A_ROW = 2
-"""Identifications in a row that must agree before an alert is opened or closed: the on and off delay."""
+LOOKED_BACK = 60
+"""Newest identifications of single runs that are looked at: for when a change began, and for delays of up to 20."""
+DATA_RULES = ("misfit", "outliers")
+"""What is wrong with the data has no size and no limits …"""
+DATA_DELAY = 2
+"""… and is an alert after so many runs in a row, and none after so many good ones."""
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """What the newest identifications of one kind of run say about one coupling, newest first."""
+class Comparison:
+    """A machine's newest runs against its baseline: rows and what they say, oldest first."""
 
-    evidence: list[MisalignmentEvidence]
-    identification: IdentificationRow
+    machine: Machine
+    baseline: tuple[IdentificationRow, ...]
+    watch: Watch
+    after: tuple[IdentificationRow, ...]
+    observations: tuple[Observation, ...]
 
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
-    """Open, update or close the machine's misalignment alerts after an identification was stored."""
-    if stored.scope != jobs.RUN or not stored.accepted or _of_the_past(session, stored):
+    """Diagnose a machine after an identification was stored; open, update or clear its alerts.
+
+    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
+    """
+    if stored.scope != jobs.RUN:
         return
-    for judgement in judgements(session, stored, baseline_runs=baseline_runs):
-        _act(session, judgement)
+    found = comparison(session, stored, baseline_runs=baseline_runs)
+    if found is None:
+        return
+    limits = limits_in_force(session, stored.machine_id)
+    diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: _delays(limits, kind, element)[0])
+    statements = _statements(session, found, diagnosis, stored)
+    diagnoses.keep(
+        session,
+        stored,
+        baseline=[row.id for row in found.baseline],
+        runs=max((len(cause.agreement) for cause in diagnosis.causes), default=0),
+        causes=[one.evidence() for one in statements],
+    )
+    if not _of_today(session, stored):
+        return
+    raised = {alert.id for one in statements if (alert := _raise(session, one, stored, limits)) is not None}
+    for alert in alerts.open_alerts(session, stored.machine_id):
+        if alert.rule in RULES and alert.id not in raised and _may_clear(alert, stored):
+            _clear_if_gone(session, alert, found, statements, limits)
 
 
-def _of_the_past(session: Session, stored: IdentificationRow) -> bool:
-    """Whether a late run belongs to the machine as it was: alerts speak of the machine as it is."""
+def _of_today(session: Session, stored: IdentificationRow) -> bool:
+    """Whether a run shows the machine as it is: the newest of its kind, under the document and the baseline in force."""
     newest = machines.get(session, stored.machine_id).revision
-    if stored.revision not in machines.comparable(session, stored.machine_id, newest):
-        return True
     then, today = (baselines.in_force(session, stored.machine_id, at=moment) for moment in (stored.measured_at, now()))
-    return then is not today
+    same_machine = stored.revision in machines.comparable(session, stored.machine_id, newest)
+    return same_machine and then is today and identifications.is_newest(session, stored)
 
 
-def judgements(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> list[Judgement]:
-    """One judgement per coupling; none while its baseline is incomplete or too little came after it.
+def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
+    """The newest runs up to an identification beside their baseline; None while that is incomplete or nothing came after it.
 
     Like is compared with like: identifications under comparable revisions of the machine's document, of the same kind of run
-    and slow-roll version, behind the beginning of the baseline in force. Only those that determine what is watched at a
-    coupling count there, in its baseline and after it; a run that says nothing changes nothing.
+    and slow-roll version, behind the beginning of the baseline in force.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
-    baseline_row = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    row = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
     like = Like(
         revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
         run_kind=stored.run_kind,
         slow_roll_version=stored.slow_roll_version,
-        since=0 if baseline_row is None else baseline_row.since,
+        since=0 if row is None else row.since,
     )
     which = session, stored.machine_id, like
-    if baseline_row is None or baseline_row.identification_ids is None:
-        first = identifications.first_accepted(*which, limit=SEARCHED * baseline_runs)
+    if row is None or row.identification_ids is None:
+        first = identifications.first_accepted(*which, limit=baseline_runs)
         wanted = baseline_runs
     else:
-        first = identifications.named(*which, baseline_row.identification_ids)
+        first = identifications.named(*which, row.identification_ids)
         wanted = len(first)
-    newest = identifications.last_accepted(*which, limit=SEARCHED * IN_A_ROW + wanted)
-    points = {row.id: identifications.logarithmic_point(session, row) for row in (*first, *newest)}
-    found = []
-    for coupling in machine.couplings:
-        names = watched(machine, coupling)
-        baseline = [row for row in first if determines(points[row.id], names)][:wanted]
-        in_baseline = {row.id for row in baseline}
-        after = [row for row in newest if row.id not in in_baseline and determines(points[row.id], names)][:IN_A_ROW]
-        if len(baseline) == wanted > 0 and len(after) == IN_A_ROW:
-            known = [points[row.id] for row in baseline]
-            evidence = [misalignment_evidence(machine, coupling, known, points[row.id]) for row in after]
-            found.append(Judgement(evidence, after[0]))
-    return found
+    channels = tuple(probe.id for probe in machine.probes)
+    baseline = _said(first, channels)
+    if not len(baseline) == wanted > 0:
+        return None
+    names = baseline[0][1].names
+    in_baseline = {one.id for one in first}
+    newest = identifications.newest_runs(*which, until=stored.measured_at, limit=LOOKED_BACK + wanted)
+    behind = [one for one in reversed(newest) if one.id not in in_baseline and one.measured_at >= first[0].measured_at]
+    after = [(one, said) for one, said in _said(behind[-LOOKED_BACK:], channels) if said.names == names]
+    if not after or any(said.names != names for _, said in baseline):
+        return None
+    watch = Watch.over(machine, [said for _, said in baseline])
+    rows, observations = zip(*after, strict=True)
+    return Comparison(machine, tuple(one for one, _ in baseline), watch, rows, observations)
 
 
-def _act(session: Session, judgement: Judgement) -> None:
-    newest = judgement.evidence[0]
-    element = f"coupling.{newest.coupling}"
-    row = judgement.identification
-    if all(evidence.found for evidence in judgement.evidence):
-        finding = Finding(_message(newest), _evidence(newest, row), row.id, row.measured_at)
-        alerting.raise_alert(session, row.machine_id, rule=MISALIGNMENT, element=element, finding=finding)
-        return
-    open_alert = alerts.open_alert(session, row.machine_id, rule=MISALIGNMENT, element=element)
+def _said(rows: Sequence[IdentificationRow], channels: tuple[str, ...]) -> list[tuple[IdentificationRow, Observation]]:
+    return [(row, said) for row in rows if (said := identifications.observed(row, channels)) is not None]
+
+
+def _statements(session: Session, found: Comparison, diagnosis: Diagnosis, stored: IdentificationRow) -> list[Statement]:
+    amplitude = {probe.id: typical_amplitude(probe.id, found.watch.baseline) for probe in found.machine.probes}
+    statements = []
+    for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
+        size = change_size(cause, found.watch.reference, amplitude=amplitude)
+        began = found.after[found.watch.began(cause, found.observations)]
+        force = None
+        if cause.kind == "misalignment":
+            force = derived.value(session, stored.id, f"{cause.element}.misalignment_force")
+        statements.append(Statement(cause, runners_up, size, began.measured_at, began.id, force))
+    return statements
+
+
+def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: Limits) -> AlertRow | None:
+    """Open an alert or bring it up to date, where a limit is reached."""
+    rule, element = rule_of(one.cause), one.cause.element
+    present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
+    severity = _severity(limits, one, None if present is None else Severity(present.severity))
+    if severity is None:
+        return None
+    finding = Finding(
+        message=one.words(),
+        evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind},
+        identification_id=stored.id,
+        measured_at=stored.measured_at,
+        severity=severity,
+        latching=rule not in DATA_RULES and limits.rule(rule, element).latching,
+    )
+    return alerting.raise_alert(session, stored.machine_id, rule=rule, element=element, finding=finding)
+
+
+def _severity(limits: Limits, one: Statement, present: Severity | None) -> Severity | None:
+    rule = rule_of(one.cause)
+    if rule in DATA_RULES or one.size.per_cent is None:
+        return Severity.ALERT
+    return severity_of(
+        limits,
+        rule,
+        sigma=one.cause.distance,
+        per_cent=one.size.per_cent,
+        force=one.force,
+        present=present,
+        element=one.cause.element,
+    )
+
+
+def _delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
+    """How many runs in a row open and clear an alert."""
+    rule = rule_of(kind)
+    if rule in DATA_RULES:
+        return DATA_DELAY, DATA_DELAY
+    chosen = limits.rule(rule, element)
+    return chosen.on_delay, chosen.off_delay
+
+
+def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
     # A hot run-down may show what a cold run-up does not: only the kind of run that showed it can take it back.
-    same_kind = open_alert is not None and open_alert.evidence.get("run_kind") == row.run_kind
-    if open_alert is not None and same_kind and not any(evidence.found for evidence in judgement.evidence):
-        alerting.clear_alert(session, open_alert)
+    return alert.evidence.get("run_kind") == stored.run_kind
 
 
-def _message(evidence: MisalignmentEvidence) -> str:
-    parts = [f"stiffness {_shift(evidence.coupling_alone)} at the coupling"]
-    if evidence.bearings_alone is not None:
-        parts.append(f"{_shift(evidence.bearings_alone)} at the bearings beside it")
-    return f"Coupling {evidence.coupling} is going out of alignment: {', '.join(parts)}, against the baseline"
-
-
-def _shift(shift: CommonShift) -> str:
-    return f"{100 * math.expm1(shift.shift):+.0f} % ({shift.statistic:.1f} σ)"
-
-
-def _evidence(evidence: MisalignmentEvidence, row: IdentificationRow) -> dict[str, Any]:
-    return asdict(evidence) | {"identification": row.id, "run_kind": row.run_kind}
+def _clear_if_gone(
+    session: Session, alert: AlertRow, found: Comparison, statements: Sequence[Statement], limits: Limits
+) -> None:
+    kind = str(alert.evidence.get("kind", alert.rule))
+    still = [one for one in statements if (one.cause.kind, one.cause.element) == (kind, alert.element)]
+    off_delay = _delays(limits, kind, alert.element)[1]
+    # What is still seen, but below its limit with the hysteresis taken off, has returned as well.
+    if still or found.watch.gone(found.observations, kind, alert.element, off_delay=off_delay):
+        alerting.clear_alert(session, alert)

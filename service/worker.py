@@ -22,8 +22,9 @@ from estimator.noise import error_size
 from estimator.orbit import orbit_findings
 from estimator.quality import Quality, Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
+from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
-from storage.blocks import decode
+from storage.blocks import Samples, decode
 
 
 @dataclass(frozen=True)
@@ -74,20 +75,27 @@ def compute(task: Task) -> Outcome:
     signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
     try:
         machine = parse_machine(task.document)
-        gated = [_gated(machine, block, task) for block in task.runs]
+        runs = [decode(block) for block in task.runs]
+        gated = [_gated(machine, samples, task) for samples in runs]
         qualities = tuple(one.qualities[0] for one in gated)
         found = [one.identification for one in gated if one.identification is not None]
         if len(found) < len(gated):
             return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
         result = found[0] if len(found) == 1 else combined(found)
-        derived = derived_quantities(machine, result) if result.accepted else ()
-        return Outcome(qualities, result, derived=derived)
+        return Outcome(qualities, result, derived=_derived(machine, result, runs))
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
-def _gated(machine: Machine, block: bytes, task: Task) -> Gated:
-    samples = decode(block)
+def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[Derived, ...]:
+    if not result.accepted:
+        return ()
+    orders = [Orders(one.speed, np.where(one.usable, one.phasor, np.nan), one.second) for one in runs]
+    turned = sum(int(one.direction.sum(dtype=np.int64)) for one in runs)
+    return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1)
+
+
+def _gated(machine: Machine, samples: Samples, task: Task) -> Gated:
     run, measurement = samples.recorded(machine.channels), samples.measurement()
     described, without = machine, measurement
     if task.slow_roll is not None:

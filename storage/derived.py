@@ -35,6 +35,12 @@ def of_identification(session: Session, identification_id: int) -> Sequence[Deri
     return session.scalars(query).all()
 
 
+def value(session: Session, identification_id: int, name: str) -> float | None:
+    """The value of one derived quantity; None where there is none."""
+    row = session.get(DerivedRow, (identification_id, name))
+    return None if row is None else row.value
+
+
 def history(
     session: Session, machine_id: str, names: Sequence[str], *, scope: str, first: int | None, last: int | None
 ) -> Sequence[tuple[DerivedRow, IdentificationRow]]:

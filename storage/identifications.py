@@ -11,7 +11,9 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.baseline import Point
 from estimator.identification import Identification
+from estimator.observation import Observation, observation
 from estimator.parameters import is_direct
+from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
 from storage.runs import DISCARDED
@@ -75,6 +77,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
         noise_relative=result.noise.relative,
@@ -146,6 +149,13 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
+def newest_runs(session: Session, machine_id: str, like: Like, *, until: int, limit: int) -> Sequence[IdentificationRow]:
+    """The newest identifications of single runs that are alike, accepted or not, measured by a time [ns]; newest first."""
+    query = _runs(machine_id, like).where(IdentificationRow.measured_at <= until)
+    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    return session.scalars(query.order_by(*order).limit(limit)).all()
+
+
 def last_accepted(
     session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None
 ) -> Sequence[IdentificationRow]:
@@ -164,6 +174,15 @@ def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | No
     query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
+
+
+def is_newest(session: Session, row: IdentificationRow) -> bool:
+    """Whether no single run of the same kind was measured later, and this one not in the future."""
+    latest = now() + TOLERANCE
+    query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
+    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
+    query = query.where(IdentificationRow.measured_at > row.measured_at, IdentificationRow.measured_at <= latest)
+    return row.measured_at <= latest and session.scalars(query.limit(1)).first() is None
 
 
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
@@ -196,15 +215,38 @@ def counting(machine_id: str) -> Select[int]:
 
 
 def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+    return _runs(machine_id, like).where(IdentificationRow.accepted)
+
+
+def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     """Without what a clock that was wrong dated in the future: it would be the newest for as long as that takes to come."""
     return (
         select(IdentificationRow)
         .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
         .where(IdentificationRow.measured_at >= like.since, IdentificationRow.measured_at <= now() + TOLERANCE)
-        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind, IdentificationRow.accepted)
+        .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))
-        .options(undefer(IdentificationRow.covariance))
+        .options(undefer(IdentificationRow.covariance), undefer(IdentificationRow.point))
+        .options(undefer(IdentificationRow.channel_effects))
+    )
+
+
+def observed(row: IdentificationRow, channels: tuple[str, ...]) -> Observation | None:
+    """What an identification says of its machine, which has these channels; None where an older release identified."""
+    if row.point is None or row.channel_effects is None:
+        return None
+    return observation(
+        coordinates=tuple(row.coordinates),
+        point=np.frombuffer(row.point, "<f8"),
+        covariance=covariance(row),
+        effects=channel_effects.decode(row.channel_effects),
+        channels=channels,
+        accepted=row.accepted,
+        chi_square=row.chi_square,
+        degrees_of_freedom=row.degrees_of_freedom,
+        samples=row.samples,
+        outliers=row.outliers or {},
     )
 
 

@@ -34,7 +34,14 @@ class Base(DeclarativeBase):
     """Parent of all tables."""
 
     metadata = MetaData(naming_convention=NAMING)
-    type_annotation_map = {int: BigInteger, dict[str, Any]: JSON, list[int]: JSON, list[str]: JSON, list[list[int]]: JSON}  # noqa: RUF012
+    type_annotation_map = {  # noqa: RUF012
+        int: BigInteger,
+        dict[str, Any]: JSON,
+        list[int]: JSON,
+        list[str]: JSON,
+        list[list[int]]: JSON,
+        list[dict[str, Any]]: JSON,
+    }
 
 
 class MachineRow(Base):
@@ -231,8 +238,24 @@ class IdentificationRow(Base):
     outliers: Mapped[dict[str, Any] | None]
     point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     slow_roll_version: Mapped[int | None]
+    channel_effects: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     conditions: Mapped[dict[str, Any] | None]
     """Mean of each operating condition over the runs, null where it was not measured; null as a whole where none is named."""
+
+
+class DiagnosisRow(Base):
+    """What an identification said of its machine when it was filed. baseline: the ids that it was compared with."""
+
+    __tablename__ = "diagnoses"
+    __table_args__ = (Index(None, "machine_id", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    machine_id: Mapped[str] = mapped_column(String(64))
+    measured_at: Mapped[int]
+    made_at: Mapped[int]
+    baseline: Mapped[list[int]]
+    runs: Mapped[int]
+    causes: Mapped[list[dict[str, Any]]]
 
 
 class EstimateRow(Base):

@@ -11,10 +11,12 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from sqlalchemy.orm import Session
 
+from estimator.channel_effects import ChannelEffects
 from estimator.channel_status import ChannelStatus
 from estimator.condensation import condense
 from estimator.identification import Estimate, Identification
 from estimator.machine import Machine, Noise, parse_machine
+from estimator.parameters import is_direct
 from estimator.units import rpm_to_rad_per_s
 from service.journal import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
@@ -154,6 +156,37 @@ def _blank_estimates() -> tuple[Estimate, ...]:
     return direct + planes
 
 
+def _point(estimates: Sequence[Estimate], unknown: Sequence[str], coordinates: Sequence[str]) -> tuple[Any, Any]:
+    """Values and covariance over coordinates: 1 % standard errors, wide ones of what is unknown."""
+    stems = {one.name: one for one in _blank_estimates()}
+    found = {one.name: one for one in estimates}
+    value, error = [], []
+    for name in coordinates:
+        stem, _, part = name.rpartition(".") if name.endswith((".real", ".imaginary")) else (name, "", "")
+        blank, one = stems[stem], found[stem]
+        shown = blank if one.value is None else one
+        held = shown.imaginary if part == "imaginary" else shown.value
+        assert held is not None
+        value.append(np.log(held) if is_direct(name) else held)
+        size = 1.0 if is_direct(name) else abs(held) or 1e5
+        error.append((3.0 if stem in unknown else 0.01) * size)
+    return np.array(value), np.diag(np.square(error))
+
+
+def _effects(coordinates: int) -> ChannelEffects:
+    """Channels whose errors would not move the fit, and would be seen at once."""
+    names = [f"probe.{c}.{what}.{part}" for c in CHANNELS for what in ("gain", "run_out") for part in ("real", "imaginary")]
+    size = [1e-2 if ".gain." in name else 1e-7 for name in names]
+    return ChannelEffects(
+        names=tuple(names),
+        bias=np.zeros((coordinates, len(names))),
+        information=np.diag(np.array(size) ** -2.0),
+        score=np.zeros(len(names)),
+        phasors=(40,) * len(CHANNELS),
+        amplitude=(5e-5,) * len(CHANNELS),
+    )
+
+
 def identification(
     factors: Mapping[str, float] | None = None, *, unknown: Sequence[str] = (), accepted: bool = True, **changes: Any
 ) -> Identification:
@@ -165,18 +198,21 @@ def identification(
             return Estimate(*common, None, None, None, None, reason="the data leave it uncertain by 200 % of its value")
         factor = (factors or {}).get(one.name, 1.0)
         value = one.value * factor
+        imaginary = None if one.imaginary is None else one.imaginary * factor
         return Estimate(
-            *common, value, one.standard_error, 0.98 * value, 1.02 * value, one.imaginary, one.imaginary_standard_error
+            *common, value, one.standard_error, 0.98 * value, 1.02 * value, imaginary, one.imaginary_standard_error
         )
 
     estimates = tuple(changed(one) for one in _blank_estimates())
     coordinates = [one.name for one in estimates if one.quantity != "unbalance"]
     coordinates += [f"{one.name}.{part}" for one in estimates if one.quantity == "unbalance" for part in ("real", "imaginary")]
+    point, covariance = _point(estimates, unknown, coordinates)
     values: dict[str, Any] = {
         "estimates": estimates,
         "coordinates": tuple(coordinates),
-        "covariance": 1e-4 * np.eye(len(coordinates)),
-        "point": np.zeros(len(coordinates)),
+        "covariance": covariance,
+        "point": point,
+        "channel_effects": _effects(len(coordinates)),
         "chi_square": 123.0,
         "degrees_of_freedom": 120,
         "accepted": accepted,

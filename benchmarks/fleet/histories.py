@@ -24,7 +24,6 @@ WEEKS_A_YEAR = 52
 DAMPING: frozenset[Quantity] = frozenset({"damping", "angular damping"})
 
 Seasonality = Literal["together", "apart", "none"]
-Kind = Literal["misalignment", "bearing", "unbalance", "run_out", "sensor"]
 Bools = NDArray[np.bool_]
 
 
@@ -146,6 +145,17 @@ class RunOutChanged(Change):
 
 
 @dataclass(frozen=True)
+class OutliersBegan(Change):
+    """A part of all phasors is grossly wrong, whatever the channel."""
+
+    of: float
+    kind = "outliers"
+
+    def on(self, state: State, part: float) -> State:
+        return replace(state, outlier_part=self.of * part)
+
+
+@dataclass(frozen=True)
 class Season:
     """A sine over the year on the logarithm of each stiffness: amplitude and phase [rad] (K,) per coefficient."""
 
@@ -187,7 +197,6 @@ def history(
     weeks: int,
     baseline: int,
     seasonality: Seasonality,
-    outlier_part: float,
     rng: np.random.Generator,
 ) -> History:
     """Weekly truths of a machine near its document."""
@@ -202,7 +211,7 @@ def history(
             np.ones(channels, dtype=complex),
             np.zeros(channels, dtype=complex),
             np.zeros(channels, dtype=bool),
-            outlier_part,
+            0.0,
         )
         for change in changes:
             part = change.progress(week)

@@ -32,7 +32,7 @@ HEALTHY_ASKED, DISTURBED_ASKED = 1 / 20, 1 / 10
 """False misalignment alerts a machine-year."""
 HEALTHY = ("healthy",)
 DISTURBED = ("short baseline", "outliers", "unbalance step", "probe drifts", "probe lost", "all together")
-NAMED = ("unbalance step", "probe drifts", "probe lost", "bearing step", "run-out step", "misalignment step")
+NAMED = ("unbalance step", "probe drifts", "probe lost", "outliers", "bearing step", "run-out step", "misalignment step")
 STEPS = ("misalignment step", "smaller misalignment step")
 
 

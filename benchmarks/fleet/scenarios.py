@@ -15,6 +15,7 @@ from benchmarks.fleet.histories import (
     GainDrifted,
     History,
     Misaligned,
+    OutliersBegan,
     ProbeLost,
     RunOutChanged,
     Seasonality,
@@ -48,12 +49,11 @@ Draw = Callable[[Machine, int, int, np.random.Generator], list[Change]]
 
 @dataclass(frozen=True)
 class Scenario:
-    """A kind of history. baseline: runs known to be good. outlier_part: of the phasors."""
+    """A kind of history. baseline: runs known to be good."""
 
     name: str
     draw: Draw
     baseline: int = USUAL_BASELINE
-    outlier_part: float = 0.0
 
     def history(
         self, machine: Machine, *, seed: Sequence[int], seasonality: Seasonality, watched: int = WEEKS_A_YEAR
@@ -68,7 +68,6 @@ class Scenario:
             weeks=self.baseline + watched,
             baseline=self.baseline,
             seasonality=seasonality,
-            outlier_part=self.outlier_part,
             rng=rng,
         )
 
@@ -94,9 +93,17 @@ def _lost(machine: Machine, first: int, last: int, rng: np.random.Generator) -> 
     return [ProbeLost(_probe(machine, channel), int(rng.integers(first, last)), 0, channel)]
 
 
+def _outliers(_machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+    return [OutliersBegan("machine", int(rng.integers(first, last)), 0, OUTLIER_PART)]
+
+
 def _everything(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
-    """An unbalance, and of two probes one drifts and the other is lost."""
-    changes = [*_unbalance(machine, first, last, rng), *_gain(machine, first, last, rng)]
+    """An unbalance, outliers, and of two probes one drifts and the other is lost."""
+    changes = [
+        *_unbalance(machine, first, last, rng),
+        *_gain(machine, first, last, rng),
+        *_outliers(machine, first, last, rng),
+    ]
     while True:
         (lost,) = _lost(machine, first, last, rng)
         if lost.element != changes[1].element:
@@ -149,11 +156,11 @@ SCENARIOS = {
     for one in (
         Scenario("healthy", _nothing),
         Scenario("short baseline", _nothing, baseline=SHORT_BASELINE),
-        Scenario("outliers", _nothing, outlier_part=OUTLIER_PART),
+        Scenario("outliers", _outliers),
         Scenario("unbalance step", _unbalance),
         Scenario("probe drifts", _gain),
         Scenario("probe lost", _lost),
-        Scenario("all together", _everything, baseline=SHORT_BASELINE, outlier_part=OUTLIER_PART),
+        Scenario("all together", _everything, baseline=SHORT_BASELINE),
         Scenario("misalignment step", _misaligned(case_a1, 0)),
         Scenario("misalignment drift", _misaligned(case_a1, DRIFT_WEEKS)),
         Scenario("smaller misalignment step", _misaligned(case_a1_least_squares, 0)),

@@ -20,7 +20,7 @@ from service.identifying import Identifying
 from service.journal import Journal
 from service.requesting import quality_rules
 from service.settings import Settings
-from service.watching import judgements
+from service.watching import comparison
 from storage import identifications, jobs, machines, runs
 from storage.blocks import Samples, encode
 from storage.database import Database
@@ -324,7 +324,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         def counted() -> tuple[list[int], list[int]]:
             rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
             accepted = identifications.first_accepted(session, "pump-7", like, limit=10)
-            newest = identifications.last_accepted(session, "pump-7", like, limit=10)
+            newest = identifications.newest_runs(session, "pump-7", like, until=2**62, limit=10)
             assert [row.id for row in newest] == [row.id for row in reversed(accepted)]
             return [row.id for _, row in rows], [row.id for row in accepted]
 
@@ -356,10 +356,12 @@ def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number)
-        assert len(judgements(session, row, baseline_runs=5)) == 1
+        found = comparison(session, row, baseline_runs=5)
+        assert found is not None
+        assert len(found.after) == 2
         row.slow_roll_version = 1
         session.flush()
-        assert judgements(session, row, baseline_runs=5) == []
+        assert comparison(session, row, baseline_runs=5) is None
 
 
 def test_a_job_subtracts_what_was_in_force_when_it_was_taken(api: Api, plant: Database) -> None:

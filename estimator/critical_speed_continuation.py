@@ -1,0 +1,277 @@
+"""Critical speeds followed from the document's model to the updated one, so that each keeps its place in every trend.
+
+The document's model says which there are. Its coefficients go to the identified ones along a straight line in the fit's
+coordinates; each crossing with the synchronous line is corrected after every step by Newton's method on the two-sided
+Rayleigh functional yᴴ D(λ, Ω) x with Ω = Im λ, vectors by inverse iteration (K. Schreiber, Nonlinear eigenvalue problems:
+Newton-type methods and nonlinear Rayleigh functionals, thesis, TU Berlin 2008). A step after which the shape is another one
+is halved.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cache, lru_cache
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from estimator.campbell import assurance
+from estimator.condensation import Complexes, Floats
+from estimator.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
+from estimator.machine import Machine
+from estimator.modes import Modes, modes
+from estimator.shaft import NODE_DOFS, PLANE_DOFS
+from estimator.system_matrices import SystemMatrices
+from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model import UpdatedModel, expected_model
+
+HIGHEST_ABOVE_TRIP = 1.25
+"""Critical speeds are those of the document's model up to this part of the speed range's end."""
+SEARCH_MODES, MODES_PER_MODE = 16, 2
+"""Size of the basis of undamped modes in which the document's crossings are looked for before they are corrected in full:
+so many modes, and so many for each below the highest speed."""
+SAME_SHAPE = 0.8
+"""Modal assurance above which a shape is still the same after a step."""
+SMALLEST_STEP = 1 / 128
+"""Part of the way below which a crossing counts as lost."""
+CORRECTIONS = 15
+"""Most corrections after a step."""
+TOLERANCE = 1e-10
+"""Relative change of λ below which it is found."""
+SAME_ROOT = 1e-6
+"""Relative distance of two eigenvalues below which they may be one crossing."""
+ALIKE = 0.6
+"""Assurance of two deflection lines above which the modes are one bending mode in two planes."""
+REMEMBERED = 256
+"""Documents whose crossings are kept at hand."""
+
+
+@dataclass(frozen=True)
+class NominalCrossings:
+    """The c critical speeds of a document's model, ascending: the modes that cross, and which are pairs.
+
+    pairs: numbers of two that are one bending mode in two planes, the lower one first.
+    """
+
+    modes: Modes
+    pairs: tuple[tuple[int, int], ...]
+
+
+@dataclass(frozen=True)
+class FollowedCrossings:
+    """The critical speeds of an updated model: `modes` of those that were followed, ascending, `number` (f,) of each.
+
+    count: how many the document's model has; a number that is not there is so damped that nothing is felt of it any more, or
+    could not be followed.
+    """
+
+    modes: Modes
+    number: NDArray[np.intp]
+    count: int
+    pairs: tuple[tuple[int, int], ...]
+
+
+def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
+    """The critical speeds of a model, those of its document's model one by one.
+
+    They are numbered in ascending order: where two have passed each other, each takes the other's number, and no trend jumps.
+    """
+    nominal = _nominal(model.machine.model_dump_json())
+    way = _Way.between(expected_model(model.machine), model)
+    ends = [way.followed(one) for one in _each(nominal.modes)]
+    for place, end in enumerate(ends):
+        if end is None:
+            continue
+        # Two ways that end at one crossing: one of them has gone astray.
+        astray = any(other is not None and _coincide(other, end, way.mass) for other in ends[:place])
+        if astray or end.damping_ratio[0] >= HEAVILY_DAMPED:
+            ends[place] = None
+    for place in sorted({place for pair in nominal.pairs for place in pair}):
+        if ends[place] is None:
+            known = [end for end in ends if end is not None]
+            ends[place] = _new_one(way.at(1.0), _each(nominal.modes)[place], known, direction=way.direction)
+    found = [end for end in ends if end is not None]
+    number = np.array([place for place, end in enumerate(ends) if end is not None], dtype=np.intp)
+    return FollowedCrossings(_joined(found, nominal.modes.shape.shape[0]), number, len(ends), nominal.pairs)
+
+
+@dataclass(frozen=True)
+class _Way:
+    """From one model to another, both of one machine. at: the matrices over speed after a part of the way."""
+
+    at: Callable[[float], MatricesOverSpeed]
+    direction: int
+
+    @classmethod
+    def between(cls, start: UpdatedModel, end: UpdatedModel) -> "_Way":
+        def at(part: float) -> MatricesOverSpeed:
+            return replace(end, values=start.values + part * (end.values - start.values)).matrices
+
+        return cls(cache(at), end.machine.direction)
+
+    @property
+    def mass(self) -> Floats:
+        """At the end."""
+        return self.at(1.0)(1.0).mass
+
+    def followed(self, mode: Modes) -> Modes | None:
+        """Where a crossing at the beginning is at the end; None where it is lost."""
+        done, step = 0.0, 1.0
+        while done < 1.0:
+            reached = min(done + step, 1.0)
+            found = corrected(self.at(reached), mode, direction=self.direction)
+            if found is not None and _assurance(mode, found, self.mass) >= SAME_SHAPE:
+                mode, done, step = found, reached, 2 * step
+            elif step > SMALLEST_STEP:
+                step /= 2
+            else:
+                return None
+        return mode
+
+
+def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
+    """A felt crossing with the deflection line of a mode that is none of those known.
+
+    Equal planes make circles out of which any difference makes lines: no step is small enough for such a mode's shape.
+    """
+    mass = matrices(like.eigenvalue[0].imag).mass
+    line = _deflection_line(like.shape[:, 0], mass)
+    for guess in _polarised(line, complex(like.eigenvalue[0])):
+        found = corrected(matrices, guess, direction=direction)
+        if found is None or found.damping_ratio[0] >= HEAVILY_DAMPED or any(_coincide(one, found, mass) for one in known):
+            continue
+        other = _deflection_line(found.shape[:, 0], mass)
+        if assurance(line[:, None], other[:, None], _plane(mass))[0, 0] >= ALIKE:
+            return found
+    return None
+
+
+def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
+    """A deflection line (N/2,) in the one plane, in the other, and turning either way."""
+    displacement, slope = line[::PLANE_DOFS], line[1::PLANE_DOFS]
+    for x, y in ((1.0, 0.0), (0.0, 1.0), (1.0, -1j), (1.0, 1j)):
+        shape = np.stack([x * displacement, y * displacement, -y * slope, x * slope], axis=1).reshape(-1, 1)
+        yield Modes(np.array([eigenvalue]), shape, np.conj(shape))
+
+
+def corrected(matrices: MatricesOverSpeed, guess: Modes, *, direction: int) -> Modes | None:
+    """The crossing with the synchronous line near a single mode; None where Newton's method does not find it."""
+    root, shape, left = complex(guess.eigenvalue[0]), guess.shape[:, 0], guess.left[:, 0]
+    for turn in range(CORRECTIONS):
+        here = matrices(root.imag)
+        spin = direction * root.imag
+        whole = here.dynamic_stiffness(root, spin=spin)
+        by_root = 2 * root * here.mass + here.damping + spin * here.gyroscopic
+        by_spin = direction * (here.circulatory + root * here.gyroscopic)
+        residual, own, turning = (complex(np.vdot(left, part @ shape)) for part in (whole, by_root, by_spin))
+        # residual + own (dσ + j dΩ) + turning dΩ = 0, two real equations.
+        columns = own, 1j * own + turning
+        equations = np.array([[part.real for part in columns], [part.imag for part in columns]])
+        if abs(np.linalg.det(equations)) <= np.finfo(float).tiny:
+            return None
+        growth, rate = np.linalg.solve(equations, [-residual.real, -residual.imag])
+        root += complex(growth, rate)
+        if not root.imag > 0.0:
+            return None
+        # The guess may come from a projection, in which nothing is left to correct before its vectors are.
+        if turn > 0 and abs(complex(growth, rate)) <= TOLERANCE * abs(root):
+            return Modes(np.array([root]), shape[:, None], (left / np.conj(np.vdot(left, by_root @ shape)))[:, None])
+        factor = scipy.linalg.lu_factor(matrices(root.imag).dynamic_stiffness(root, spin=direction * root.imag))
+        shape = scipy.linalg.lu_solve(factor, by_root @ shape)
+        left = scipy.linalg.lu_solve(factor, np.conj(by_root).T @ left, trans=2)
+        shape, left = shape / np.sqrt(np.vdot(shape, here.mass @ shape).real), left / np.linalg.norm(left)
+    return None
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _nominal(document: str) -> NominalCrossings:
+    """document: in JSON, of a machine with exact probes."""
+    model = expected_model(Machine.model_validate_json(document))
+    direction = model.machine.direction
+    highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
+    basis = _basis(model.matrices(highest / 2), highest)
+
+    @cache
+    def condensed(speed: float) -> SystemMatrices:
+        return _projected(model.matrices(speed), basis)
+
+    found: list[Modes] = []
+    mass = model.matrices(highest).mass
+    for root, _ in crossing_modes(condensed, direction=direction, highest=highest):
+        crowd = modes(condensed(root.imag), spin=direction * root.imag)
+        nearest = int(np.argmin(np.abs(crowd.eigenvalue - root)))
+        if crowd.damping_ratio[nearest] >= HEAVILY_DAMPED:
+            continue
+        guess = Modes(crowd.eigenvalue[[nearest]], basis @ crowd.shape[:, [nearest]], basis @ crowd.left[:, [nearest]])
+        exact = corrected(model.matrices, guess, direction=direction)
+        if exact is not None and any(_coincide(other, exact, mass) for other in found):
+            exact = _new_one(model.matrices, exact, found, direction=direction)
+        if exact is not None:
+            found.append(exact)
+    joined = _joined(found, mass.shape[0])
+    return NominalCrossings(joined, _pairs(joined, mass))
+
+
+def _basis(matrices: SystemMatrices, highest: float) -> Floats:
+    """Undamped modes (N, r) of the symmetric part at standstill, enough for what happens below a frequency [rad/s]."""
+    stiffness = (matrices.stiffness + matrices.stiffness.T) / 2
+    squares, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
+    count = SEARCH_MODES + MODES_PER_MODE * int(np.count_nonzero(squares < highest**2))
+    return np.asarray(shapes[:, :count])
+
+
+def _projected(matrices: SystemMatrices, basis: Floats) -> SystemMatrices:
+    return SystemMatrices(*(basis.T @ getattr(matrices, one.name) @ basis for one in fields(SystemMatrices)))
+
+
+def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
+    """Modes with the same deflection line, the most alike first, each in one pair at most; ascending."""
+    lines = np.array([_deflection_line(shape, mass) for shape in found.shape.T]).T
+    pairs: list[tuple[int, int]] = []
+    if lines.size:
+        alike = np.triu(assurance(lines, lines, _plane(mass)), 1)
+        for flat in np.argsort(-alike, axis=None):
+            first, second = divmod(int(flat), alike.shape[1])
+            taken = {number for pair in pairs for number in pair}
+            if alike[first, second] >= ALIKE and not taken & {first, second}:
+                pairs.append((first, second))
+    return tuple(sorted(pairs))
+
+
+def _deflection_line(shape: Complexes, mass: Floats) -> Complexes:
+    """What a mode's deflections in the two planes, (displacement, slope) per node (N/2,), have most in common."""
+    x, y, about_x, about_y = (shape[dof::NODE_DOFS] for dof in range(NODE_DOFS))
+    planes = np.stack([np.stack([x, about_y], 1).reshape(-1), np.stack([y, -about_x], 1).reshape(-1)], axis=1)
+    _, main = np.linalg.eigh(np.conj(planes).T @ _plane(mass) @ planes)
+    return np.asarray(planes @ main[:, -1])
+
+
+def _plane(mass: Floats) -> Floats:
+    """Of the masses (N, N) those of displacements along x and slopes in that plane (N/2, N/2)."""
+    first = np.arange(0, mass.shape[0], NODE_DOFS)
+    own = np.stack([first, first + NODE_DOFS - 1], axis=1).reshape(-1)
+    return mass[np.ix_(own, own)]
+
+
+def _assurance(one: Modes, other: Modes, mass: Floats) -> float:
+    return float(assurance(one.shape, other.shape, mass)[0, 0])
+
+
+def _coincide(one: Modes, other: Modes, mass: Floats) -> bool:
+    near = abs(one.eigenvalue[0] - other.eigenvalue[0]) <= SAME_ROOT * abs(other.eigenvalue[0])
+    return bool(near) and _assurance(one, other, mass) >= SAME_SHAPE
+
+
+def _each(found: Modes) -> list[Modes]:
+    return [Modes(found.eigenvalue[[i]], found.shape[:, [i]], found.left[:, [i]]) for i in range(found.eigenvalue.size)]
+
+
+def _joined(found: Sequence[Modes], size: int) -> Modes:
+    """Single modes of `size` degrees of freedom as one set, by ascending frequency."""
+    ascending = sorted(found, key=lambda one: float(one.eigenvalue[0].imag))
+    none = np.empty((size, 0), dtype=complex)
+    return Modes(
+        np.concatenate([np.empty(0, dtype=complex), *(one.eigenvalue for one in ascending)]),
+        np.hstack([none, *(one.shape for one in ascending)]),
+        np.hstack([none, *(one.left for one in ascending)]),
+    )

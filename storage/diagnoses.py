@@ -1,0 +1,35 @@
+"""Repository of diagnoses: what each identification said of its machine when it was filed, and against which baseline."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import DiagnosisRow, IdentificationRow
+
+
+def keep(
+    session: Session, of: IdentificationRow, *, baseline: Sequence[int], runs: int, causes: list[dict[str, Any]]
+) -> DiagnosisRow:
+    """Store what an identification led to. baseline: ids that it was compared with; runs: how many were looked at together."""
+    row = session.get(DiagnosisRow, of.id)
+    if row is None:
+        row = DiagnosisRow(identification_id=of.id, machine_id=of.machine_id, measured_at=of.measured_at)
+        session.add(row)
+    row.baseline, row.runs, row.causes, row.made_at = list(baseline), runs, causes, now()
+    session.flush()
+    return row
+
+
+def of_identification(session: Session, identification_id: int) -> DiagnosisRow | None:
+    """The diagnosis that an identification led to; None where its baseline was not complete."""
+    return session.get(DiagnosisRow, identification_id)
+
+
+def newest(session: Session, machine_id: str) -> DiagnosisRow | None:
+    """The diagnosis of a machine's newest run that has one."""
+    query = select(DiagnosisRow).where(DiagnosisRow.machine_id == machine_id)
+    query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
+    return session.scalars(query.limit(1)).one_or_none()
