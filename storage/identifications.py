@@ -183,6 +183,15 @@ def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | No
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
 
 
+def is_newest(session: Session, row: IdentificationRow) -> bool:
+    """Whether no single run of the same kind was measured later, and this one not in the future."""
+    latest = now() + TOLERANCE
+    query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
+    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
+    query = query.where(IdentificationRow.measured_at > row.measured_at, IdentificationRow.measured_at <= latest)
+    return row.measured_at <= latest and session.scalars(query.limit(1)).first() is None
+
+
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
     """Those of some identifications that are accepted and alike, oldest first; whenever they were measured.
 
