@@ -93,7 +93,7 @@ def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: D
 
 def test_conditions_and_derived_quantities_of_a_run_are_kept(database: Database, train: Machine) -> None:
     conditions = Condition(name="oil", unit="degC"), Condition(name="load", unit="%")
-    train = train.model_copy(update={"conditions": conditions, "operation": Operation(running_rpm=1500)})
+    train = train.model_copy(update={"conditions": conditions, "operation": Operation(running_rpm=3000)})
     with database.transaction() as session:
         machines.create(session, train)
     run_id = close_run(database, train, seed=1, start_s=1_700_000_000)
