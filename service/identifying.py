@@ -6,7 +6,7 @@ import threading
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version as version_of_the_code
 
 from sqlalchemy.exc import DBAPIError, IntegrityError
@@ -138,7 +138,8 @@ class Identifying:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", job_id, outcome.error)
                 return
-            stored = identifications.add(session, _origin(session, row, self._options), result)
+            origin = replace(_origin(session, row, self._options), conditions=outcome.conditions or None)
+            stored = identifications.add(session, origin, result)
             derived.add(session, stored, outcome.derived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()

@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from types import FrameType
@@ -24,7 +24,7 @@ from estimator.quality import Quality, Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
-from storage.blocks import Samples, decode
+from storage.blocks import Samples, decode, mean_conditions
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,15 @@ class Task:
 class Outcome:
     """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`.
 
-    derived: what follows from an accepted identification.
+    derived: what follows from an accepted identification. conditions: mean of each operating condition over the runs by name,
+    None where it was not measured.
     """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
     error: str | None = None
     derived: tuple[Derived, ...] = ()
+    conditions: dict[str, float | None] = field(default_factory=dict)
 
 
 class OutOfTime(RuntimeError):
@@ -82,7 +84,8 @@ def compute(task: Task) -> Outcome:
         if len(found) < len(gated):
             return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
         result = found[0] if len(found) == 1 else combined(found)
-        return Outcome(qualities, result, derived=_derived(machine, result, runs))
+        conditions = mean_conditions(runs, machine.condition_names)
+        return Outcome(qualities, result, derived=_derived(machine, result, runs), conditions=conditions)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 

@@ -38,6 +38,7 @@ class Origin:
     options: dict[str, Any]
     code_version: str
     slow_roll_version: int | None = None
+    conditions: dict[str, float | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
