@@ -16,6 +16,7 @@ from estimator.parameters import is_direct
 from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
+from storage.paging import Keys, ordered
 from storage.runs import DISCARDED
 from storage.tables import EstimateRow, IdentificationRow, RunRow
 
@@ -144,11 +145,17 @@ def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np
 
 
 def of_machine(
-    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+    session: Session,
+    machine_id: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    limit: int | None = None,
+    after: Keys | None = None,
 ) -> Sequence[IdentificationRow]:
-    """Identifications of a machine measured between two times [ns], newest first."""
+    """Identifications of a machine measured between two times [ns], newest first; after: time and id of the one before."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id)
-    query = query.order_by(IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    query = ordered(query, (IdentificationRow.measured_at, IdentificationRow.id), after)
     if first is not None:
         query = query.where(IdentificationRow.measured_at >= first)
     if last is not None:
