@@ -40,7 +40,7 @@ export interface PlotProps {
   xRange?: [number, number];
   yRange?: [number, number];
   /** A range that y should lie in. */
-  band?: { low: number; high: number; words: string } | null;
+  band?: { low: number; high: number } | null;
   markers?: Marker[];
   height?: number;
   /** Plots of the same name move their cursors together. */
