@@ -23,7 +23,7 @@ SHARED: dict[Quantity, float] = {
     "angular damping": 0.03,
 }
 """Standard deviation of what the direct terms of one element share, between any two times of the year."""
-SEASON = 0.02
+SEASON = 0.04
 """Standard deviation of what all direct stiffnesses of the machine share."""
 SCALE_FACTOR = 5e-4
 """Run-to-run standard deviation of E and density: the steel stays the same."""
