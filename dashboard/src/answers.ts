@@ -212,6 +212,17 @@ export interface Series {
   quality: string[];
   run_kind: string[];
   identification: number[];
+  baselines: BaselineBand[];
+}
+
+/** Where 95 % of the estimates lie while nothing happens. */
+export interface BaselineBand {
+  run_kind: string;
+  since: string;
+  until: string | null;
+  centre: number;
+  lower: number;
+  upper: number;
 }
 
 export interface Trends {

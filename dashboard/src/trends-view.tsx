@@ -1,5 +1,5 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
-import type { Alert, Deviations, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
+import type { Alert, BaselineBand, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
 import { Panel, Shown, Time } from "./parts";
@@ -103,9 +103,7 @@ export function Histories(props: HistoriesProps) {
   const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
   const newest = useNewestSummary(machine).data;
   const judged = scope === "run" && element !== DERIVED && comparable(newest);
-  const compared = useResource<Deviations>(judged ? `/machines/${machine}/deviations` : null).data;
   const tests = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null).data;
-  const baseline = new Set(compared?.missing === null ? compared.baseline.identifications : []);
   const xRange = windowOf(answer.data?.series ?? [], shownDays);
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline?limit=200`, 60_000).data ?? [];
   const markers = markersOf(alerts.filter((one) => one.element === element), timeline);
@@ -123,7 +121,7 @@ export function Histories(props: HistoriesProps) {
           <>
             <p class="muted">
               <Names curves={kindsOf(series).map((name) => ({ name }))} />
-              {baseline.size > 0 && ` Grey: from the lowest to the highest of the ${baseline.size} runs of the baseline (${compared!.run_kind}).`}
+              {series.some((one) => one.baselines.length > 0) && " Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
             </p>
             <div class="plots">
               {series.map((one) => (
@@ -133,8 +131,7 @@ export function Histories(props: HistoriesProps) {
                   series={one}
                   kinds={kindsOf(series)}
                   markers={markers}
-                  baseline={baseline}
-                  tests={tests?.tests.filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`)) ?? []}
+                  tests={judged ? (tests?.tests ?? []).filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`)) : null}
                   xRange={xRange}
                   height={props.height ?? 190}
                 />
@@ -184,11 +181,10 @@ function windowOf(series: Series[], days: number): [number, number] | undefined 
   return Number.isFinite(days) && newest > 0 ? [newest - (days * DAY_MS) / 1000, newest + (0.02 * days * DAY_MS) / 1000] : undefined;
 }
 
-/** From the lowest to the highest value that the baseline's runs gave; null where they gave none. */
-function bandOf(series: Series, baseline: Set<number>): { low: number; high: number; middle: number } | null {
-  const values = series.value.filter((one, index): one is number => one !== null && baseline.has(series.identification[index]!));
-  if (values.length < 2) return null;
-  return { low: Math.min(...values), high: Math.max(...values), middle: values.reduce((sum, one) => sum + one, 0) / values.length };
+/** The baseline that a point is compared with. */
+function baselineAt(series: Series, index: number): BaselineBand | undefined {
+  const at = series.measured_at[index]!;
+  return series.baselines.find((one) => one.run_kind === series.run_kind[index] && one.since <= at && (one.until === null || at < one.until));
 }
 
 /** Cross-coupled terms may be near zero: per cent say nothing of them. */
@@ -220,13 +216,13 @@ interface HistoryProps {
   series: Series;
   kinds: string[];
   markers: Marker[];
-  baseline: Set<number>;
-  tests: TrendTest[];
+  /** Null where nothing is tested. */
+  tests: TrendTest[] | null;
   xRange: [number, number] | undefined;
   height: number;
 }
 
-function History({ name, series, kinds, markers, baseline, tests, xRange, height }: HistoryProps) {
+function History({ name, series, kinds, markers, tests, xRange, height }: HistoryProps) {
   const unit = series.unit ?? "";
   const sizes = series.value.filter((one) => one !== null).map(Math.abs);
   const scale = scaleOf(Math.max(0, ...sizes), unit);
@@ -240,14 +236,20 @@ function History({ name, series, kinds, markers, baseline, tests, xRange, height
   if (series.quality.some((one) => one === "not_accepted")) {
     curves.push({ name: "not accepted", y: only(series.value, (at) => series.quality[at] === "not_accepted"), faint: true, points: true, line: false });
   }
-  const base = bandOf(series, baseline);
+  const bands = series.baselines.map((one) => ({
+    low: one.lower * scale.factor,
+    high: one.upper * scale.factor,
+    from: Date.parse(one.since) / 1000,
+    to: one.until === null ? null : Date.parse(one.until) / 1000,
+  }));
   const readOut = (index: number) => {
     const value = series.value[index];
     const at = `${when(series.measured_at[index]!)} ${series.run_kind[index]}`;
     if (value === null || value === undefined) return `${at}: not estimable`;
     const low = scaled(series.lower[index]);
     const high = scaled(series.upper[index]);
-    const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.middle - 1)} on the baseline` : "";
+    const base = baselineAt(series, index);
+    const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
     const doubt = accepted(index) ? "" : ", not accepted";
     return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${beside}${doubt}`;
   };
@@ -258,7 +260,7 @@ function History({ name, series, kinds, markers, baseline, tests, xRange, height
         <strong>{name}</strong> [{scale.unit || "-"}]
         {thinned && <span class="muted"> lowest and highest of each stretch, of {series.down_sampling!.points} points</span>}
       </figcaption>
-      {tests.length > 0 && (
+      {tests && (
         <p class="told" title={told(tests)}>
           {told(tests)}
         </p>
@@ -270,7 +272,7 @@ function History({ name, series, kinds, markers, baseline, tests, xRange, height
         yUnit={scale.unit}
         curves={curves}
         markers={markers}
-        band={base && { low: base.low * scale.factor, high: base.high * scale.factor }}
+        bands={bands}
         {...(xRange ? { xRange } : {})}
         together="trends"
         height={height}
