@@ -11,14 +11,15 @@ from estimator.healthy_variation import typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
 from estimator.watch import Watch
-from service import alerting
+from service import alerting, watching_rates
 from service.alert_life import Severity
 from service.alerting import Finding
+from service.comparing import compared
 from service.limits import Limits, severity_of
 from service.setting_limits import limits_in_force
 from service.statements import RULES, Statement, rule_of
 from storage import alerts, baselines, derived, diagnoses, identifications, jobs, machines
-from storage.identifications import Like
+from storage.clock import now
 from storage.tables import AlertRow, IdentificationRow
 
 LOOKED_BACK = 60
@@ -42,12 +43,14 @@ class Comparison:
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
     """Diagnose a machine after an identification was stored; open, update or clear its alerts."""
-    if stored.scope != jobs.RUN:
+    if stored.scope != jobs.RUN or _of_the_past(session, stored):
         return
+    limits = limits_in_force(session, stored.machine_id)
+    if stored.accepted:
+        watching_rates.judge(session, compared(session, stored, baseline_runs=baseline_runs), limits)
     found = comparison(session, stored, baseline_runs=baseline_runs)
     if found is None:
         return
-    limits = limits_in_force(session, stored.machine_id)
     diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     statements = _statements(session, found, diagnosis, stored)
     diagnoses.keep(
@@ -63,41 +66,33 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
             _clear_if_gone(session, alert, found, statements, limits)
 
 
-def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
-    """The newest runs up to an identification beside their baseline; None while that is incomplete or nothing came after it.
+def _of_the_past(session: Session, stored: IdentificationRow) -> bool:
+    """Whether a late run belongs to the machine as it was: alerts speak of the machine as it is."""
+    newest = machines.get(session, stored.machine_id).revision
+    if stored.revision not in machines.comparable(session, stored.machine_id, newest):
+        return True
+    then, today = (baselines.in_force(session, stored.machine_id, at=moment) for moment in (stored.measured_at, now()))
+    return then is not today
 
-    Like is compared with like: identifications under comparable revisions of the machine's document, of the same kind of run
-    and slow-roll version, behind the beginning of the baseline in force.
+
+def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
+    """The newest runs up to an identification, accepted or not, beside their baseline.
+
+    None while that is incomplete, nothing came after it, or an older release identified: that says nothing of the channels.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
-    row = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
-    like = Like(
-        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
-        run_kind=stored.run_kind,
-        slow_roll_version=stored.slow_roll_version,
-        since=0 if row is None else row.since,
-    )
-    which = session, stored.machine_id, like
-    if row is None or row.identification_ids is None:
-        first = identifications.first_accepted(*which, limit=baseline_runs)
-        wanted = baseline_runs
-    else:
-        first = identifications.named(*which, row.identification_ids)
-        wanted = len(first)
+    rows = compared(session, stored, baseline_runs=baseline_runs, accepted=False, longest=LOOKED_BACK)
     channels = tuple(probe.id for probe in machine.probes)
-    baseline = _said(first, channels)
-    if not len(baseline) == wanted > 0:
+    baseline = _said(rows.baseline, channels)
+    if not len(baseline) == rows.wanted > 0:
         return None
     names = baseline[0][1].names
-    in_baseline = {one.id for one in first}
-    newest = identifications.newest_runs(*which, until=stored.measured_at, limit=LOOKED_BACK + wanted)
-    behind = [one for one in reversed(newest) if one.id not in in_baseline and one.measured_at >= first[0].measured_at]
-    after = [(one, said) for one, said in _said(behind[-LOOKED_BACK:], channels) if said.names == names]
+    after = [(row, said) for row, said in _said(rows.after, channels) if said.names == names]
     if not after or any(said.names != names for _, said in baseline):
         return None
     watch = Watch.over(machine, [said for _, said in baseline])
-    rows, observations = zip(*after, strict=True)
-    return Comparison(machine, tuple(one for one, _ in baseline), watch, rows, observations)
+    newest, observations = zip(*after, strict=True)
+    return Comparison(machine, tuple(row for row, _ in baseline), watch, newest, observations)
 
 
 def _said(rows: Sequence[IdentificationRow], channels: tuple[str, ...]) -> list[tuple[IdentificationRow, Observation]]:
