@@ -169,6 +169,20 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
+def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_version: int | None) -> IdentificationRow | None:
+    """The first accepted identification of a single run under a revision and slow-roll version, of any kind of run."""
+    query = select(IdentificationRow).where(
+        IdentificationRow.machine_id == machine_id,
+        IdentificationRow.revision == revision,
+        IdentificationRow.slow_roll_version == slow_roll_version,
+        IdentificationRow.scope == RUN,
+        IdentificationRow.accepted,
+        IdentificationRow.point.is_not(None),
+    )
+    query = query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(1)
+    return session.scalars(query.options(undefer(IdentificationRow.point))).one_or_none()
+
+
 def newest(
     session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
