@@ -210,7 +210,7 @@ class Deviation:
     def evidence(self, one: Hypothesis) -> float:
         """Log of the factor by which a hypothesis makes the window more probable, its variants as probable as each other."""
         found = self._by_variant(one)
-        return float(scipy.special.logsumexp(found) - np.log(len(found)))
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def cause(self, one: Hypothesis) -> Cause:
         """The hypothesis with the changes that it has most probably made."""

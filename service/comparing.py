@@ -44,8 +44,12 @@ class Compared:
         return None
 
 
-def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:
+def compared(
+    session: Session, stored: IdentificationRow, *, baseline_runs: int, accepted: bool = True, longest: int = LONGEST_HISTORY
+) -> Compared:
     """What an identification of a single run is compared with.
+
+    accepted: only such runs come after the baseline; otherwise the refused ones as well. longest: at most so many of them.
 
     Like is compared with like: under revisions of the document that describe the same machine, of the same kind of run, with
     the same slow-roll vectors, behind the beginning of the baseline in force.
@@ -65,9 +69,12 @@ def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int)
         first = identifications.named(*which, began.identification_ids)
         wanted = len(set(began.identification_ids))
     known = {row.id for row in first}
-    newest = identifications.last_accepted(*which, limit=LONGEST_HISTORY + wanted, last=stored.measured_at)
+    newest = identifications.newest(*which, limit=longest + wanted, last=stored.measured_at, accepted=accepted)
     after = [row for row in reversed(newest) if row.id not in known]
-    return Compared(stored, began, wanted, first, after[-LONGEST_HISTORY:])
+    if began is None and first:
+        # What was refused before the machine's first good run belongs to nothing.
+        after = [row for row in after if row.measured_at >= first[0].measured_at]
+    return Compared(stored, began, wanted, first, after[-longest:])
 
 
 def baseline_points(session: Session, found: Compared) -> list[Point]:

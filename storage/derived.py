@@ -1,4 +1,4 @@
-"""Repository of the quantities derived from identifications, and of the history that they make."""
+"""Repository of the quantities derived from identifications; their history: `storage.trends`."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,6 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from estimator.derived import Derived
-from storage.identifications import counting
 from storage.tables import DerivedRow, IdentificationRow
 
 
@@ -39,21 +38,3 @@ def value(session: Session, identification_id: int, name: str) -> float | None:
     """The value of one derived quantity; None where there is none."""
     row = session.get(DerivedRow, (identification_id, name))
     return None if row is None else row.value
-
-
-def history(
-    session: Session, machine_id: str, names: Sequence[str], *, scope: str, first: int | None, last: int | None
-) -> Sequence[tuple[DerivedRow, IdentificationRow]]:
-    """The history of some quantities between two times [ns], oldest first: one point per run, as `identifications.history`."""
-    query = (
-        select(DerivedRow, IdentificationRow)
-        .join(IdentificationRow, IdentificationRow.id == DerivedRow.identification_id)
-        .where(DerivedRow.machine_id == machine_id, DerivedRow.name.in_(names))
-        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
-        .order_by(DerivedRow.measured_at, DerivedRow.identification_id)
-    )
-    if first is not None:
-        query = query.where(DerivedRow.measured_at >= first)
-    if last is not None:
-        query = query.where(DerivedRow.measured_at <= last)
-    return [(derived, identification) for derived, identification in session.execute(query)]

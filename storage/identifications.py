@@ -130,6 +130,17 @@ def covariance(row: IdentificationRow) -> np.ndarray[tuple[int, int], np.dtype[n
     return np.frombuffer(row.covariance, "<f8").reshape(size, size)
 
 
+def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
+    """Values over the row's coordinates, as `Identification.point`; None where an older release identified.
+
+    Raises IdentificationUnknown.
+    """
+    row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.point)])
+    if row is None:
+        raise IdentificationUnknown(identification_id)
+    return None if row.point is None else np.frombuffer(row.point, "<f8")
+
+
 def of_machine(
     session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
 ) -> Sequence[IdentificationRow]:
@@ -149,18 +160,14 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
-def newest_runs(session: Session, machine_id: str, like: Like, *, until: int, limit: int) -> Sequence[IdentificationRow]:
-    """The newest identifications of single runs that are alike, accepted or not, measured by a time [ns]; newest first."""
-    query = _runs(machine_id, like).where(IdentificationRow.measured_at <= until)
-    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
-    return session.scalars(query.order_by(*order).limit(limit)).all()
-
-
-def last_accepted(
-    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None
+def newest(
+    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
-    """The newest accepted identifications of single runs that are alike, measured up to a time [ns], newest first."""
-    query = _accepted_runs(machine_id, like)
+    """The newest identifications of single runs that are alike, measured up to a time [ns], newest first.
+
+    accepted: only those; otherwise the refused ones as well.
+    """
+    query = _accepted_runs(machine_id, like) if accepted else _runs(machine_id, like)
     if last is not None:
         query = query.where(IdentificationRow.measured_at <= last)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
@@ -284,21 +291,3 @@ def _point(row: IdentificationRow, values: dict[str, float]) -> Point:
     names = [name for name in row.coordinates if name in values]
     index = [row.coordinates.index(name) for name in names]
     return Point(tuple(names), np.array([values[name] for name in names]), covariance(row)[np.ix_(index, index)].copy())
-
-
-def history(
-    session: Session, machine_id: str, parameters: Sequence[str], *, scope: str, first: int | None, last: int | None
-) -> Sequence[tuple[EstimateRow, IdentificationRow]]:
-    """The history of some parameters between two times [ns], oldest first: one point per run, see `counting`."""
-    query = (
-        select(EstimateRow, IdentificationRow)
-        .join(IdentificationRow, IdentificationRow.id == EstimateRow.identification_id)
-        .where(EstimateRow.machine_id == machine_id, EstimateRow.parameter.in_(parameters))
-        .where(IdentificationRow.scope == scope, IdentificationRow.id.in_(counting(machine_id)))
-        .order_by(EstimateRow.measured_at, EstimateRow.identification_id)
-    )
-    if first is not None:
-        query = query.where(EstimateRow.measured_at >= first)
-    if last is not None:
-        query = query.where(EstimateRow.measured_at <= last)
-    return [(estimate, identification) for estimate, identification in session.execute(query)]

@@ -4,15 +4,19 @@ from collections.abc import Callable
 from importlib.metadata import version
 
 from fastapi import APIRouter, FastAPI
-from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
     baselines,
+    bode,
+    comparisons,
+    dashboard,
     deviations,
     diagnoses,
+    drawing,
     event_stream,
+    fleet,
     identifications,
     ingestion,
     limits,
@@ -20,17 +24,21 @@ from service.api import (
     machines,
     measurements,
     metrics,
+    model,
     operations,
     orbits,
     run_quality,
     slow_roll,
     subscriptions,
     suppressions,
+    trends,
 )
 from service.api.event_stream import Broadcaster
+from service.api.kept_answers import KeptAnswers
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
+from service.api.trend_columns import KeptHistories
 from service.settings import DEFAULT_BASELINE_RUNS
 from service.submissions import Submissions
 from storage.database import Database
@@ -67,19 +75,27 @@ def application(
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.answers = KeptAnswers()
+    app.state.histories = KeptHistories(database)
     app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     router = APIRouter(prefix=PREFIX)
     for part in (
         machines,
+        fleet,
         machine_state,
         slow_roll,
         measurements,
         ingestion,
         orbits,
         run_quality,
+        drawing,
+        comparisons,
         identifications,
+        model,
+        bode,
+        trends,
         diagnoses,
         event_stream,
         alerts,
@@ -93,9 +109,5 @@ def application(
         router.include_router(part.router)
     app.include_router(router)
     app.include_router(metrics.router)
-
-    @app.get("/", include_in_schema=False)
-    def root() -> RedirectResponse:
-        return RedirectResponse(f"{PREFIX}/docs")
-
+    app.include_router(dashboard.router)
     return app

@@ -1,8 +1,8 @@
-"""Identifications, the jobs that compute them, and the parameter trends that they make."""
+"""Identifications and the jobs that compute them."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
-from fastapi import APIRouter, Body, Query, Request, status
+from fastapi import APIRouter, Body, Request, status
 
 from service import requesting
 from service.api import rendering, schemas
@@ -11,8 +11,6 @@ from service.api.problems import RESPONSES, Problem
 from storage import derived, identifications, jobs, machines
 
 router = APIRouter(tags=["identifications"], responses=RESPONSES)
-
-Scope = Annotated[Literal["run", "gathered"], Query(description="of single runs, or of the newest runs together")]
 
 
 @router.get("/machines/{machine_id}/identifications", operation_id="list_identifications")
@@ -60,28 +58,3 @@ def list_jobs(session: Reading, machine_id: MachineId, limit: Limit = 100) -> li
     """Identification jobs, newest first: what waits, what runs, and what failed and why."""
     machines.get(session, machine_id)
     return [rendering.job(row) for row in jobs.of_machine(session, machine_id, limit=limit)]
-
-
-@router.get("/machines/{machine_id}/trends", operation_id="read_trends")
-def read_trends(
-    session: Reading,
-    machine_id: MachineId,
-    parameter: Annotated[
-        list[str], Query(min_length=1, max_length=100, description="such as bearing.B1.kxx or critical_speed.1")
-    ],
-    first: From = None,
-    last: To = None,
-    scope: Scope = "run",
-) -> schemas.Trends:
-    """History of one or more parameters, or quantities derived from them, over a time range, oldest first."""
-    machines.get(session, machine_id)
-    start, end = moment(first), moment(last)
-    rows = identifications.history(session, machine_id, parameter, scope=scope, first=start, last=end)
-    others = derived.history(session, machine_id, parameter, scope=scope, first=start, last=end)
-    series = [
-        rendering.series(
-            name, [row for row in rows if row[0].parameter == name], [row for row in others if row[0].name == name]
-        )
-        for name in dict.fromkeys(parameter)
-    ]
-    return schemas.Trends(machine=machine_id, scope=scope, series=series)

@@ -70,19 +70,20 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
     )
 
 
+def progress(kind: str, now: Standing, *, minimum_rpm: float, maximum_rpm: float) -> float:
+    """Part of the speed range that lies behind a sweep, 0 to 1."""
+    part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
+    part = min(1.0, max(0.0, part))
+    return part if kind == "run-up" else 1.0 - part
+
+
 def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | None:
     row = runs.current(session, machine.id)
     if row is None:
         return None
-    limits, sweep = machine.speed_range, now.operating.sweep
-    part = (rad_per_s_to_rpm(sweep.believed_speed) - limits.minimum_rpm) / (limits.maximum_rpm - limits.minimum_rpm)
-    part = min(1.0, max(0.0, part))
-    return OpenRun(
-        id=row.id,
-        kind=row.kind,
-        started_at=to_datetime(row.time_first),
-        progress=part if row.kind == "run-up" else 1.0 - part,
-    )
+    limits = machine.speed_range
+    part = progress(row.kind, now, minimum_rpm=limits.minimum_rpm, maximum_rpm=limits.maximum_rpm)
+    return OpenRun(id=row.id, kind=row.kind, started_at=to_datetime(row.time_first), progress=part)
 
 
 @router.get("/{machine_id}/states", operation_id="list_machine_states")

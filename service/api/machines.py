@@ -8,7 +8,7 @@ from estimator.machine import DocumentError, Machine
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
 from service.api.problems import RESPONSES, Problem
-from storage import machines
+from storage import fleet, machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
 
@@ -18,8 +18,7 @@ Document = Annotated[Machine, Body(description="the whole machine document")]
 @router.get("", operation_id="list_machines")
 def list_machines(session: Reading) -> list[schemas.MachineSummary]:
     """All machines, by id."""
-    rows = machines.every(session)
-    return [rendering.machine_summary(row, machines.document(session, row.id, row.revision)) for row in rows]
+    return [rendering.machine_summary(one) for one in fleet.page(session, after=None, limit=10_000)]
 
 
 @router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})

@@ -16,6 +16,7 @@ from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
 from service.baselining import BaselineRefused
 from service.delivery.addresses import TargetRefused
+from service.identified import NoModel
 from service.limits import LimitsRefused
 from service.requesting import NotToIdentify
 from service.setting_limits import LimitsChanged
@@ -57,6 +58,7 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     SlowRollUnknown: (HTTPStatus.NOT_FOUND, "no slow-roll vectors: {0}"),
     NotSlowRoll: (HTTPStatus.UNPROCESSABLE_ENTITY, "no slow roll: {0}"),
     Unsuitable: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
+    NoModel: (HTTPStatus.CONFLICT, "{0}"),
     NotToIdentify: (HTTPStatus.CONFLICT, "{0}"),
     AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}"),
     SuppressionUnknown: (HTTPStatus.NOT_FOUND, "no suppression {0}"),

@@ -10,12 +10,12 @@ from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
+from storage.fleet import ListedMachine
 from storage.tables import (
     DerivedRow,
     EstimateRow,
     IdentificationRow,
     JobRow,
-    MachineRow,
     QuarantineRow,
     RevisionRow,
     RunRow,
@@ -37,9 +37,9 @@ def _rpm(speed: float | None) -> float | None:
     return None if speed is None else rad_per_s_to_rpm(speed)
 
 
-def machine_summary(row: MachineRow, document: Machine) -> schemas.MachineSummary:
+def machine_summary(one: ListedMachine) -> schemas.MachineSummary:
     return schemas.MachineSummary(
-        id=row.id, plant=row.plant, name=document.name, revision=row.revision, created_at=to_datetime(row.created_at)
+        id=one.id, plant=one.plant, name=one.name, revision=one.revision, created_at=to_datetime(one.created_at)
     )
 
 
@@ -156,29 +156,6 @@ def job(row: JobRow) -> schemas.JobOut:
 def derived(row: DerivedRow) -> schemas.DerivedOut:
     return schemas.DerivedOut(
         name=row.name, unit=row.unit, value=row.value, lower=row.lower, upper=row.upper, reason=row.reason
-    )
-
-
-def series(
-    name: str,
-    estimates: list[tuple[EstimateRow, IdentificationRow]],
-    quantities: list[tuple[DerivedRow, IdentificationRow]],
-) -> schemas.Series:
-    """The history of a parameter or of a derived quantity; one of the two lists is empty."""
-    rows: list[tuple[EstimateRow | DerivedRow, IdentificationRow]] = [*estimates, *quantities]
-    return schemas.Series(
-        parameter=name,
-        unit=rows[0][0].unit if rows else None,
-        measured_at=[to_datetime(e.measured_at) for e, _ in rows],
-        computed_at=[to_datetime(i.computed_at) for _, i in rows],
-        value=[e.value for e, _ in rows],
-        standard_error=[e.standard_error if isinstance(e, EstimateRow) else None for e, _ in rows],
-        lower=[e.lower for e, _ in rows],
-        upper=[e.upper for e, _ in rows],
-        imaginary=[e.imaginary if isinstance(e, EstimateRow) else None for e, _ in rows],
-        accepted=[i.accepted for _, i in rows],
-        run_kind=[i.run_kind for _, i in rows],
-        identification=[i.id for _, i in rows],
     )
 
 

@@ -207,31 +207,6 @@ class IdentificationAsked(BaseModel):
         return self
 
 
-class Series(BaseModel):
-    """History of one parameter or derived quantity, in columns; a derived one has bounds and no standard error."""
-
-    parameter: str
-    unit: str | None
-    measured_at: list[datetime]
-    computed_at: list[datetime]
-    value: list[float | None]
-    standard_error: list[float | None]
-    lower: list[float | None]
-    upper: list[float | None]
-    imaginary: list[float | None]
-    accepted: list[bool]
-    run_kind: list[str]
-    identification: list[int]
-
-
-class Trends(BaseModel):
-    """Histories of parameters of one machine."""
-
-    machine: str
-    scope: str
-    series: list[Series]
-
-
 class SourceOut(BaseModel):
     """How far one start of a source has been received."""
 

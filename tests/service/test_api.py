@@ -1,6 +1,5 @@
 """The API over a real database: every endpoint's answers and errors, all errors in one shape, and never a NaN."""
 
-import asyncio
 import json
 import math
 import re
@@ -10,19 +9,17 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-import httpx
 import pytest
-from fastapi import FastAPI
 from sqlalchemy import text
 
 from service.alerting import Finding, Person, acknowledge, clear_alert, raise_alert
-from service.api.application import application
 from service.collection import Collector
 from service.journal import Journal
 from storage import jobs
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.tables import AlertRow
+from tests.asking import PREFIX, Api, fields, problem
 from tests.plant import (
     SECOND,
     START,
@@ -36,59 +33,7 @@ from tests.plant import (
     sweep_rpm,
 )
 
-PREFIX = "/api/v1"
 MOMENT = datetime.fromtimestamp(START // SECOND, UTC)
-PROBLEM = {"type", "title", "status", "detail", "errors"}
-
-
-class Api:
-    """The application, asked as over HTTP; `parts` is what the rest of the service says of itself."""
-
-    def __init__(self, database: Database) -> None:
-        self.database = database
-        self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
-        self.app: FastAPI = application(database, lambda: dict(self.parts))
-
-    def ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        return asyncio.run(self._ask(method, path, **arguments))
-
-    def get(self, path: str, **parameters: Any) -> httpx.Response:
-        """GET below the prefix."""
-        return self.ask("GET", PREFIX + path, params=parameters or None)
-
-    def value(self, path: str, **parameters: Any) -> Any:
-        """What a GET answers that must succeed with strict JSON."""
-        answer = self.get(path, **parameters)
-        assert answer.status_code == 200, answer.text
-        return json.loads(answer.text, parse_constant=not_json)
-
-    async def _ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
-        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
-            return await client.request(method, path, **arguments)
-
-
-def not_json(name: str) -> None:
-    raise AssertionError(f"{name} is not JSON")
-
-
-def problem(answer: httpx.Response, status: int) -> dict[str, Any]:
-    """The problem detail that an error must be."""
-    assert answer.status_code == status, answer.text
-    assert answer.headers["content-type"] == "application/problem+json"
-    body: dict[str, Any] = answer.json()
-    assert body.keys() == PROBLEM
-    assert body["status"] == status
-    assert body["title"]
-    assert body["detail"]
-    return body
-
-
-def fields(answer: httpx.Response) -> list[str]:
-    """The fields that a 422 names."""
-    found = problem(answer, 422)["errors"]
-    assert all(one["message"] for one in found)
-    return [one["field"] for one in found]
 
 
 @pytest.fixture
@@ -349,58 +294,6 @@ def test_jobs_are_listed_newest_first(told: Api) -> None:
     assert len(told.value("/machines/pump-7/jobs", limit=1)) == 1
 
 
-def trend(api: Api, *names: str, **asked: Any) -> list[dict[str, Any]]:
-    body = api.value("/machines/pump-7/trends", parameter=list(names), **asked)
-    assert body["machine"] == "pump-7"
-    series: list[dict[str, Any]] = body["series"]
-    for one in series:
-        columns = {len(column) for column in one.values() if isinstance(column, list)}
-        assert len(columns) == 1
-    return series
-
-
-def test_the_trend_of_a_parameter(told: Api) -> None:
-    (one,) = trend(told, "coupling.C1.kxx")
-    assert (one["parameter"], one["unit"]) == ("coupling.C1.kxx", "N/m")
-    assert one["value"] == pytest.approx([2.0e6, 2.2e6, 2.4e6])
-    assert one["accepted"] == [True, False, True]
-    assert [datetime.fromisoformat(moment) for moment in one["measured_at"]] == [MOMENT + timedelta(hours=i) for i in range(3)]
-
-
-@pytest.mark.parametrize(
-    ("first", "last", "values"),
-    [
-        (0.0, 2.0, [2.0e6, 2.2e6, 2.4e6]),
-        (0.5, 1.5, [2.2e6]),
-        (1.0, 1.0, [2.2e6]),
-        (0.5, None, [2.2e6, 2.4e6]),
-        (None, 0.5, [2.0e6]),
-        (2.5, None, []),
-        (2.0, 0.0, []),
-    ],
-)
-def test_trends_over_a_time_range(told: Api, first: float | None, last: float | None, values: list[float]) -> None:
-    limits = {"from": first, "to": last}
-    asked = {name: (MOMENT + timedelta(hours=at)).isoformat() for name, at in limits.items() if at is not None}
-    (one,) = trend(told, "coupling.C1.kxx", **asked)
-    assert one["value"] == pytest.approx(values)
-
-
-def test_trends_of_several_parameters_come_as_asked_for(told: Api) -> None:
-    names = ["disc.D1.unbalance", "bearing.B1.kxy", "nothing.there", "bearing.B1.kxx"]
-    found = trend(told, *names, names[0])
-    assert [one["parameter"] for one in found] == names
-    assert found[0]["imaginary"] == [-5e-4] * 3
-    assert found[1]["value"] == [None] * 3
-    assert (found[2]["unit"], found[2]["value"]) == (None, [])
-
-
-def test_trends_of_gathered_runs_are_their_own(told: Api) -> None:
-    (one,) = trend(told, "coupling.C1.kxx", scope="gathered")
-    assert one["value"] == pytest.approx([3.0e6])
-    assert one["run_kind"] == ["gathered"]
-
-
 # --- alerts ---------------------------------------------------------------------------------------------------------
 
 
@@ -547,12 +440,6 @@ def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None
 
 
 # --- the document of the API ----------------------------------------------------------------------------------------
-
-
-def test_the_root_leads_to_the_documentation(told: Api) -> None:
-    answer = told.ask("GET", "/")
-    assert answer.status_code == 307
-    assert answer.headers["location"] == f"{PREFIX}/docs"
 
 
 @pytest.mark.parametrize("page", ["docs", "redoc"])

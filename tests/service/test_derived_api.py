@@ -26,7 +26,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         for number, some in enumerate(quantities, start=1):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number * HOUR)
             derived.add(session, row, some)
-    with served(plant) as url, httpx.Client(base_url=url) as client:
+    with served(plant) as url, httpx.Client(base_url=url, timeout=20.0) as client:
         yield client
 
 
@@ -45,10 +45,11 @@ def test_trends_of_derived_quantities_stand_beside_those_of_parameters(api: http
     force, stiffness, speed = api.get("/machines/pump-7/trends", params=asked).json()["series"]
     assert (force["parameter"], force["unit"], force["identification"]) == (FORCE, "N", [1, 2])
     assert (force["value"], force["lower"], force["upper"]) == ([120.0, None], [110.0, None], [130.0, None])
-    assert force["standard_error"] == force["imaginary"] == [None, None]
+    assert force["standard_error"] == [None, None]
+    assert force["quality"] == ["accepted", "not_estimable"]
     assert stiffness["value"] == [2e6, 2e6]
     assert None not in stiffness["standard_error"]
-    assert (speed["unit"], speed["value"], speed["accepted"]) == ("rad/s", [150.0], [True])
+    assert (speed["unit"], speed["value"], speed["quality"]) == ("rad/s", [150.0], ["accepted"])
 
 
 def test_trends_of_derived_quantities_over_a_time_range(api: httpx.Client) -> None:

@@ -3,7 +3,6 @@
 The application and the ingest thread are the real ones over a real database; only the socket is left out.
 """
 
-import asyncio
 import base64
 import hashlib
 import threading
@@ -18,7 +17,6 @@ from sqlalchemy import text
 
 from service import ingest as ingest_module
 from service.api import ingestion, metrics
-from service.api.application import application
 from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Journal
@@ -27,28 +25,18 @@ from service.wire import BINARY, ENCODINGS, JSON, LARGEST_MESSAGE, MESSAGEPACK, 
 from storage import quarantine
 from storage import samples as sample_store
 from storage.database import Database
+from tests.asking import Api
 from tests.plant import KEY, SECOND, START, batch, wait_until
 
 PATH = f"/api/v1/machines/{KEY.machine}/samples"
 
 
-class Http:
+class Http(Api):
     """The application with its ingest thread, asked as over HTTP."""
 
     def __init__(self, database: Database, submissions: Submissions, ingest: Ingest | None = None) -> None:
-        self.database = database
+        super().__init__(database, submissions=submissions, depth=None if ingest is None else lambda: ingest.depth)
         self.submissions = submissions
-        self.app = application(
-            database, lambda: {"ingest": "ok"}, submissions=submissions, depth=None if ingest is None else lambda: ingest.depth
-        )
-
-    def ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        async def asked() -> httpx.Response:
-            transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
-            async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
-                return await client.request(method, path, **arguments)
-
-        return asyncio.run(asked())
 
     def post(self, one: SampleBatch, encoding: str = JSON, **headers: str) -> httpx.Response:
         return self.ask("POST", PATH, content=encode_body(one, encoding), headers={"content-type": encoding} | headers)
@@ -155,7 +143,7 @@ def test_other_content_types_and_sizes_are_refused(http: Http) -> None:
     refused(http.ask("POST", PATH, content=body, headers={"content-type": "text/csv"}), 415, "text/csv")
     refused(http.ask("POST", PATH, content=bytes(LARGEST_MESSAGE + 1), headers={"content-type": JSON}), 413, "too_large")
 
-    async def unannounced() -> Any:
+    def unannounced() -> Iterator[bytes]:
         for _ in range(20):
             yield bytes(LARGEST_MESSAGE // 10)
 

@@ -15,7 +15,7 @@ from service.collection import Collector
 from service.holes import NEVER
 from service.journal import Journal
 from service.late import BESIDE, LARGEST_COUNT, noted
-from storage import identifications, jobs, machines, quarantine, runs
+from storage import identifications, jobs, machines, quarantine, runs, trends
 from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
@@ -218,8 +218,8 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
         assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
         (counted,) = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
         assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
-        points = identifications.history(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
-        assert [row.id for _, row in points] == [counted.id]
+        points = trends.histories(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
+        assert points.identification.tolist() == [counted.id]
 
 
 def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(plant: Database, journal: Journal) -> None:

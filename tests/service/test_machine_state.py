@@ -1,17 +1,15 @@
 """What a machine does, stored with the samples and told by the API: states, open run, history; noise, restarts, silence."""
 
-import asyncio
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 
-from service.api.application import application
 from service.collection import Collector, standing
 from service.journal import Journal
 from storage import machines, runs
 from storage.database import Database
+from tests.asking import Api
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
 
 CYCLE = [
@@ -33,28 +31,13 @@ def send(journal: Journal, rpm: list[float], first: int, last: int) -> None:
         journal.store([arrived(one)], [])
 
 
-class Api:
-    """The application, asked as over HTTP."""
-
-    def __init__(self, database: Database) -> None:
-        self._app = application(database, lambda: {})
-
-    def get(self, path: str, params: dict[str, Any] | None = None) -> httpx.Response:
-        return asyncio.run(self._get(path, params))
-
-    async def _get(self, path: str, params: dict[str, Any] | None) -> httpx.Response:
-        transport = httpx.ASGITransport(self._app)
-        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
-            return await client.get(path, params=params)
-
-
 @pytest.fixture
 def api(plant: Database) -> Api:
     return Api(plant)
 
 
 def state(api: Api) -> dict[str, Any]:
-    answer = api.get("/api/v1/machines/pump-7/state")
+    answer = api.get("/machines/pump-7/state")
     assert answer.status_code == 200
     found: dict[str, Any] = answer.json()
     return found
@@ -62,7 +45,7 @@ def state(api: Api) -> dict[str, Any]:
 
 def history(api: Api, **query: Any) -> list[dict[str, Any]]:
     """Oldest first."""
-    found: list[dict[str, Any]] = api.get("/api/v1/machines/pump-7/states", params=query).json()
+    found: list[dict[str, Any]] = api.get("/machines/pump-7/states", **query).json()
     return found[::-1]
 
 
@@ -78,8 +61,8 @@ def test_before_the_first_sample_nothing_is_known(api: Api) -> None:
 
 
 def test_an_unknown_machine_is_not_found(api: Api) -> None:
-    assert api.get("/api/v1/machines/nobody/state").status_code == 404
-    assert api.get("/api/v1/machines/nobody/states").status_code == 404
+    assert api.get("/machines/nobody/state").status_code == 404
+    assert api.get("/machines/nobody/states").status_code == 404
 
 
 def test_a_run_in_progress_is_told_with_how_far_it_has_come(journal: Journal, api: Api) -> None:
@@ -169,7 +152,7 @@ def test_one_per_cent_of_speed_noise_changes_nothing(plant: Database, journal: J
 
 def test_a_run_tells_its_coverage(journal: Journal, api: Api) -> None:
     send(journal, CYCLE, 0, len(CYCLE))
-    for run in api.get("/api/v1/machines/pump-7/runs").json():
+    for run in api.get("/machines/pump-7/runs").json():
         assert run["reopened_at"] is None
         assert run["coverage"]["part"] == pytest.approx(0.96, abs=0.01)
         assert run["coverage"]["largest_hole_rpm"] < 11

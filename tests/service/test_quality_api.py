@@ -1,6 +1,5 @@
 """Quality of runs through the worker, the store and the API; the measured run-up that rings among them."""
 
-import asyncio
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from estimator.identification import Options
 from estimator.machine import Machine, QualityRules
 from estimator.quality import Flag
 from service import worker
-from service.api.application import application
 from service.documents import read_machine
 from service.recording import read_recording
 from service.wire import to_samples
@@ -22,6 +20,7 @@ from storage import machines, runs
 from storage.blocks import DamagedBlock, Samples, encode
 from storage.clock import now
 from storage.database import Database
+from tests.asking import Api
 
 ROOT = Path(__file__).parents[2]
 
@@ -46,13 +45,7 @@ def closed(session: Session, kit: Machine, samples: Samples) -> int:
 
 def get(database: Database, path: str) -> httpx.Response:
     """What the API answers."""
-
-    async def asked() -> httpx.Response:
-        transport = httpx.ASGITransport(application(database, dict))
-        async with httpx.AsyncClient(transport=transport, base_url="http://test") as client:
-            return await client.get(path)
-
-    return asyncio.run(asked())
+    return Api(database).ask("GET", path)
 
 
 def test_measured_run_up_is_told_to_ring_point_by_point(database: Database, kit: Machine) -> None:

@@ -1,9 +1,7 @@
 """Slow-roll vectors and repeated identifications over the API and in real workers: versions, raw data kept, what counts."""
 
-import asyncio
 from typing import Any
 
-import httpx
 import numpy as np
 import pytest
 import yaml
@@ -14,17 +12,17 @@ from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
 from service import requesting, worker
-from service.api.application import application
 from service.collection import Collector
 from service.identifying import Identifying
 from service.journal import Journal
 from service.requesting import quality_rules
 from service.settings import Settings
 from service.watching import comparison
-from storage import identifications, jobs, machines, runs
+from storage import identifications, jobs, machines, runs, trends
 from storage.blocks import Samples, encode
 from storage.database import Database
 from storage.identifications import Like
+from tests.asking import Api
 from tests.estimator.trains import ROOT
 from tests.plant import (
     CHANNELS,
@@ -39,28 +37,10 @@ from tests.plant import (
     wait_until,
 )
 
-PREFIX = "/api/v1"
 PUMP = "/machines/pump-7/slow-roll"
 TRAIN = "thesis-chapter-3"
 RUN_OUT = 2e-4 * np.exp(1j * np.arange(8))
 """Of each channel of the train [m]."""
-
-
-class Api:
-    """The application, asked as over HTTP; every answer is a value, errors as problem details."""
-
-    def __init__(self, database: Database) -> None:
-        self.app = application(database, dict)
-
-    def __call__(self, method: str, path: str, status: int = 200, **arguments: Any) -> Any:
-        answer = asyncio.run(self._ask(method, PREFIX + path, **arguments))
-        assert answer.status_code == status, answer.text
-        return answer.json()
-
-    async def _ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
-        transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
-        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
-            return await client.request(method, path, **arguments)
 
 
 @pytest.fixture
@@ -322,11 +302,11 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         made: list[int] = []
 
         def counted() -> tuple[list[int], list[int]]:
-            rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
+            history = trends.histories(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
             accepted = identifications.first_accepted(session, "pump-7", like, limit=10)
-            newest = identifications.newest_runs(session, "pump-7", like, until=2**62, limit=10)
+            newest = identifications.newest(session, "pump-7", like, limit=10)
             assert [row.id for row in newest] == [row.id for row in reversed(accepted)]
-            return [row.id for _, row in rows], [row.id for row in accepted]
+            return history.identification.tolist(), [row.id for row in accepted]
 
         assert counted() == ([first, other], [first, other])
         again(accepted=False)  # a refused one takes nobody's place
@@ -348,8 +328,8 @@ def test_of_a_run_that_was_never_accepted_the_newest_identification_shows(plant:
         assert job is not None
         origin = identifications.Origin("pump-7", 1, job.id, jobs.RUN, "run-down", [1], START, {}, "0.1.0")
         newest = identifications.add(session, origin, identification(accepted=False)).id
-        rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN, first=None, last=None)
-        assert [row.id for _, row in rows] == [newest]
+        history = trends.histories(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
+        assert history.identification.tolist() == [newest]
 
 
 def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database) -> None:

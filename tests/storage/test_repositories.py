@@ -9,7 +9,7 @@ from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from storage import identifications, jobs, machines, quarantine, runs
+from storage import baselines, identifications, jobs, machines, quarantine, runs, trends
 from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
@@ -430,7 +430,7 @@ def test_only_accepted_single_runs_of_one_kind_and_revision_make_a_baseline(plan
 
         like = identifications.Like(revisions=(1,), run_kind="run-down")
         assert ids(identifications.first_accepted(session, "pump-7", like, limit=2)) == good[:0:-1]
-        assert ids(identifications.newest_runs(session, "pump-7", like, until=2**62, limit=2)) == good[:2]
+        assert ids(identifications.newest(session, "pump-7", like, limit=2)) == good[:2]
 
 
 def test_a_logarithmic_point_holds_the_direct_terms_that_are_known(plant: Database) -> None:
@@ -448,26 +448,44 @@ def test_a_logarithmic_point_holds_the_direct_terms_that_are_known(plant: Databa
     assert np.array_equal(point.covariance, outcome.covariance[np.ix_(at, at)])
 
 
-def test_history_of_parameters_over_a_time_range_oldest_first(plant: Database) -> None:
+def test_history_of_parameters_oldest_first(plant: Database) -> None:
     with plant.transaction() as session:
         for run_id, (moment, factor) in enumerate([(20, 1.2), (0, 1.0), (10, 1.1)]):
             outcome = identification({"coupling.C1.kxx": factor})
             store_identification(session, outcome, run_id=run_id, measured_at=START + moment)
         store_identification(session, identification({"coupling.C1.kxx": 9.0}), run_id=9, scope=jobs.GATHERED)
+    names = ["coupling.C1.kxx", "disc.D1.unbalance", "nothing"]
     with plant.reading() as session:
+        stiffness, unbalance, nothing = trends.histories(session, "pump-7", names, scope=jobs.RUN).values()
+        gathered = trends.histories(session, "pump-7", names, scope=jobs.GATHERED)["coupling.C1.kxx"]
+    assert (stiffness.value / 2e6).tolist() == pytest.approx([1.0, 1.1, 1.2])
+    assert stiffness.measured_at.tolist() == [START, START + 10, START + 20]
+    assert np.isnan(stiffness.imaginary).all()
+    assert (gathered.value / 2e6).tolist() == pytest.approx([9.0])
+    assert (len(unbalance), unbalance.unit, unbalance.imaginary.tolist()) == (3, "kg m", [-5e-4] * 3)
+    assert (len(nothing), nothing.unit) == (0, None)
 
-        def values(first: int | None, last: int | None, *, scope: str = jobs.RUN) -> list[float]:
-            rows = identifications.history(session, "pump-7", ["coupling.C1.kxx"], scope=scope, first=first, last=last)
-            return [round((estimate.value or 0.0) / 2e6, 6) for estimate, _ in rows]
 
-        assert values(None, None) == [1.0, 1.1, 1.2]
-        assert values(START + 5, START + 15) == [1.1]
-        assert values(START + 10, START + 20) == [1.1, 1.2]
-        assert values(None, None, scope=jobs.GATHERED) == [9.0]
-        both = identifications.history(
-            session, "pump-7", ["coupling.C1.kxx", "disc.D1.unbalance", "nothing"], scope=jobs.RUN, first=None, last=None
-        )
-        assert len(both) == 6
+def test_the_stamp_of_histories_changes_with_what_they_hold(plant: Database) -> None:
+    seen = []
+
+    def look(session: Session) -> None:
+        seen.append(trends.stamp(session, "pump-7"))
+
+    with plant.transaction() as session:
+        look(session)
+        look(session)
+        store_identification(session, identification(), run_id=1)
+        look(session)
+        baselines.begin(session, "pump-7", since=START, identification_ids=None, reason="why", by="anna")
+        look(session)
+        run = runs.open_run(session, "pump-7", revision=1, kind="run-down", direction=1, time_first=START)
+        runs.close(run, samples=samples(), state=runs.DISCARDED, reason="joined")
+        look(session)
+        machines.revise(session, machine(name="New"))
+        look(session)
+    assert seen[0] == seen[1]
+    assert len(set(seen)) == 5
 
 
 # --- quarantine -----------------------------------------------------------------------------------------------------

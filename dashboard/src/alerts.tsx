@@ -1,0 +1,80 @@
+// A list of alerts, what happened to each, and what can be done to it.
+import { useState } from "preact/hooks";
+import { AlertDialog } from "./alert-dialog";
+import { calls, DEEDS, possible, stateInWords, type Deed } from "./alert-words";
+import type { Alert, AlertEvent } from "./answers";
+import { elementName } from "./format";
+import { Empty, Severity, Shown, Time } from "./parts";
+import { useResource, type Answer } from "./resource";
+import { link } from "./router";
+
+export function Alerts(props: { answer: Answer<Alert[]>; machines?: boolean; none: string }) {
+  const [asked, setAsked] = useState<{ alert: Alert; deed: Deed } | null>(null);
+  return (
+    <>
+      <Shown answer={props.answer} lines={4}>
+        {(alerts) =>
+          alerts.length === 0 ? (
+            <Empty>{props.none}</Empty>
+          ) : (
+            <ul class="alarms">
+              {alerts.map((alert) => (
+                <Row key={alert.id} alert={alert} machine={props.machines ?? false} onAsk={(deed) => setAsked({ alert, deed })} />
+              ))}
+            </ul>
+          )
+        }
+      </Shown>
+      {asked && <AlertDialog alert={asked.alert} deed={asked.deed} onClose={() => setAsked(null)} />}
+    </>
+  );
+}
+
+function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk: (deed: Deed) => void }) {
+  const [open, setOpen] = useState(false);
+  return (
+    <li class={`alarm ${alert.closed_at ? "closed" : ""} ${calls(alert) ? "calls" : ""}`} data-alert={alert.id}>
+      <div class="head">
+        <Severity severity={alert.severity} seen={!calls(alert)} />
+        {machine && <a href={link(["machines", alert.machine])}>{alert.machine}</a>}
+        <a href={link(["machines", alert.machine, "trends"], { element: alert.element })}>{elementName(alert.element)}</a>
+        <span class="rule">{alert.rule.replaceAll("_", " ")}</span>
+        <span class="state">{stateInWords(alert.state)}</span>
+        <span class="space" />
+        <Time at={alert.opened_at} />
+      </div>
+      <p>{alert.message}</p>
+      <div class="buttons">
+        {possible(alert).map((deed) => (
+          <button type="button" key={deed} class={deed === "acknowledge" ? "strong" : undefined} onClick={() => onAsk(deed)}>
+            {DEEDS[deed].button}
+          </button>
+        ))}
+        <button type="button" class="quiet" aria-expanded={open} onClick={() => setOpen(!open)}>
+          {open ? "▾" : "▸"} {alert.events} {alert.events === 1 ? "event" : "events"}
+        </button>
+      </div>
+      {open && <History alert={alert} />}
+    </li>
+  );
+}
+
+function History({ alert }: { alert: Alert }) {
+  const answer = useResource<AlertEvent[]>(`/alerts/${alert.id}/events`);
+  return (
+    <Shown answer={answer} lines={alert.events}>
+      {(events) => (
+        <ol class="history">
+          {events.map((event) => (
+            <li key={event.id}>
+              <Time at={event.at} /> {event.kind.replaceAll("_", " ")}
+              {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
+              {event.by && <> by {event.by}</>}
+              {event.comment && <q>{event.comment}</q>}
+            </li>
+          ))}
+        </ol>
+      )}
+    </Shown>
+  );
+}

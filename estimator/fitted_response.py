@@ -1,0 +1,40 @@
+"""What an identification says that each channel shows: the updated model's response, through gains and with run-out."""
+
+import numpy as np
+
+from estimator.condensation import Floats, condense
+from estimator.coordinates import Coordinates
+from estimator.error_propagation import PhasorBand, phasor_band
+from estimator.machine import Machine
+from estimator.sensitivity import sensitivity
+
+CHANNEL = "probe."
+"""How names of coordinates of measuring chains begin."""
+
+
+def fitted_response(
+    machine: Machine, coordinates: tuple[str, ...], point: Floats, covariance: Floats, *, speed: Floats, direction: Floats
+) -> PhasorBand:
+    """Phasors (S, m) [m] of the fit at speeds (S,) [rad/s], with their 95 % bands.
+
+    coordinates, point (n,), covariance (n, n): as in `Identification`. direction: (S,) +1 or -1. A channel of which the
+    identification has no gain or run-out is taken as exact. Raises ValueError for an identification of another machine.
+    """
+    train = condense(machine, speed=speed, direction=direction)
+    own = Coordinates.of(train, unbalance_scale=1.0)
+    missing = [name for name in own.names if name not in coordinates and not name.startswith(CHANNEL)]
+    if missing:
+        raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
+    known = np.array([name in coordinates for name in own.names], dtype=bool)
+    rows = [coordinates.index(name) for name in own.names if name in coordinates]
+    theta = np.zeros(own.size)
+    values = own.origin.copy()
+    values[known] = point[rows]
+    theta[known] = own.theta(values)[known]
+    coefficients, direction = own.coefficients(theta), np.asarray(direction, dtype=float)
+    found = sensitivity(train.scaled(own.scales(theta)), coefficients=coefficients, excitations=own.excitations(theta))
+    by_theta = own.jacobian(theta, found, coefficients, direction, slice(0, len(direction)))
+    run_out = own.run_outs(theta)
+    phasor = own.gains(theta) * found.phasor + np.where(direction[:, None] > 0, run_out, np.conj(run_out))
+    slope = np.moveaxis(by_theta[known] / own.unit[known, None, None], 0, -1)
+    return phasor_band(phasor, slope, covariance[np.ix_(rows, rows)])

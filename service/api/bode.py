@@ -1,0 +1,91 @@
+"""Bode plot of an identification: the fitted curve with its band, what was measured, and what is left between them."""
+
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import APIRouter, Query, Request
+
+from estimator.error_propagation import PhasorBand
+from estimator.fitted_response import fitted_response
+from estimator.noise import error_size
+from service.api import model_schemas as schemas
+from service.api.access import Number, database
+from service.api.model import head, kept
+from service.api.problems import RESPONSES, Unsuitable
+from service.api.trend_columns import texts
+from service.api.units import UnitChoice, Units, column
+from service.identified import Identified, UsedRun, used_runs
+
+router = APIRouter(tags=["models"], responses=RESPONSES)
+
+
+@router.get("/identifications/{identification_id}/bode", operation_id="read_bode")
+def read_bode(
+    request: Request,
+    identification_id: Number,
+    units: UnitChoice,
+    run: Annotated[int | None, Query(ge=0, le=2**62, description="only this run of the identification")] = None,
+    points: Annotated[int, Query(ge=10, le=2000, description="speeds of the fitted curve")] = 200,
+) -> schemas.Bode:
+    """Fitted curve, measured points and residuals of every channel over speed."""
+
+    def compute(one: Identified) -> tuple[Any, ...]:
+        if run is not None and run not in one.run_ids:
+            raise Unsuitable(f"run {run} is not one of identification {one.id}: it has {', '.join(map(str, one.run_ids))}")
+        with database(request).reading() as session:
+            held = used_runs(session, one, one.run_ids if run is None else [run])
+        speed = np.linspace(one.speed_minimum, one.speed_maximum, points)
+        machine = held[0].machine if held else one.machine
+        curve = _fit(one, machine, speed, np.full(points, float(one.direction)))
+        return speed, curve, [(each, _fit(one, each.machine, *_speeds(each))) for each in held]
+
+    one, (speed, curve, measured) = kept(request, identification_id, ("bode", run, points), compute)
+    return schemas.Bode(
+        **head(one, units),
+        slow_roll_subtracted=one.slow_roll is not None,
+        fitted=schemas.FittedCurve(
+            speed=units.speeds(speed),
+            channels=[_fitted(channel, curve, number, units) for number, channel in enumerate(one.machine.channels)],
+        ),
+        measured=[_measured(one, each, fit, units) for each, fit in measured],
+    )
+
+
+def _fit(one: Identified, machine: Any, speed: Any, direction: Any) -> PhasorBand:
+    return fitted_response(machine, one.coordinates, one.point, one.covariance, speed=speed, direction=direction)
+
+
+def _speeds(run: UsedRun) -> tuple[Any, Any]:
+    return run.measurement.speed, run.measurement.direction
+
+
+def _fitted(channel: str, band: PhasorBand, number: int, units: Units) -> schemas.FittedChannel:
+    return schemas.FittedChannel(
+        channel=channel,
+        amplitude=units.amplitudes(band.amplitude[:, number]),
+        phase=units.phases(band.value[:, number]),
+        lower=units.amplitudes(band.lower[:, number]),
+        upper=units.amplitudes(band.upper[:, number]),
+    )
+
+
+def _measured(one: Identified, run: UsedRun, fit: PhasorBand, units: Units) -> schemas.MeasuredRun:
+    measurement = run.measurement
+    residual = np.abs(measurement.phasor - fit.value)
+    expected = np.full(residual.shape, np.nan)
+    if one.noise is not None:
+        expected = error_size(one.noise, fit.amplitude, measurement.scatter)
+    channels = [
+        schemas.MeasuredChannel(
+            channel=channel,
+            amplitude=units.amplitudes(np.abs(measurement.phasor[:, number])),
+            phase=units.phases(measurement.phasor[:, number]),
+            used=(~run.left_out[:, number]).tolist(),
+            residual=units.amplitudes(residual[:, number]),
+            residual_sigma=column(residual[:, number] / expected[:, number]),
+        )
+        for number, channel in enumerate(one.machine.channels)
+    ]
+    return schemas.MeasuredRun(
+        run=run.id, time=texts(run.time).tolist(), speed=units.speeds(measurement.speed), channels=channels
+    )

@@ -1,0 +1,137 @@
+"""All machines at a glance, for an overview."""
+
+from datetime import datetime, timedelta
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from pydantic import BaseModel, Field
+
+from estimator.operating_state import Mode
+from estimator.units import rad_per_s_to_rpm
+from service.alert_life import Severity
+from service.api.access import Reading, instant
+from service.api.machine_state import OpenRun, progress
+from service.api.problems import RESPONSES
+from service.api.rendering import time_or_none
+from service.collection import Standing
+from storage import fleet
+from storage.clock import now, to_datetime
+from storage.fleet import MachineGlance
+from storage.runs import OPEN
+
+router = APIRouter(tags=["machines"], responses=RESPONSES)
+
+A_DAY = int(timedelta(days=1).total_seconds()) * 1_000_000_000
+
+
+class LastRun(BaseModel):
+    """The newest run, open or not."""
+
+    id: int
+    kind: str
+    state: str
+    started_at: datetime
+    ended_at: datetime | None
+
+
+class LastIdentification(BaseModel):
+    """The newest identification by the time of its measurement."""
+
+    id: int
+    measured_at: datetime
+    accepted: bool
+    verdict: str
+
+
+class Happened(BaseModel):
+    """How much happened since the time asked for."""
+
+    runs: int = Field(description="that began")
+    identifications: int = Field(description="that were computed")
+    alert_events: int
+    revisions: int = Field(description="of the document")
+    timeline: int = Field(description="entries")
+
+
+class FleetMachine(BaseModel):
+    """A machine at a glance."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    state: Mode = Field(description="unknown before the first sample and after a silence")
+    state_since: datetime | None
+    speed_rpm: float | None = Field(description="of the newest sample")
+    newest_sample_at: datetime | None
+    open_run: OpenRun | None
+    last_run: LastRun | None
+    last_identification: LastIdentification | None
+    open_alerts: dict[str, int] = Field(description="by severity: alert, danger")
+    unacknowledged: int = Field(description="open alerts that nobody has seen")
+    happened: Happened
+
+
+class Fleet(BaseModel):
+    """All machines at a glance, by id."""
+
+    since: datetime
+    machines: list[FleetMachine]
+
+
+@router.get("/fleet", operation_id="read_fleet")
+def read_fleet(
+    session: Reading,
+    since: Annotated[datetime | None, Query(description="RFC 3339; what happened from then on; by default a day ago")] = None,
+    limit: Annotated[int, Query(ge=1, le=2000)] = 1000,
+) -> Fleet:
+    """What each machine is doing, its last run, its open alerts, and what happened to it since a time."""
+    begin = now() - A_DAY if since is None else instant(since)
+    seen = fleet.glances(session, since=begin, after=None, limit=limit)
+    return Fleet(since=to_datetime(begin), machines=[_machine(one) for one in seen])
+
+
+def _machine(one: MachineGlance) -> FleetMachine:
+    standing = None if one.collector is None else Standing.restored(one.collector)
+    readings = None if standing is None else standing.operating.sweep.readings
+    return FleetMachine(
+        id=one.id,
+        plant=one.plant,
+        name=one.name,
+        revision=one.revision,
+        state="unknown" if standing is None else standing.operating.mode,
+        state_since=to_datetime(standing.operating.since) if standing is not None and standing.operating.since else None,
+        speed_rpm=rad_per_s_to_rpm(readings.last_speed) if readings is not None and readings.last_time is not None else None,
+        newest_sample_at=None if standing is None else to_datetime(standing.seen),
+        open_run=_open_run(one, standing),
+        last_run=_last_run(one),
+        last_identification=_last_identification(one),
+        open_alerts={severity.label: one.open_alerts.get(severity, 0) for severity in Severity},
+        unacknowledged=one.unacknowledged,
+        happened=Happened(**one.since),
+    )
+
+
+def _open_run(one: MachineGlance, standing: Standing | None) -> OpenRun | None:
+    run = one.last_run
+    if standing is None or run is None or run.state != OPEN:
+        return None
+    part = progress(run.kind, standing, minimum_rpm=one.minimum_rpm, maximum_rpm=one.maximum_rpm)
+    return OpenRun(id=run.id, kind=run.kind, started_at=to_datetime(run.time_first), progress=part)
+
+
+def _last_run(one: MachineGlance) -> LastRun | None:
+    run = one.last_run
+    if run is None:
+        return None
+    started, ended = to_datetime(run.time_first), time_or_none(run.time_last)
+    return LastRun(id=run.id, kind=run.kind, state=run.state, started_at=started, ended_at=ended)
+
+
+def _last_identification(one: MachineGlance) -> LastIdentification | None:
+    last = one.last_identification
+    if last is None:
+        return None
+    return LastIdentification(
+        id=last.id, measured_at=to_datetime(last.measured_at), accepted=last.accepted, verdict=last.verdict
+    )

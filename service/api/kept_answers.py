@@ -1,0 +1,62 @@
+"""Answers that follow from what never changes: computed once, kept in memory, those not asked for longest let go first."""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import TypeVar, cast
+
+import threadpoolctl
+from fastapi import HTTPException, status
+
+T = TypeVar("T")
+
+MOST_KEPT = 256
+MOST_WAITING = 8
+"""Who comes when so many wait is asked to come back: each holds a thread that other requests could use."""
+RETRY_AFTER_S = 5
+
+
+class KeptAnswers:
+    """What follows from an identification is the same for ever: keyed by its id and by what was asked."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[Hashable, object] = OrderedDict()
+        self._lock = threading.Lock()
+        self._turn = threading.Lock()
+        self._waiting = 0
+
+    def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
+        """The kept answer, or one that is computed in no time. Raises what `compute` raises."""
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return cast(T, self._kept[key])
+        found = compute()
+        with self._lock:
+            self._kept[key] = found
+            while len(self._kept) > MOST_KEPT:
+                self._kept.popitem(last=False)
+        return found
+
+    def slow(self, key: Hashable, compute: Callable[[], T]) -> T:
+        """The same for what takes seconds: one at a time, on one core, so that samples and other questions go on meanwhile.
+
+        Call it from a worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
+        """
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                return cast(T, self._kept[key])
+            if self._waiting >= MOST_WAITING:
+                raise HTTPException(
+                    status.HTTP_503_SERVICE_UNAVAILABLE,
+                    f"{self._waiting} computations wait already; ask again",
+                    {"Retry-After": str(RETRY_AFTER_S)},
+                )
+            self._waiting += 1
+        try:
+            with self._turn, threadpoolctl.threadpool_limits(1):
+                return self.quick(key, compute)  # somebody may have computed it meanwhile
+        finally:
+            with self._lock:
+                self._waiting -= 1

@@ -1,0 +1,293 @@
+"""What follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, a balancing proposal.
+
+All of it is computed from the stored values and covariance, in SI, once, and rendered in the units asked for.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, TypeVar
+
+import numpy as np
+from fastapi import APIRouter, Query, Request
+
+from estimator.balancing import Correction, balance
+from estimator.campbell import Campbell, campbell
+from estimator.condensation import Floats
+from estimator.critical_speed import CriticalSpeed, critical_speed_table
+from estimator.error_propagation import PhasorBand
+from estimator.estimates import CONFIDENCE_95
+from estimator.misalignment_force import CouplingForce, coupling_forces
+from estimator.modal_uncertainty import critical_speed_errors, modes_at, natural_frequency_errors
+from estimator.mode_shapes import ModeShape, ShaftShape, mode_shapes
+from estimator.modes import log_decrement
+from estimator.train_layout import shaft_begins
+from estimator.units import rpm_to_rad_per_s
+from service.api import model_schemas as schemas
+from service.api.access import Number, database
+from service.api.kept_answers import KeptAnswers
+from service.api.problems import RESPONSES, Unsuitable
+from service.api.rendering import direction
+from service.api.units import UnitChoice, Units, column
+from service.identified import Identified, identified
+
+router = APIRouter(prefix="/identifications/{identification_id}/model", tags=["models"], responses=RESPONSES)
+
+ABOVE_TRIP = 1.25
+"""Speeds are looked at up to this part of the speed range's end."""
+HIGHEST_FREQUENCY = 2.0
+"""Natural frequencies are shown up to this part of the highest speed."""
+
+T = TypeVar("T")
+
+Rpm = Annotated[float | None, Query(gt=0, lt=1e6, allow_inf_nan=False)]
+Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")]
+
+
+@router.get("/critical-speeds", operation_id="read_critical_speeds")
+def read_critical_speeds(request: Request, identification_id: Number, units: UnitChoice) -> schemas.CriticalSpeeds:
+    """Critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
+
+    def compute(one: Identified) -> tuple[tuple[CriticalSpeed, ...], Floats]:
+        model = one.model
+        table = critical_speed_table(model.scaled_machine, highest=_highest(one), coefficients=model.coefficients)
+        return table, critical_speed_errors(model, table)
+
+    one, (table, errors) = kept(request, identification_id, ("critical-speeds",), compute, slow=True)
+    return schemas.CriticalSpeeds(
+        **head(one, units),
+        highest=units.speed_of(_highest(one)),
+        critical_speeds=[_critical_speed(found, float(error), units) for found, error in zip(table, errors, strict=True)],
+    )
+
+
+@router.get("/campbell", operation_id="read_campbell")
+def read_campbell(
+    request: Request,
+    identification_id: Number,
+    units: UnitChoice,
+    points: Annotated[int, Query(ge=10, le=120, description="evenly spaced speeds")] = 40,
+) -> schemas.CampbellOut:
+    """Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
+
+    def compute(one: Identified) -> Campbell:
+        return campbell(
+            one.model.scaled_machine,
+            speed=np.linspace(0.0, _highest(one), points),
+            highest_frequency=HIGHEST_FREQUENCY * _highest(one),
+            coefficients=one.model.coefficients,
+        )
+
+    one, found = kept(request, identification_id, ("campbell", points), compute, slow=True)
+    return schemas.CampbellOut(
+        **head(one, units),
+        speed=units.speeds(found.speed),
+        synchronous_hz=column(found.speed / (2 * math.pi)),
+        curves=[
+            schemas.Curve(
+                frequency_hz=column(found.frequency[:, number] / (2 * math.pi)),
+                damping_ratio=column(found.damping_ratio[:, number]),
+                whirl=column(found.whirl[:, number]),
+            )
+            for number in range(found.eigenvalue.shape[1])
+        ],
+        critical_speeds=[_critical_speed(crossing, math.nan, units) for crossing in found.critical_speeds],
+    )
+
+
+@router.get("/modes", operation_id="read_modes")
+def read_modes(request: Request, identification_id: Number, units: UnitChoice, rpm: Rpm = None) -> schemas.ModesOut:
+    """Modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
+
+    def compute(one: Identified) -> tuple[tuple[ModeShape, ...], Floats]:
+        speed, model = _speed(one, rpm), one.model
+        shapes = mode_shapes(
+            model.scaled_machine,
+            spin=one.direction * speed,
+            highest_frequency=HIGHEST_FREQUENCY * _highest(one),
+            coefficients=model.coefficients(speed),
+        )
+        found = modes_at(model, speed=speed)
+        errors = natural_frequency_errors(model, found, speed=speed)
+        return shapes, np.array([errors[np.argmin(np.abs(found.eigenvalue - shape.eigenvalue))] for shape in shapes])
+
+    one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), compute)
+    begins = shaft_begins(one.machine)
+    return schemas.ModesOut(
+        **head(one, units),
+        speed=units.speed_of(_speed(one, rpm)),
+        highest_hz=HIGHEST_FREQUENCY * _highest(one) / (2 * math.pi),
+        modes=[_mode(shape, float(error), begins) for shape, error in zip(shapes, errors, strict=True)],
+    )
+
+
+@router.get("/misalignment-force", operation_id="read_misalignment_force")
+def read_misalignment_force(
+    request: Request,
+    identification_id: Number,
+    units: UnitChoice,
+    from_rpm: Rpm = None,
+    to_rpm: Rpm = None,
+    points: Points = 100,
+) -> schemas.MisalignmentForce:
+    """1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
+
+    def compute(one: Identified) -> tuple[CouplingForce, ...]:
+        return coupling_forces(one.model, speed=_speeds(one, from_rpm, to_rpm, points))
+
+    one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), compute)
+    return schemas.MisalignmentForce(
+        **head(one, units),
+        speed=units.speeds(_speeds(one, from_rpm, to_rpm, points)),
+        couplings=[
+            schemas.CouplingLoad(
+                coupling=load.coupling,
+                force_x=_load(load.force_x, units),
+                force_y=_load(load.force_y, units),
+                moment_x=_load(load.moment_x, units),
+                moment_y=_load(load.moment_y, units),
+            )
+            for load in found
+        ],
+    )
+
+
+@router.get("/balancing", operation_id="read_balancing")
+def read_balancing(
+    request: Request,
+    identification_id: Number,
+    units: UnitChoice,
+    plane: Annotated[list[str] | None, Query(max_length=50, description="discs to correct in; by default all")] = None,
+    from_rpm: Rpm = None,
+    to_rpm: Rpm = None,
+    points: Points = 30,
+) -> schemas.Balancing:
+    """The correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
+
+    def compute(one: Identified) -> Correction:
+        planes = plane or [disc.id for disc in one.machine.discs]
+        if not planes:
+            raise Unsuitable(f"machine '{one.machine.id}' has no disc to correct in")
+        try:
+            return balance(one.model, planes=planes, speed=_speeds(one, from_rpm, to_rpm, points))
+        except ValueError as error:
+            raise Unsuitable(f"plane: {error}") from error
+
+    asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
+    one, found = kept(request, identification_id, asked, compute)
+    return schemas.Balancing(
+        **head(one, units),
+        speed=units.speeds(found.speed),
+        corrections=[
+            schemas.PlaneCorrection(
+                plane=name, unbalance_g_mm=1e6 * abs(one_of), angle_deg=float(np.degrees(np.angle(one_of)) % 360.0 % 360.0)
+            )
+            for name, one_of in zip(found.planes, found.unbalance.tolist(), strict=True)
+        ],
+        before=_vibration(found.channels, found.before, units),
+        after=_vibration(found.channels, found.after, units),
+        condition_number=min(found.condition_number, 1e308),
+    )
+
+
+def kept(
+    request: Request,
+    identification_id: int,
+    asked: tuple[Any, ...],
+    compute: Callable[[Identified], T],
+    *,
+    slow: bool = False,
+) -> tuple[Identified, T]:
+    """What is asked of an identification, from memory or computed now. Raises IdentificationUnknown, NoModel."""
+    answers: KeptAnswers = request.app.state.answers
+
+    def read() -> Identified:
+        with database(request).reading() as session:
+            return identified(session, identification_id)
+
+    one = answers.quick((identification_id,), read)
+    answer = answers.slow if slow else answers.quick
+    return one, answer((identification_id, *asked), lambda: compute(one))
+
+
+def head(one: Identified, units: Units) -> dict[str, Any]:
+    """What all answers begin with."""
+    return {
+        "identification": one.id,
+        "machine": one.machine.id,
+        "direction": direction(one.direction),
+        "units": units,
+    }
+
+
+def _highest(one: Identified) -> float:
+    return ABOVE_TRIP * rpm_to_rad_per_s(one.machine.speed_range.maximum_rpm)
+
+
+def _speed(one: Identified, rpm: float | None) -> float:
+    return one.speed_maximum if rpm is None else rpm_to_rad_per_s(rpm)
+
+
+def _speeds(one: Identified, from_rpm: float | None, to_rpm: float | None, points: int) -> Floats:
+    first = one.speed_minimum if from_rpm is None else rpm_to_rad_per_s(from_rpm)
+    last = one.speed_maximum if to_rpm is None else rpm_to_rad_per_s(to_rpm)
+    if not first < last:
+        raise Unsuitable("from_rpm must be below to_rpm; without them the speeds of the runs are taken")
+    return np.linspace(first, last, points)
+
+
+def _critical_speed(found: CriticalSpeed, error: float, units: Units) -> schemas.CriticalSpeedOut:
+    half = CONFIDENCE_95 * error
+    shown = units.speeds(np.array([error, found.speed - half, found.speed + half]))
+    return schemas.CriticalSpeedOut(
+        speed=units.speed_of(found.speed),
+        standard_error=shown[0],
+        lower=shown[1],
+        upper=shown[2],
+        damping_ratio=found.damping_ratio,
+        log_decrement=found.log_decrement,
+        whirl=found.whirl,
+    )
+
+
+def _mode(shape: ModeShape, error: float, begins: dict[str, float]) -> schemas.ModeOut:
+    return schemas.ModeOut(
+        frequency_hz=shape.frequency / (2 * math.pi),
+        standard_error_hz=error / (2 * math.pi) if math.isfinite(error) else None,
+        damping_ratio=shape.damping_ratio,
+        log_decrement=float(log_decrement(np.array([shape.eigenvalue]))[0]),
+        whirl=shape.whirl,
+        shafts=[_shaft_shape(one, begins[one.shaft]) for one in shape.shafts],
+    )
+
+
+def _shaft_shape(one: ShaftShape, begin: float) -> schemas.ShaftShapeOut:
+    return schemas.ShaftShapeOut(
+        shaft=one.shaft,
+        at=(begin + one.station).tolist(),
+        x=schemas.Displacement(real=one.x.real.tolist(), imaginary=one.x.imag.tolist()),
+        y=schemas.Displacement(real=one.y.real.tolist(), imaginary=one.y.imag.tolist()),
+        semi_major=one.orbit.semi_major.tolist(),
+        semi_minor=one.orbit.semi_minor.tolist(),
+        inclination_deg=np.degrees(one.orbit.inclination).tolist(),
+    )
+
+
+def _load(band: PhasorBand, units: Units) -> schemas.Load:
+    return schemas.Load(
+        amplitude=column(band.amplitude),
+        lower=column(band.lower),
+        upper=column(band.upper),
+        phase=units.phases(band.value),
+    )
+
+
+def _vibration(channels: Sequence[str], band: PhasorBand, units: Units) -> list[schemas.Vibration]:
+    return [
+        schemas.Vibration(
+            channel=channel,
+            amplitude=units.amplitudes(band.amplitude[:, number]),
+            lower=units.amplitudes(band.lower[:, number]),
+            upper=units.amplitudes(band.upper[:, number]),
+        )
+        for number, channel in enumerate(channels)
+    ]

@@ -1,0 +1,136 @@
+"""Parameter histories as they are drawn: cut to a time range, thinned out, in columns; kept in memory while they hold."""
+
+import threading
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from service.api.downsampling import Chosen, min_max
+from storage import machines, trends
+from storage.database import Database
+from storage.trends import Floats, History, Stamp, Texts
+
+MOST_KEPT = 512
+"""Histories kept in memory; one of 2,000 points takes some 600 kB."""
+
+ACCEPTED = "accepted"
+NOT_ACCEPTED = "not_accepted"
+NOT_ESTIMABLE = "not_estimable"
+
+
+@dataclass(frozen=True)
+class Columns:
+    """One parameter's history ready to be cut: the stored columns, and beside them what is shown instead of some.
+
+    value: of an unbalance the magnitude, of which lower and upper are the interval; it has no standard error. complex: whether
+    it is an unbalance.
+    """
+
+    history: History
+    measured_at: Texts
+    computed_at: Texts
+    value: Floats
+    standard_error: Floats
+    quality: Texts
+    complex: bool
+
+    def __len__(self) -> int:
+        return len(self.history)
+
+
+class KeptHistories:
+    """Histories by machine, parameter and scope, read again when something was stored that changes them."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._kept: OrderedDict[tuple[str, str, str], tuple[Stamp, Columns]] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
+        """The columns of each parameter. Raises MachineUnknown."""
+        with self._database.reading() as session:
+            machines.get(session, machine_id)
+            stamp = trends.stamp(session, machine_id)
+            found = self._still_good(machine_id, parameters, scope, stamp)
+            missing = [name for name in parameters if name not in found]
+            read = trends.histories(session, machine_id, missing, scope=scope) if missing else {}
+        for name, history in read.items():
+            found[name] = _columns(history)
+            self._keep((machine_id, name, scope), stamp, found[name])
+        return {name: found[name] for name in parameters}
+
+    def _still_good(self, machine_id: str, parameters: Sequence[str], scope: str, stamp: Stamp) -> dict[str, Columns]:
+        found = {}
+        with self._lock:
+            for name in parameters:
+                kept = self._kept.get((machine_id, name, scope))
+                if kept is not None and kept[0] == stamp:
+                    found[name] = kept[1]
+                    self._kept.move_to_end((machine_id, name, scope))
+        return found
+
+    def _keep(self, key: tuple[str, str, str], stamp: Stamp, columns: Columns) -> None:
+        if not len(columns):
+            return  # anybody can ask for names that are not there
+        with self._lock:
+            self._kept[key] = stamp, columns
+            self._kept.move_to_end(key)
+            while len(self._kept) > MOST_KEPT:
+                self._kept.popitem(last=False)
+
+
+def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
+    """The points of a time range [ns, both ends belong to it], thinned out to at most so many."""
+    time = columns.history.measured_at
+    begin = 0 if first is None else int(np.searchsorted(time, first, "left"))
+    end = len(time) if last is None else max(begin, int(np.searchsorted(time, last, "right")))
+    chosen = min_max(time[begin:end], columns.value[begin:end], most=most)
+    return Chosen(begin + chosen.index, chosen.method, chosen.points)
+
+
+def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
+    """The chosen points, column by column; NaN where there is no value."""
+    history, at = columns.history, chosen.index
+    return {
+        "measured_at": columns.measured_at[at].tolist(),
+        "computed_at": columns.computed_at[at].tolist(),
+        "value": columns.value[at].tolist(),
+        "standard_error": columns.standard_error[at].tolist(),
+        "lower": history.lower[at].tolist(),
+        "upper": history.upper[at].tolist(),
+        "quality": columns.quality[at].tolist(),
+        "run_kind": history.run_kind[at].tolist(),
+        "identification": history.identification[at].tolist(),
+    }
+
+
+def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
+    """Real and imaginary part of an unbalance; null for everything else."""
+    if not columns.complex:
+        return {"real": None, "imaginary": None}
+    history, at = columns.history, chosen.index
+    return {"real": history.value[at].tolist(), "imaginary": history.imaginary[at].tolist()}
+
+
+def _columns(history: History) -> Columns:
+    is_complex = bool(np.isfinite(history.imaginary).any())
+    value = np.hypot(history.value, history.imaginary) if is_complex else history.value
+    quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)
+    return Columns(
+        history=history,
+        measured_at=texts(history.measured_at),
+        computed_at=texts(history.computed_at),
+        value=value,
+        standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
+        quality=quality.astype(np.object_),
+        complex=is_complex,
+    )
+
+
+def texts(nanoseconds: trends.Integers) -> Texts:
+    """Times [ns since 1970] as RFC 3339 in UTC, to the microsecond."""
+    moments = (nanoseconds // 1000).astype("datetime64[us]")
+    return np.datetime_as_string(moments, timezone="UTC").astype(np.object_)

@@ -1,0 +1,135 @@
+"""Parameter trends: the histories of several parameters, in columns, with what they are compared with."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+import msgspec
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import BaseModel, Field
+
+from service.api.access import From, MachineId, To, moment
+from service.api.downsampling import Chosen
+from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
+from service.api.problems import RESPONSES
+from service.api.trend_columns import Columns, KeptHistories, cut, parts, table
+
+router = APIRouter(tags=["trends"], responses=RESPONSES)
+
+MOST_PARAMETERS = 100
+MOST_POINTS = 20_000
+
+Scope = Annotated[Literal["run", "gathered"], Query(description="of single runs, or of the newest runs together")]
+MaxPoints = Annotated[
+    int,
+    Query(ge=10, le=MOST_POINTS, description="most points of each series; a longer one is thinned out, which the answer says"),
+]
+Parameters = Annotated[
+    list[Annotated[str, Field(min_length=1, max_length=160)]],
+    Query(
+        min_length=1,
+        max_length=MOST_PARAMETERS,
+        description="such as bearing.B1.kxx or critical_speed.1; several in one question",
+    ),
+]
+FormatChoice = Annotated[Format | None, Query(alias="format", description="by default what the Accept header prefers")]
+
+
+class DownSampling(BaseModel):
+    """Which points of a series are shown."""
+
+    method: Literal["none", "min-max-per-bucket"] = Field(
+        description="none: all. min-max-per-bucket: the first, the last, and of each of equal stretches of time the lowest "
+        "and the highest value; every point shown is one that was identified"
+    )
+    points: int = Field(description="how many there are in the time range")
+
+
+class Series(BaseModel):
+    """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
+
+    parameter: str
+    unit: str | None = Field(description="null for a parameter that was never identified")
+    down_sampling: DownSampling
+    measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
+    computed_at: list[str] = Field(description="when it was identified")
+    value: list[float | None] = Field(description="of an unbalance its magnitude")
+    standard_error: list[float | None] = Field(
+        description="null for an unbalance and for derived quantities, of which the interval tells"
+    )
+    lower: list[float | None] = Field(description="of the 95 % interval")
+    upper: list[float | None]
+    quality: list[str] = Field(
+        description="accepted; not_accepted: the model did not fit the run, the value is not to be trusted; not_estimable: "
+        "the run does not determine this parameter, the value is null"
+    )
+    run_kind: list[str]
+    identification: list[int]
+    real: list[float] | None = Field(description="of an unbalance, along the keyphasor mark; else null")
+    imaginary: list[float] | None = Field(description="of an unbalance, a quarter turn on from +x to +y; else null")
+
+
+class Trends(BaseModel):
+    """Histories of parameters of one machine."""
+
+    machine: str
+    scope: str
+    series: list[Series]
+
+
+@router.get(
+    "/machines/{machine_id}/trends",
+    operation_id="read_trends",
+    response_class=Response,
+    responses={
+        200: {
+            "model": Trends,
+            "content": {CSV: {"schema": {"type": "string"}}, PARQUET: {"schema": {"type": "string", "format": "binary"}}},
+        }
+    },
+)
+def read_trends(
+    request: Request,
+    machine_id: MachineId,
+    parameter: Parameters,
+    first: From = None,
+    last: To = None,
+    max_points: MaxPoints = 5000,
+    scope: Scope = "run",
+    chosen: FormatChoice = None,
+) -> Response:
+    """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
+
+    The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`.
+    """
+    wanted = asked_format(request, chosen)
+    kept: KeptHistories = request.app.state.histories
+    found = kept.columns(machine_id, list(dict.fromkeys(parameter)), scope=scope)
+    begin, end = moment(first), moment(last)
+    points = {name: cut(columns, first=begin, last=end, most=max_points) for name, columns in found.items()}
+    if wanted == "json":
+        series = [_series(name, columns, points[name]) for name, columns in found.items()]
+        body = msgspec.json.encode({"machine": machine_id, "scope": scope, "series": series})
+    else:
+        rows = _rows(found, points)
+        body = csv_bytes(rows) if wanted == "csv" else parquet_bytes(rows, times=("measured_at", "computed_at"))
+    return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
+
+
+def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
+    # Encoded without a model: of thousands of points each would be looked at.
+    head = {"parameter": name, "unit": columns.history.unit}
+    down_sampling = {"method": chosen.method, "points": chosen.points}
+    return head | {"down_sampling": down_sampling} | table(columns, chosen) | parts(columns, chosen)
+
+
+def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[str, list[Any]]:
+    """All series below each other."""
+    whole: dict[str, list[Any]] = {}
+    for name, columns in found.items():
+        count = len(points[name].index)
+        shown = parts(columns, points[name])
+        beside = {part: [None] * count if values is None else values for part, values in shown.items()}
+        rows: dict[str, list[Any]] = {"parameter": [name] * count, "unit": [columns.history.unit] * count}
+        for column, values in (rows | table(columns, points[name]) | beside).items():
+            whole.setdefault(column, []).extend(values)
+    return whole

@@ -1,0 +1,89 @@
+"""Units of answers that hold phasors and speeds: `?units=um_pp,rpm,deg_lag`, and the answer says which they are in."""
+
+from typing import Annotated, Any, Literal, get_args
+
+import numpy as np
+from fastapi import Depends, Query
+from fastapi.exceptions import RequestValidationError
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field
+
+from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS
+
+Speed = Literal["rpm", "hz", "rad_s"]
+Amplitude = Literal["um_pp", "um_p", "mil_pp", "mil_p", "mm_pp", "m_p"]
+Phase = Literal["deg_lag", "deg_lead", "rad_lag", "rad_lead"]
+
+Column = list[float | None]
+
+_SPEED: dict[Speed, float] = {"rpm": RAD_PER_S["rpm"], "hz": RAD_PER_S["Hz"], "rad_s": 1.0}
+_PEAK = {"p": PEAK["peak"], "pp": PEAK["peak-to-peak"]}
+_LENGTH = {"um": METRES["um"], "mil": METRES["mil"], "mm": METRES["mm"], "m": METRES["m"]}
+_ANGLE = {"deg": RADIANS["deg"], "rad": RADIANS["rad"]}
+
+
+class Units(BaseModel):
+    """In which units speeds, amplitudes of vibration and phases are."""
+
+    speed: Speed = Field(default="rpm", description="rpm, hz or rad_s; of the shaft")
+    amplitude: Amplitude = Field(default="um_pp", description="length, and peak (p) or peak-to-peak (pp)")
+    phase: Phase = Field(
+        default="deg_lag", description="of the displacement's positive peak behind (lag) or ahead of (lead) the mark"
+    )
+
+    def speeds(self, rad_per_s: NDArray[np.float64]) -> Column:
+        """Spin speeds [rad/s], or their errors, in these units."""
+        return column(np.asarray(rad_per_s) / _SPEED[self.speed])
+
+    def speed_of(self, rad_per_s: float) -> float:
+        """One spin speed [rad/s] in these units."""
+        return float(rad_per_s) / _SPEED[self.speed]
+
+    def amplitudes(self, metres: NDArray[np.float64]) -> Column:
+        """Amplitudes, 0-to-peak [m], in these units."""
+        length, _, kind = self.amplitude.partition("_")
+        return column(np.asarray(metres) / (_LENGTH[length] * _PEAK[kind]))
+
+    def phases(self, phasors: NDArray[np.complex128]) -> Column:
+        """Phases of phasors, not negative and less than a turn, in these units."""
+        angle, _, sense = self.phase.partition("_")
+        turn = 2.0 * np.pi / _ANGLE[angle]
+        phase = LEAD["lag" if sense == "lag" else "lead"] * np.angle(phasors) / _ANGLE[angle]
+        # The modulo of a tiny negative phase would be a full turn.
+        return column(np.where(np.isfinite(phasors), np.mod(np.mod(phase, turn), turn), np.nan))
+
+
+def column(values: NDArray[Any]) -> Column:
+    """Numbers as JSON has them: null for what is not finite."""
+    return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
+
+
+def _units(
+    units: Annotated[
+        str | None,
+        Query(
+            max_length=60,
+            description=f"of the answer, at most one of each, with commas between: {', '.join(get_args(Speed))}; "
+            f"{', '.join(get_args(Amplitude))}; {', '.join(get_args(Phase))}. By default rpm,um_pp,deg_lag",
+            examples=["mil_pp,rpm,deg_lag"],
+        ),
+    ] = None,
+) -> Units:
+    chosen: dict[str, Any] = {}
+    for name in [] if units is None else units.split(","):
+        kind = next((kind for kind, known in _KINDS.items() if name in known), None)
+        if kind is None:
+            raise _wrong(units, f"'{name}' is none of {', '.join(one for known in _KINDS.values() for one in known)}")
+        if kind in chosen:
+            raise _wrong(units, f"'{name}' and '{chosen[kind]}' are both units of {kind}: name one")
+        chosen[kind] = name
+    return Units(**chosen)
+
+
+def _wrong(given: str | None, message: str) -> RequestValidationError:
+    return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
+
+
+_KINDS: dict[str, tuple[str, ...]] = {"speed": get_args(Speed), "amplitude": get_args(Amplitude), "phase": get_args(Phase)}
+
+UnitChoice = Annotated[Units, Depends(_units)]

@@ -1,0 +1,190 @@
+"""All machines at a glance: what each last did, what is open, how much happened since a time; in few queries."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import ColumnElement, ScalarSelect, func, select
+from sqlalchemy.orm import Session
+
+from storage.tables import (
+    AlertEventRow,
+    AlertRow,
+    CollectorRow,
+    IdentificationRow,
+    MachineRow,
+    RevisionRow,
+    RunRow,
+    TimelineRow,
+)
+
+
+@dataclass(frozen=True)
+class RunGlance:
+    """A run. Times in ns since 1970; time_last: None while it is open."""
+
+    id: int
+    kind: str
+    state: str
+    time_first: int
+    time_last: int | None
+
+
+@dataclass(frozen=True)
+class IdentificationGlance:
+    """An identification."""
+
+    id: int
+    measured_at: int
+    accepted: bool
+    verdict: str
+
+
+@dataclass(frozen=True)
+class MachineGlance:
+    """One machine. minimum_rpm, maximum_rpm: its speed range. collector: where run collection stands, None before samples."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    created_at: int
+    minimum_rpm: float
+    maximum_rpm: float
+    collector: dict[str, Any] | None
+    last_run: RunGlance | None
+    last_identification: IdentificationGlance | None
+    open_alerts: dict[int, int]
+    """Open alerts by severity."""
+    unacknowledged: int
+    since: dict[str, int]
+    """What happened since the time asked for: counts by kind."""
+
+
+@dataclass(frozen=True)
+class ListedMachine:
+    """One machine in a list."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    created_at: int
+
+
+UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
+
+
+def page(session: Session, *, after: str | None, limit: int) -> list[ListedMachine]:
+    """Machines behind an id, by id. Their documents are not read, but for the name."""
+    query = select(
+        MachineRow.id, MachineRow.plant, _document()["name"].as_string(), MachineRow.revision, MachineRow.created_at
+    )
+    query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id).limit(limit)
+    if after is not None:
+        query = query.where(MachineRow.id > after)
+    return [ListedMachine(*row) for row in session.execute(query)]
+
+
+def glances(session: Session, *, since: int, after: str | None, limit: int) -> list[MachineGlance]:
+    """Machines behind an id, by id, with what happened since a time [ns]."""
+    limits = _document()["speed_range"]
+    query = (
+        select(
+            MachineRow.id,
+            MachineRow.plant,
+            _document()["name"].as_string(),
+            MachineRow.revision,
+            MachineRow.created_at,
+            limits["minimum_rpm"].as_float(),
+            limits["maximum_rpm"].as_float(),
+            CollectorRow.state,
+            _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
+            _newest(IdentificationRow.id, IdentificationRow.machine_id, IdentificationRow.measured_at),
+        )
+        .join(RevisionRow, _in_force())
+        .outerjoin(CollectorRow, CollectorRow.machine_id == MachineRow.id)
+        .order_by(MachineRow.id)
+        .limit(limit)
+    )
+    if after is not None:
+        query = query.where(MachineRow.id > after)
+    rows = session.execute(query).all()
+    run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
+    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[8] for row in rows])}
+    identification = (
+        IdentificationRow.id,
+        IdentificationRow.measured_at,
+        IdentificationRow.accepted,
+        IdentificationRow.verdict,
+    )
+    identifications = {one[0]: IdentificationGlance(*one) for one in _some(session, identification, [row[9] for row in rows])}
+    severities = _open_by_severity(session)
+    waiting = _unacknowledged(session)
+    happened = _happened(session, since)
+    return [
+        MachineGlance(
+            id=row[0],
+            plant=row[1],
+            name=row[2],
+            revision=row[3],
+            created_at=row[4],
+            minimum_rpm=row[5],
+            maximum_rpm=row[6],
+            collector=row[7],
+            last_run=runs.get(row[8]),
+            last_identification=identifications.get(row[9]),
+            open_alerts=severities.get(row[0], {}),
+            unacknowledged=waiting.get(row[0], 0),
+            since={kind: counts.get(row[0], 0) for kind, counts in happened.items()},
+        )
+        for row in rows
+    ]
+
+
+def _document() -> Any:
+    return RevisionRow.document
+
+
+def _in_force() -> ColumnElement[bool]:
+    return (RevisionRow.machine_id == MachineRow.id) & (RevisionRow.revision == MachineRow.revision)
+
+
+def _newest(number: Any, machine_id: Any, time: Any) -> ScalarSelect[Any]:
+    """Id of a machine's newest row, from the index over machine and time."""
+    return select(number).where(machine_id == MachineRow.id).order_by(time.desc(), number.desc()).limit(1).scalar_subquery()
+
+
+def _some(session: Session, columns: tuple[Any, ...], ids: list[int | None]) -> Sequence[Any]:
+    return session.execute(select(*columns).where(columns[0].in_([one for one in ids if one is not None]))).all()
+
+
+def _open_by_severity(session: Session) -> dict[str, dict[int, int]]:
+    query = select(AlertRow.machine_id, AlertRow.severity, func.count()).where(AlertRow.closed_at.is_(None))
+    found: dict[str, dict[int, int]] = {}
+    for machine_id, severity, count in session.execute(query.group_by(AlertRow.machine_id, AlertRow.severity)):
+        found.setdefault(machine_id, {})[severity] = count
+    return found
+
+
+def _unacknowledged(session: Session) -> dict[str, int]:
+    query = select(AlertRow.machine_id, func.count()).where(AlertRow.closed_at.is_(None), AlertRow.state.in_(UNACKNOWLEDGED))
+    return _counts(session, query.group_by(AlertRow.machine_id))
+
+
+def _happened(session: Session, since: int) -> dict[str, dict[str, int]]:
+    kinds: dict[str, tuple[Any, Any]] = {
+        "runs": (RunRow.machine_id, RunRow.time_first),
+        "identifications": (IdentificationRow.machine_id, IdentificationRow.computed_at),
+        "alert_events": (AlertEventRow.machine_id, AlertEventRow.at),
+        "revisions": (RevisionRow.machine_id, RevisionRow.created_at),
+        "timeline": (TimelineRow.machine_id, TimelineRow.created_at),
+    }
+    return {
+        kind: _counts(session, select(machine_id, func.count()).where(time >= since).group_by(machine_id))
+        for kind, (machine_id, time) in kinds.items()
+    }
+
+
+def _counts(session: Session, query: Any) -> dict[str, int]:
+    return dict(session.execute(query).all())

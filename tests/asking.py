@@ -1,0 +1,87 @@
+"""Asking the API in the tests' own process: the application over a database, its answers, its problem details."""
+
+import asyncio
+import json
+from typing import Any
+
+import httpx
+from fastapi import FastAPI
+
+from service.api.application import application
+from storage.database import Database
+
+PREFIX = "/api/v1"
+PROBLEM = {"type", "title", "status", "detail", "errors"}
+
+
+class InProcess(httpx.BaseTransport):
+    """Requests go to an application without a network between; what it raises is its own answer, as from a server."""
+
+    def __init__(self, app: FastAPI) -> None:
+        self._app = app
+
+    def handle_request(self, request: httpx.Request) -> httpx.Response:
+        """One request, on an event loop of its own."""
+        return asyncio.run(self._asked(request))
+
+    async def _asked(self, request: httpx.Request) -> httpx.Response:
+        transport = httpx.ASGITransport(self._app, raise_app_exceptions=False)
+        answer = await transport.handle_async_request(
+            httpx.Request(request.method, request.url, headers=request.headers, content=request.read())
+        )
+        return httpx.Response(answer.status_code, headers=answer.headers, content=await answer.aread())
+
+
+class Api:
+    """The application, asked as over HTTP; `parts` is what the rest of the service says of itself."""
+
+    def __init__(self, database: Database, **application_parts: Any) -> None:
+        self.database = database
+        self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
+        self.app: FastAPI = application(database, lambda: dict(self.parts), **application_parts)
+        self.http = httpx.Client(transport=InProcess(self.app), base_url="http://rundown")
+
+    def ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        """Any request; the whole path."""
+        return self.http.request(method, path, **arguments)
+
+    def get(self, path: str, **parameters: Any) -> httpx.Response:
+        """GET below the prefix."""
+        return self.ask("GET", PREFIX + path, params=parameters or None)
+
+    def value(self, path: str, **parameters: Any) -> Any:
+        """What a GET answers that must succeed with strict JSON."""
+        return value(self.get(path, **parameters))
+
+    def __call__(self, method: str, path: str, status: int = 200, **arguments: Any) -> Any:
+        """What any request below the prefix answers, with that status."""
+        return value(self.ask(method, PREFIX + path, **arguments), status)
+
+
+def value(answer: httpx.Response, status: int = 200) -> Any:
+    """What an answer holds that must be strict JSON of this status."""
+    assert answer.status_code == status, answer.text
+    return json.loads(answer.text, parse_constant=_not_json)
+
+
+def problem(answer: httpx.Response, status: int) -> dict[str, Any]:
+    """The problem detail that an error must be."""
+    assert answer.status_code == status, answer.text
+    assert answer.headers["content-type"] == "application/problem+json"
+    body: dict[str, Any] = answer.json()
+    assert body.keys() == PROBLEM
+    assert body["status"] == status
+    assert body["title"]
+    assert body["detail"]
+    return body
+
+
+def fields(answer: httpx.Response) -> list[str]:
+    """The fields that a 422 names."""
+    found = problem(answer, 422)["errors"]
+    assert all(one["message"] for one in found)
+    return [one["field"] for one in found]
+
+
+def _not_json(name: str) -> None:
+    raise AssertionError(f"{name} is not JSON")

@@ -1,0 +1,236 @@
+"""Trends through the API: columns, time ranges, thinning out that keeps the extremes, other formats, nothing out of date."""
+
+import csv
+import io
+import math
+from collections.abc import Sequence
+from datetime import datetime, timedelta
+from typing import Any
+
+import numpy as np
+import pytest
+from arro3.core import Table
+from arro3.io import read_parquet
+from hypothesis import given
+from hypothesis import strategies as st
+
+from service.api.downsampling import min_max
+from service.api.formats import CSV, JSON, PARQUET
+from storage import jobs, runs
+from storage.database import Database
+from tests.asking import Api, fields, problem
+from tests.plant import KEY, SECOND, START, few_examples, identification, samples, store_identification
+
+PATH = f"/machines/{KEY.machine}/trends"
+COLUMNS = ("measured_at", "computed_at", "value", "standard_error", "lower", "upper", "quality", "run_kind", "identification")
+HOUR = 3600 * SECOND
+
+
+def at(hours: float) -> str:
+    """A time after the first identification."""
+    return (datetime.fromisoformat("2023-11-14T22:13:20+00:00") + timedelta(hours=hours)).isoformat()
+
+
+def store(database: Database, factors: Sequence[float], **changes: Any) -> None:
+    with database.transaction() as session:
+        for number, factor in enumerate(factors):
+            outcome = identification({"coupling.C1.kxx": factor}, **changes)
+            store_identification(session, outcome, run_id=100 + number, measured_at=START + number * HOUR)
+
+
+@pytest.fixture
+def api(plant: Database) -> Api:
+    """Over three identifications, of which the second was not accepted, and one of several runs together."""
+    with plant.transaction() as session:
+        for number, (factor, accepted) in enumerate([(1.0, True), (1.1, False), (1.2, True)]):
+            outcome = identification({"coupling.C1.kxx": factor}, unknown=["bearing.B1.kxy"], accepted=accepted)
+            store_identification(session, outcome, run_id=100 + number, measured_at=START + number * HOUR)
+        gathered = identification({"coupling.C1.kxx": 1.5})
+        store_identification(session, gathered, run_id=200, scope=jobs.GATHERED, run_kind="gathered")
+    return Api(plant)
+
+
+def trend(api: Api, *names: str, **asked: Any) -> list[dict[str, Any]]:
+    body = api.value(PATH, parameter=list(names), **asked)
+    assert body["machine"] == KEY.machine
+    series: list[dict[str, Any]] = body["series"]
+    for one in series:
+        assert len({len(one[column]) for column in COLUMNS}) == 1
+    return series
+
+
+def test_the_trend_of_a_parameter(api: Api) -> None:
+    (one,) = trend(api, "coupling.C1.kxx")
+    assert (one["parameter"], one["unit"]) == ("coupling.C1.kxx", "N/m")
+    assert one["value"] == pytest.approx([2.0e6, 2.2e6, 2.4e6])
+    assert one["lower"] == pytest.approx([0.98 * value for value in one["value"]])
+    assert one["standard_error"] == pytest.approx([2e4] * 3)
+    assert one["quality"] == ["accepted", "not_accepted", "accepted"]
+    assert [datetime.fromisoformat(moment).isoformat() for moment in one["measured_at"]] == [at(hours) for hours in range(3)]
+    assert all(moment.endswith("Z") for moment in one["measured_at"] + one["computed_at"])
+    assert one["down_sampling"] == {"method": "none", "points": 3}
+    assert (one["real"], one["imaginary"]) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "values"),
+    [
+        (0.0, 2.0, [2.0e6, 2.2e6, 2.4e6]),
+        (0.5, 1.5, [2.2e6]),
+        (1.0, 1.0, [2.2e6]),
+        (0.5, None, [2.2e6, 2.4e6]),
+        (None, 0.5, [2.0e6]),
+        (2.5, None, []),
+    ],
+)
+def test_over_a_time_range_to_which_both_ends_belong(
+    api: Api, first: float | None, last: float | None, values: list[float]
+) -> None:
+    asked = {name: at(hours) for name, hours in {"from": first, "to": last}.items() if hours is not None}
+    (one,) = trend(api, "coupling.C1.kxx", **asked)
+    assert one["value"] == pytest.approx(values)
+    assert one["down_sampling"]["points"] == len(values)
+
+
+def test_several_parameters_come_as_asked_for_each_once(api: Api) -> None:
+    names = ["disc.D1.unbalance", "bearing.B1.kxy", "nothing.there", "bearing.B1.kxx"]
+    found = trend(api, *names, names[0])
+    assert [one["parameter"] for one in found] == names
+    assert found[0]["imaginary"] == [-5e-4] * 3
+    assert found[0]["real"] == [1e-3] * 3
+    assert found[0]["value"] == pytest.approx([math.hypot(1e-3, 5e-4)] * 3)
+    assert found[0]["standard_error"] == [None] * 3
+    assert found[1]["value"] == [None] * 3
+    assert found[1]["quality"] == ["not_estimable", "not_accepted", "not_estimable"]
+    assert (found[2]["unit"], found[2]["value"]) == (None, [])
+
+
+def test_of_gathered_runs_they_are_their_own(api: Api) -> None:
+    (one,) = trend(api, "coupling.C1.kxx", scope="gathered")
+    assert one["value"] == pytest.approx([3.0e6])
+    assert one["run_kind"] == ["gathered"]
+
+
+def test_what_is_stored_later_shows_at_once(api: Api) -> None:
+    assert len(trend(api, "coupling.C1.kxx")[0]["value"]) == 3
+    with api.database.transaction() as session:
+        store_identification(session, identification(), run_id=300, measured_at=START + 9 * HOUR)
+    assert len(trend(api, "coupling.C1.kxx")[0]["value"]) == 4
+    with api.database.transaction() as session:
+        run = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
+        store_identification(session, identification(), run_id=run.id, measured_at=START + 10 * HOUR)
+    assert len(trend(api, "coupling.C1.kxx")[0]["value"]) == 5
+    with api.database.transaction() as session:  # late samples join the run to another
+        runs.close(runs.get(session, run.id), samples=samples(), state=runs.DISCARDED, reason="joined")
+    assert len(trend(api, "coupling.C1.kxx")[0]["value"]) == 4
+
+
+def test_a_long_series_is_thinned_out_and_keeps_its_extremes(plant: Database) -> None:
+    factors = [1.0 + 0.001 * math.sin(number) for number in range(60)]
+    factors[17], factors[40] = 1.9, 0.4
+    store(plant, factors)
+    (one,) = trend(Api(plant), "coupling.C1.kxx", max_points=12)
+    assert one["down_sampling"] == {"method": "min-max-per-bucket", "points": 60}
+    assert len(one["value"]) <= 12
+    assert (max(one["value"]), min(one["value"])) == pytest.approx((3.8e6, 0.8e6))
+    assert one["measured_at"] == sorted(one["measured_at"])
+    whole = trend(Api(plant), "coupling.C1.kxx")[0]
+    rows = set(zip(*(whole[column] for column in COLUMNS), strict=True))
+    assert set(zip(*(one[column] for column in COLUMNS), strict=True)) <= rows
+
+
+@given(
+    values=st.lists(st.one_of(st.floats(-1e3, 1e3), st.just(math.nan)), max_size=200),
+    most=st.integers(4, 50),
+    seed=st.integers(0, 2**32 - 1),
+)
+@few_examples
+def test_thinning_out_keeps_ends_and_extremes_and_never_exceeds(values: list[float], most: int, seed: int) -> None:
+    value = np.array(values)
+    time = np.sort(np.random.default_rng(seed).integers(0, 10**18, len(values)))
+    chosen = min_max(time, value, most=most)
+    kept = value[chosen.index]
+    assert chosen.points == len(values)
+    assert len(chosen.index) <= max(most, 0)
+    assert np.all(np.diff(chosen.index) > 0)
+    if len(values) <= most:
+        assert (chosen.method, len(chosen.index)) == ("none", len(values))
+        return
+    assert (chosen.index[0], chosen.index[-1]) == (0, len(values) - 1)
+    if np.isfinite(value).any():
+        assert (np.nanmin(kept), np.nanmax(kept)) == (np.nanmin(value), np.nanmax(value))
+
+
+def test_a_stretch_without_values_is_still_seen() -> None:
+    value = np.array([1.0] * 50 + [math.nan] * 50 + [1.0] * 50)
+    chosen = min_max(np.arange(150) * SECOND, value, most=20)
+    assert np.isnan(value[chosen.index]).any()
+
+
+@pytest.mark.parametrize(
+    ("asked", "media"),
+    [
+        ({"params": {"format": "csv"}}, CSV),
+        ({"params": {"format": "json"}, "headers": {"accept": "text/csv"}}, JSON),
+        ({"headers": {"accept": "text/csv"}}, CSV),
+        ({"headers": {"accept": PARQUET}}, PARQUET),
+        ({"headers": {"accept": "application/json;q=0.1, text/csv;q=0.5"}}, CSV),
+        ({"headers": {"accept": "text/html,application/xml;q=0.9,*/*;q=0.8"}}, JSON),
+        ({"headers": {"accept": "text/*"}}, CSV),
+        ({"headers": {}}, JSON),
+    ],
+)
+def test_the_format_is_chosen_by_parameter_or_accept(api: Api, asked: dict[str, Any], media: str) -> None:
+    asked = asked | {"params": {"parameter": "coupling.C1.kxx"} | asked.get("params", {})}
+    answer = api.ask("GET", f"/api/v1{PATH}", **asked)
+    assert answer.status_code == 200
+    assert answer.headers["content-type"].split(";")[0] == media
+    assert answer.headers["vary"] == "Accept"
+
+
+def test_another_format_is_refused(api: Api) -> None:
+    answer = api.ask("GET", f"/api/v1{PATH}?parameter=x", headers={"accept": "application/pdf"})
+    assert "text/csv" in problem(answer, 406)["detail"]
+    assert fields(api.get(PATH, parameter="x", format="xlsx")) == ["query.format"]
+
+
+def test_csv_and_parquet_hold_what_json_holds(api: Api) -> None:
+    names = ["coupling.C1.kxx", "disc.D1.unbalance", "bearing.B1.kxy"]
+    whole = trend(api, *names)
+    expected = [
+        {"parameter": one["parameter"], "unit": one["unit"]}
+        | {column: one[column][number] for column in COLUMNS}
+        | {part: one[part][number] if one[part] else None for part in ("real", "imaginary")}
+        for one in whole
+        for number in range(3)
+    ]
+    text = api.get(PATH, parameter=names, format="csv").text
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert rows == [{name: "" if value is None else str(value) for name, value in row.items()} for row in expected]
+    table = Table(read_parquet(io.BytesIO(api.get(PATH, parameter=names, format="parquet").content)))
+    columns = {name: table[name].to_pylist() for name in table.column_names}
+    assert list(columns) == list(expected[0])
+    for name, column in columns.items():
+        if name.endswith("_at"):
+            assert column == [datetime.fromisoformat(row[name]) for row in expected]
+        else:
+            assert column == [row[name] for row in expected]
+
+
+@pytest.mark.parametrize(
+    ("asked", "field"),
+    [
+        ({}, "query.parameter"),
+        ({"parameter": "x", "scope": "all"}, "query.scope"),
+        ({"parameter": "x", "max_points": 9}, "query.max_points"),
+        ({"parameter": "x", "max_points": 20_001}, "query.max_points"),
+        ({"parameter": ["x"] * 101}, "query.parameter"),
+        ({"parameter": "x", "from": "yesterday"}, "query.from"),
+    ],
+)
+def test_a_wrong_question_is_refused_by_field(api: Api, asked: dict[str, Any], field: str) -> None:
+    assert fields(api.get(PATH, **asked)) == [field]
+
+
+def test_of_an_unknown_machine_there_are_none(api: Api) -> None:
+    problem(api.get("/machines/nobody/trends", parameter="x"), 404)
