@@ -6,7 +6,7 @@ DEMO_ARGS ?=
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: demo test lint benchmarks clean
+.PHONY: demo test lint benchmarks dashboard clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -26,6 +26,9 @@ test: lint
 
 benchmarks: $(VENV)/.installed
 	$(BIN)/python -m benchmarks
+
+dashboard: ## build the page anew into service/dashboard/, where it is committed; needs Node.js 20
+	cd dashboard && npm ci --no-audit --no-fund && npm run build
 
 clean:
 	rm -rf $(VENV) build *.egg-info

@@ -5,17 +5,35 @@ from benchmarks import (
     capture,
     coast_down,
     delivery,
+    derived,
     estimator,
     latency,
     many_sources,
     orbit_sense,
+    page_paint,
     phasors,
     states,
     throughput,
+    trend_tests,
     updated_model,
 )
+from benchmarks.fleet import report as fleet
 
-WITH_OPTIONS = (estimator, updated_model, phasors, coast_down, states, capture, orbit_sense, delivery, alert_life)
+WITH_OPTIONS = (
+    estimator,
+    updated_model,
+    derived,
+    phasors,
+    coast_down,
+    states,
+    capture,
+    orbit_sense,
+    delivery,
+    alert_life,
+    trend_tests,
+    fleet,
+    page_paint,
+)
 WITHOUT = (latency, throughput, many_sources)
 
 if __name__ == "__main__":

@@ -31,6 +31,8 @@ EVEN_SPEEDS = 300
 """Speeds of the response curve beside those around the critical speeds."""
 CROWD = np.linspace(-6.0, 6.0, 49)
 """Where they lie around a critical speed, in units of its half bandwidth ζΩ."""
+FEWER_EVEN_SPEEDS, NARROW_CROWD = 100, np.linspace(-3.0, 3.0, 25)
+"""The same where slopes are taken too, after every identification."""
 
 Position = Literal["below", "within", "above"]
 
@@ -114,7 +116,7 @@ def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_sp
 
 @dataclass(frozen=True)
 class SurePeak:
-    """A response peak and the standard error of its amplification factor; None where the factor is."""
+    """A response peak and the standard error of its amplification factor, right within some per cent; None where AF is."""
 
     peak: Peak
     factor_error: float | None
@@ -177,8 +179,7 @@ def sure_peaks(
 
     crossings: eigenvalues (c,) [rad/s] at the model's critical speeds.
     """
-    # Every second speed is close enough, and this is done after every identification.
-    speed = _speeds(crossings, lowest, highest)[::2]
+    speed = _speeds(crossings, lowest, highest, even=FEWER_EVEN_SPEEDS, crowd=NARROW_CROWD)
     found = _response(model, speed, places)
     return tuple(
         tuple(_with_errors(speed, found.phasor[:, place], found.slope[:, place], model.covariance))
@@ -189,20 +190,19 @@ def sure_peaks(
 def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[SurePeak]:
     """Peaks of one curve (S,) with slopes (S, n).
 
-    A half-power speed N, |X(N)| = h = 0.707 |X(Nc)|, moves by dN = (dh - ∂|X|/∂p dp) / |X|'; the peak's own speed by
-    dNc = -∂|X|'/∂p dp / |X|'', which its height does not feel.
+    With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by
+    dN = (2 ∂u/∂p(Nc) - ∂u/∂p(N)) dp / u'(N); the peak's own speed by dNc = -∂u'/∂p dp / u''.
     """
-    amplitude = np.abs(phasor)
-    size = np.where(amplitude > 0.0, amplitude, 1.0)
-    curve = scipy.interpolate.CubicSpline(speed, amplitude)
-    slopes = scipy.interpolate.CubicSpline(speed, (np.conj(phasor)[:, None] * slope).real / size[:, None])
-    for peak in response_peaks(speed, amplitude):
+    amplitude = np.maximum(np.abs(phasor), np.finfo(float).tiny ** 0.25)
+    curve = scipy.interpolate.CubicSpline(speed, amplitude**-2)
+    slopes = scipy.interpolate.CubicSpline(speed, -2 * (np.conj(phasor)[:, None] * slope).real / amplitude[:, None] ** 4)
+    for peak in response_peaks(speed, np.abs(phasor)):
         factor = peak.amplification_factor
         if factor is None:
             yield SurePeak(peak, None)
             continue
         top = -slopes(peak.speed, 1) / float(curve(peak.speed, 2))
-        level = HALF_POWER * slopes(peak.speed)
+        level = 2.0 * slopes(peak.speed)
         sides = [top if at is None else (level - slopes(at)) / float(curve(at, 1)) for at in (peak.lower, peak.upper)]
         width, times = sides[1] - sides[0], 2.0 if peak.one_sided else 1.0
         # AF = Nc / width, the width doubled where one side is missing.
@@ -216,11 +216,11 @@ def _response(model: UpdatedModel, speed: Floats, places: Sequence[Probe]) -> Fo
     return forced_response(model, speed=speed, output=rows)
 
 
-def _speeds(crossings: Complexes, lowest: float, highest: float) -> Floats:
+def _speeds(crossings: Complexes, lowest: float, highest: float, *, even: int = EVEN_SPEEDS, crowd: Floats = CROWD) -> Floats:
     """Speeds close enough to each other around every critical speed; crossings: their eigenvalues."""
     damping = np.maximum(np.abs(crossings.real / np.abs(crossings)), 1e-4)
-    crowds = crossings.imag[:, None] * (1.0 + damping[:, None] * CROWD)
-    whole = np.unique(np.concatenate([np.linspace(lowest, highest, EVEN_SPEEDS), crowds.reshape(-1)]))
+    crowds = crossings.imag[:, None] * (1.0 + damping[:, None] * crowd)
+    whole = np.unique(np.concatenate([np.linspace(lowest, highest, even), crowds.reshape(-1)]))
     whole = whole[(whole >= lowest) & (whole <= highest)]
     # Speeds that nearly coincide would make the spline's slope out of rounding errors.
     return np.asarray(whole[np.concatenate([[True], np.diff(whole) > 1e-9 * highest])])

@@ -114,7 +114,7 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
         precision += seen
         pull += drawn
     error = np.linalg.inv(precision)
-    doubt = error + slow_variation(unknown, names) / np.outer(unit, unit)
+    doubt = error + slow_variation(unknown, names, origin) / np.outer(unit, unit)
     amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
     return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found)
@@ -210,7 +210,7 @@ class Deviation:
     def evidence(self, one: Hypothesis) -> float:
         """Log of the factor by which a hypothesis makes the window more probable, its variants as probable as each other."""
         found = self._by_variant(one)
-        return float(scipy.special.logsumexp(found) - np.log(len(found)))
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def cause(self, one: Hypothesis) -> Cause:
         """The hypothesis with the changes that it has most probably made."""

@@ -196,6 +196,18 @@ class Probe(_Part):
     )
 
 
+class Condition(_Part):
+    """An operating condition that samples may carry beside the phasors, such as load or oil temperature."""
+
+    name: Identifier
+    unit: Annotated[str, Field(min_length=1, max_length=16)] = Field(description="in which it comes, such as degC or %")
+    usual_change: Positive | None = Field(
+        default=None,
+        description="a change that is nothing unusual, in its unit; by default 10 for degC and K, 20 for %, "
+        "else its own scatter in the baseline",
+    )
+
+
 class SpeedRange(_Part):
     """Speeds at which samples are taken seriously [r/min]."""
 
@@ -342,6 +354,7 @@ class Machine(_Part):
     couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
     seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
+    conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
     noise: Noise = Noise()
     operation: Operation = Operation()
     collection: Collection = Collection()
@@ -362,7 +375,7 @@ class Machine(_Part):
 
     def describes_the_same_as(self, other: Machine) -> bool:
         """Whether identifications under both documents can be compared: only name and rules of the service differ."""
-        said = {"name", "operation", "collection", "quality", "impact_test"}
+        said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
         return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:
@@ -376,6 +389,11 @@ class Machine(_Part):
     def direction(self) -> int:
         """+1 when the train turns from +x to +y, else -1."""
         return 1 if self.rotation == "positive" else -1
+
+    @property
+    def condition_names(self) -> tuple[str, ...]:
+        """Names of the operating conditions in the document's order."""
+        return tuple(condition.name for condition in self.conditions)
 
     @property
     def channels(self) -> tuple[str, ...]:

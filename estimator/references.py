@@ -89,6 +89,10 @@ def _duplicate_problems(machine: Machine) -> Iterator[InitErrorDetails]:
         for i, part in enumerate(parts):
             if counts[part.id] > 1:
                 yield _problem((name, i, "id"), part.id, f"'{part.id}' stands more than once among the {name}")
+    names = Counter(machine.condition_names)
+    for i, name in enumerate(machine.condition_names):
+        if names[name] > 1:
+            yield _problem(("conditions", i, "name"), name, f"'{name}' stands more than once among the conditions")
 
 
 def _station_problems(machine: Machine) -> Iterator[InitErrorDetails]:

@@ -40,12 +40,16 @@ class Compared:
         if number in {row.id for row in self.baseline}:
             return f"identification {number} is part of the baseline"
         if not self.after or self.after[-1].id != number:
-            return f"identification {number} does not count: it was not accepted, or its run was identified again"
+            return f"identification {number} does not count: not accepted, identified again, or dated in the future"
         return None
 
 
-def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:
+def compared(
+    session: Session, stored: IdentificationRow, *, baseline_runs: int, accepted: bool = True, longest: int = LONGEST_HISTORY
+) -> Compared:
     """What an identification of a single run is compared with.
+
+    accepted: only such runs come after the baseline; otherwise the refused ones as well. longest: at most so many of them.
 
     Like is compared with like: under revisions of the document that describe the same machine, of the same kind of run, with
     the same slow-roll vectors, behind the beginning of the baseline in force.
@@ -59,11 +63,14 @@ def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int)
     )
     first, wanted = baseline_of(session, stored.machine_id, like, began, baseline_runs=baseline_runs)
     known = {row.id for row in first}
-    newest = identifications.last_accepted(
-        session, stored.machine_id, like, limit=LONGEST_HISTORY + wanted, last=stored.measured_at
+    newest = identifications.newest(
+        session, stored.machine_id, like, limit=longest + wanted, last=stored.measured_at, accepted=accepted
     )
     after = [row for row in reversed(newest) if row.id not in known]
-    return Compared(stored, began, wanted, first, after[-LONGEST_HISTORY:])
+    if began is None and first:
+        # What was refused before the machine's first good run belongs to nothing.
+        after = [row for row in after if row.measured_at >= first[0].measured_at]
+    return Compared(stored, began, wanted, first, after[-longest:])
 
 
 def baseline_of(

@@ -5,20 +5,22 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.change_size import change_size
-from estimator.diagnosis import Diagnosis
+from estimator.change_size import ChangeSize, change_size
+from estimator.covariates import Adjustment, adjustment
+from estimator.diagnosis import Cause, Diagnosis
 from estimator.healthy_variation import typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
 from estimator.watch import Watch
-from service import alerting
+from service import alerting, watching_rates
 from service.alert_life import Severity
 from service.alerting import Finding
+from service.comparing import compared
 from service.limits import Limits, severity_of
 from service.setting_limits import limits_in_force
 from service.statements import RULES, Statement, rule_of
 from storage import alerts, baselines, derived, diagnoses, identifications, jobs, machines
-from storage.identifications import Like
+from storage.clock import now
 from storage.tables import AlertRow, IdentificationRow
 
 LOOKED_BACK = 60
@@ -41,14 +43,20 @@ class Comparison:
 
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
-    """Diagnose a machine after an identification was stored; open, update or clear its alerts."""
+    """Diagnose a machine after an identification was stored; open, update or clear its alerts.
+
+    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
+    """
     if stored.scope != jobs.RUN:
         return
+    today = _of_today(session, stored)
+    limits = limits_in_force(session, stored.machine_id)
+    if stored.accepted and today:
+        watching_rates.judge(session, compared(session, stored, baseline_runs=baseline_runs), limits)
     found = comparison(session, stored, baseline_runs=baseline_runs)
     if found is None:
         return
-    limits = limits_in_force(session, stored.machine_id)
-    diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: _delays(limits, kind, element)[0])
+    diagnosis = found.watch.found(found.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     statements = _statements(session, found, diagnosis, stored)
     diagnoses.keep(
         session,
@@ -57,47 +65,50 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
         runs=max((len(cause.agreement) for cause in diagnosis.causes), default=0),
         causes=[one.evidence() for one in statements],
     )
+    if not today:
+        return
     raised = {alert.id for one in statements if (alert := _raise(session, one, stored, limits)) is not None}
     for alert in alerts.open_alerts(session, stored.machine_id):
         if alert.rule in RULES and alert.id not in raised and _may_clear(alert, stored):
             _clear_if_gone(session, alert, found, statements, limits)
 
 
-def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
-    """The newest runs up to an identification beside their baseline; None while that is incomplete or nothing came after it.
+def _of_today(session: Session, stored: IdentificationRow) -> bool:
+    """Whether a run shows the machine as it is: the newest of its kind, under the document and the baseline in force."""
+    newest = machines.get(session, stored.machine_id).revision
+    then, today = (baselines.in_force(session, stored.machine_id, at=moment) for moment in (stored.measured_at, now()))
+    same_machine = stored.revision in machines.comparable(session, stored.machine_id, newest)
+    return same_machine and then is today and identifications.is_newest(session, stored)
 
-    Like is compared with like: identifications under comparable revisions of the machine's document, of the same kind of run
-    and slow-roll version, behind the beginning of the baseline in force.
+
+def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
+    """The newest runs up to an identification, accepted or not, beside their baseline.
+
+    None while that is incomplete, nothing came after it, or an older release identified: that says nothing of the channels.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
-    row = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
-    like = Like(
-        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
-        run_kind=stored.run_kind,
-        slow_roll_version=stored.slow_roll_version,
-        since=0 if row is None else row.since,
-    )
-    which = session, stored.machine_id, like
-    if row is None or row.identification_ids is None:
-        first = identifications.first_accepted(*which, limit=baseline_runs)
-        wanted = baseline_runs
-    else:
-        first = identifications.named(*which, row.identification_ids)
-        wanted = len(first)
+    rows = compared(session, stored, baseline_runs=baseline_runs, accepted=False, longest=LOOKED_BACK)
     channels = tuple(probe.id for probe in machine.probes)
-    baseline = _said(first, channels)
-    if not len(baseline) == wanted > 0:
+    baseline = _said(rows.baseline, channels)
+    if not len(baseline) == rows.wanted > 0:
         return None
     names = baseline[0][1].names
-    in_baseline = {one.id for one in first}
-    newest = identifications.newest_runs(*which, until=stored.measured_at, limit=LOOKED_BACK + wanted)
-    behind = [one for one in reversed(newest) if one.id not in in_baseline and one.measured_at >= first[0].measured_at]
-    after = [(one, said) for one, said in _said(behind[-LOOKED_BACK:], channels) if said.names == names]
+    after = [(row, said) for row, said in _said(rows.after, channels) if said.names == names]
     if not after or any(said.names != names for _, said in baseline):
         return None
-    watch = Watch.over(machine, [said for _, said in baseline])
-    rows, observations = zip(*after, strict=True)
-    return Comparison(machine, tuple(one for one, _ in baseline), watch, rows, observations)
+    follows = adjustment(
+        [said.point for _, said in baseline], [row.conditions or {} for row, _ in baseline], machine.conditions
+    )
+    watch = Watch.over(machine, [_adjusted(said, row, follows) for row, said in baseline])
+    observations = tuple(_adjusted(said, row, follows) for row, said in after)
+    return Comparison(machine, tuple(row for row, _ in baseline), watch, tuple(row for row, _ in after), observations)
+
+
+def _adjusted(said: Observation, row: IdentificationRow, follows: Adjustment) -> Observation:
+    """What a run says of the machine under the baseline's mean operating conditions."""
+    if not follows.conditions:
+        return said
+    return said.at(follows.adjusted(said.point, row.conditions or {}))
 
 
 def _said(rows: Sequence[IdentificationRow], channels: tuple[str, ...]) -> list[tuple[IdentificationRow, Observation]]:
@@ -121,7 +132,8 @@ def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: 
     """Open an alert or bring it up to date, where a limit is reached."""
     rule, element = rule_of(one.cause), one.cause.element
     present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
-    severity = _severity(limits, one, None if present is None else Severity(present.severity))
+    held = None if present is None else Severity(present.severity)
+    severity = cause_severity(limits, one.cause, one.size, force=one.force, present=held)
     if severity is None:
         return None
     finding = Finding(
@@ -135,22 +147,25 @@ def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: 
     return alerting.raise_alert(session, stored.machine_id, rule=rule, element=element, finding=finding)
 
 
-def _severity(limits: Limits, one: Statement, present: Severity | None) -> Severity | None:
-    rule = rule_of(one.cause)
-    if rule in DATA_RULES or one.size.per_cent is None:
+def cause_severity(
+    limits: Limits, cause: Cause, size: ChangeSize, *, force: float | None, present: Severity | None
+) -> Severity | None:
+    """How severe a cause of a size is, with the force in the coupling [N] and the severity that its alert has so far."""
+    rule = rule_of(cause)
+    if rule in DATA_RULES or size.per_cent is None:
         return Severity.ALERT
     return severity_of(
         limits,
         rule,
-        sigma=one.cause.distance,
-        per_cent=one.size.per_cent,
-        force=one.force,
+        sigma=cause.distance,
+        per_cent=size.per_cent,
+        force=force,
         present=present,
-        element=one.cause.element,
+        element=cause.element,
     )
 
 
-def _delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
+def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
     """How many runs in a row open and clear an alert."""
     rule = rule_of(kind)
     if rule in DATA_RULES:
@@ -169,7 +184,7 @@ def _clear_if_gone(
 ) -> None:
     kind = str(alert.evidence.get("kind", alert.rule))
     still = [one for one in statements if (one.cause.kind, one.cause.element) == (kind, alert.element)]
-    off_delay = _delays(limits, kind, alert.element)[1]
+    off_delay = delays(limits, kind, alert.element)[1]
     # What is still seen, but below its limit with the hysteresis taken off, has returned as well.
     if still or found.watch.gone(found.observations, kind, alert.element, off_delay=off_delay):
         alerting.clear_alert(session, alert)

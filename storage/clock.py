@@ -3,6 +3,9 @@
 import time
 from datetime import UTC, datetime
 
+TOLERANCE = 60_000_000_000
+"""Clocks differ, and are set, by less than this [ns] without anybody's notice."""
+
 
 def now() -> int:
     """Nanoseconds since 1970, UTC."""

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import func, select
+from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
-from storage.clock import now
+from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
 from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
 
@@ -101,7 +101,8 @@ def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> D
 def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Sequence[DeliveryRow]:
     """Deliveries to try at a moment [ns]: of each subscription and alert the oldest pending one, when its time has come.
 
-    busy: ids of subscriptions that take no more at present.
+    busy: ids of subscriptions that take no more at present. What was never tried is due, and what was tried in the future, for
+    the clock was set back.
     """
     oldest = (
         select(func.min(DeliveryRow.id))
@@ -109,7 +110,8 @@ def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Se
         .where(DeliveryRow.subscription_id.not_in(busy))
         .group_by(DeliveryRow.subscription_id, DeliveryRow.alert_id)
     )
-    query = select(DeliveryRow).where(DeliveryRow.id.in_(oldest), DeliveryRow.next_try_at <= moment)
+    come = or_(DeliveryRow.next_try_at <= moment, DeliveryRow.attempts == 0, DeliveryRow.last_try_at > moment + TOLERANCE)
+    query = select(DeliveryRow).where(DeliveryRow.id.in_(oldest), come)
     return session.scalars(query.order_by(DeliveryRow.id).limit(limit)).all()
 
 

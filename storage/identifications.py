@@ -14,7 +14,7 @@ from estimator.identification import Identification
 from estimator.observation import Observation, observation
 from estimator.parameters import is_direct
 from storage import channel_effects
-from storage.clock import now
+from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
 from storage.paging import Keys, ordered
 from storage.runs import DISCARDED
@@ -39,6 +39,7 @@ class Origin:
     options: dict[str, Any]
     code_version: str
     slow_roll_version: int | None = None
+    conditions: dict[str, float | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
@@ -167,18 +169,28 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
-def newest_runs(session: Session, machine_id: str, like: Like, *, until: int, limit: int) -> Sequence[IdentificationRow]:
-    """The newest identifications of single runs that are alike, accepted or not, measured by a time [ns]; newest first."""
-    query = _runs(machine_id, like).where(IdentificationRow.measured_at <= until)
-    order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
-    return session.scalars(query.order_by(*order).limit(limit)).all()
+def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_version: int | None) -> IdentificationRow | None:
+    """The first accepted identification of a single run under a revision and slow-roll version, of any kind of run."""
+    query = select(IdentificationRow).where(
+        IdentificationRow.machine_id == machine_id,
+        IdentificationRow.revision == revision,
+        IdentificationRow.slow_roll_version == slow_roll_version,
+        IdentificationRow.scope == RUN,
+        IdentificationRow.accepted,
+        IdentificationRow.point.is_not(None),
+    )
+    query = query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(1)
+    return session.scalars(query.options(undefer(IdentificationRow.point))).one_or_none()
 
 
-def last_accepted(
-    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None
+def newest(
+    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
-    """The newest accepted identifications of single runs that are alike, measured up to a time [ns], newest first."""
-    query = _accepted_runs(machine_id, like)
+    """The newest identifications of single runs that are alike, measured up to a time [ns], newest first.
+
+    accepted: only those; otherwise the refused ones as well.
+    """
+    query = _accepted_runs(machine_id, like) if accepted else _runs(machine_id, like)
     if last is not None:
         query = query.where(IdentificationRow.measured_at <= last)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
@@ -189,8 +201,18 @@ def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | No
     """The newest accepted identification of a single run, of any kind, that counts."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
     query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
+
+
+def is_newest(session: Session, row: IdentificationRow) -> bool:
+    """Whether no single run of the same kind was measured later, and this one not in the future."""
+    latest = now() + TOLERANCE
+    query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
+    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
+    query = query.where(IdentificationRow.measured_at > row.measured_at, IdentificationRow.measured_at <= latest)
+    return row.measured_at <= latest and session.scalars(query.limit(1)).first() is None
 
 
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
@@ -227,10 +249,11 @@ def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
 
 
 def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+    """Without what a clock that was wrong dated in the future: it would be the newest for as long as that takes to come."""
     return (
         select(IdentificationRow)
         .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
-        .where(IdentificationRow.measured_at >= like.since)
+        .where(IdentificationRow.measured_at >= like.since, IdentificationRow.measured_at <= now() + TOLERANCE)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
         .where(IdentificationRow.id.in_(counting(machine_id)))

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
-from storage.clock import now
+from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
 from storage.tables import SuppressionRow
 
@@ -71,8 +71,12 @@ def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> S
 
 
 def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
-    """Suppressions whose time is over at a moment [ns] and that have not been ended yet."""
-    query = select(SuppressionRow).where(SuppressionRow.ended_at.is_(None), SuppressionRow.until <= moment)
+    """Suppressions whose time is over at a moment [ns] and that have not been ended yet.
+
+    Over is also the time of one that has yet to begin, for the clock was set back: it would last longer than anybody wanted.
+    """
+    query = select(SuppressionRow).where(SuppressionRow.ended_at.is_(None), SuppressionRow.until.is_not(None))
+    query = query.where(or_(SuppressionRow.until <= moment, SuppressionRow.since > moment + TOLERANCE))
     return session.scalars(query.order_by(SuppressionRow.until, SuppressionRow.id)).all()
 
 

@@ -1,24 +1,23 @@
 """What a rule says week after week about a machine, and how that compares with what befell it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History
-from estimator.baseline import Point
+from estimator.change_size import change_size
+from estimator.healthy_variation import typical_amplitude
 from estimator.identification import Identification
-from estimator.misalignment import determines, misalignment_evidence, watched
-from estimator.parameters import is_direct
-
-IN_A_ROW = 2
-"""Identifications in a row that must agree, as in the service."""
+from estimator.observation import Observation, observed
+from estimator.watch import Watch
+from service.alert_life import Severity
+from service.limits import Limits
+from service.statements import rule_of
+from service.watching import LOOKED_BACK, cause_severity, delays
 
 Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""
 Standing = tuple[frozenset[Named], ...]
 """The alerts that stand after each week, of the baseline's weeks too, in which there are none."""
-Rule = Callable[[History, Sequence[Identification]], Standing]
 
 
 @dataclass(frozen=True)
@@ -85,31 +84,43 @@ def _is_true(history: History, one: Opened) -> bool:
     return any(one.named == (c.kind, c.element) and one.week >= c.onset for c in history.changes)
 
 
-def earlier_rule(history: History, weeks: Sequence[Identification]) -> Standing:
-    """Misalignment where coupling and neighbouring bearings stiffened together, in two identifications in a row."""
-    machine = history.machine
-    standing: set[str] = set()
+def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
+    """The alerts that the service has standing with its default limits: `service.watching` without a database."""
+    machine, limits = history.machine, Limits()
+    channels = tuple(probe.id for probe in machine.probes)
+    observations = [observed(one, channels) for one in weeks]
+    baseline = [week for week, one in enumerate(observations) if one.accepted][: history.baseline]
+    watch = Watch.over(machine, [observations[week] for week in baseline])
+    amplitude = {channel: typical_amplitude(channel, watch.baseline) for channel in channels}
+    standing: dict[tuple[str, str], Severity] = {}
     found: list[frozenset[Named]] = []
-    points = [_logarithms(one) if one.accepted else None for one in weeks]
-    for week, point in enumerate(points):
-        for coupling in machine.couplings:
-            names = watched(machine, coupling)
-            known = [one for one in points[: week + 1] if one is not None and determines(one, names)]
-            if point is None or not determines(point, names) or len(known) < history.baseline + IN_A_ROW:
-                continue
-            signs = [
-                misalignment_evidence(machine, coupling, known[: history.baseline], one).found for one in known[-IN_A_ROW:]
-            ]
-            if all(signs):
-                standing.add(f"coupling.{coupling.id}")
-            elif not any(signs):
-                standing.discard(f"coupling.{coupling.id}")
-        found.append(frozenset(("misalignment", element) for element in standing))
+    for week in range(len(weeks)):
+        after = [observations[one] for one in range(week + 1) if one not in baseline][-LOOKED_BACK:]
+        if week >= baseline[-1] and after:
+            standing = _updated(watch, after, standing, limits, amplitude)
+        found.append(frozenset((rule_of(kind), element) for kind, element in standing))
     return tuple(found)
 
 
-def _logarithms(one: Identification) -> Point:
-    known = {e.name: e.value for e in one.estimates if e.value is not None and e.quantity != "unbalance" and is_direct(e.name)}
-    names = [name for name in one.coordinates if name in known]
-    index = [one.coordinates.index(name) for name in names]
-    return Point(tuple(names), np.log(np.array([known[name] for name in names])), one.covariance[np.ix_(index, index)])
+def _updated(
+    watch: Watch,
+    after: Sequence[Observation],
+    before: dict[tuple[str, str], Severity],
+    limits: Limits,
+    amplitude: dict[str, float],
+) -> dict[tuple[str, str], Severity]:
+    """The severities of what stands after the newest run, by kind and element."""
+    diagnosis = watch.found(after, on_delay=lambda kind, element: delays(limits, kind, element)[0])
+    seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
+    now: dict[tuple[str, str], Severity] = {}
+    for cause in diagnosis.causes:
+        key = cause.kind, cause.element
+        size = change_size(cause, watch.reference, amplitude=amplitude)
+        severity = cause_severity(limits, cause, size, force=None, present=before.get(key))
+        if severity is not None:
+            now[key] = severity
+    for key, severity in before.items():
+        gone = watch.gone(after, *key, off_delay=delays(limits, *key)[1])
+        if key not in now and key not in seen and not gone:
+            now[key] = severity
+    return now

@@ -1,10 +1,11 @@
 """What the service would have of a simulated machine: each week's phasors, and the real estimator's fit of them."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
+from typing import TypeVar
 
 import numpy as np
 import threadpoolctl
@@ -23,6 +24,7 @@ SPEED_SCATTER = 0.002
 SMALLEST_OUTLIER, LARGEST_OUTLIER = 0.2, 1.0
 """An outlier is off by such a part of its amplitude: twenty times the noise and more."""
 PROCESSES = 2
+Outcome = TypeVar("Outcome")
 
 
 @dataclass(frozen=True)
@@ -65,14 +67,13 @@ def watched(ordered: Ordered) -> Watched:
     return Watched(ordered, history, tuple(found))
 
 
-def fleet(orders: Iterable[Ordered], *, processes: int = PROCESSES) -> Iterator[Watched]:
-    """The histories of many machines, in order, computed in processes of one BLAS thread each."""
+def each(function: Callable[[Ordered], Outcome], orders: Sequence[Ordered], *, processes: int = PROCESSES) -> list[Outcome]:
+    """A function of each order, in their order, computed in processes of one BLAS thread each; 1: in this one."""
     if processes == 1:
         with threadpoolctl.threadpool_limits(1):
-            yield from map(watched, orders)
-        return
+            return [function(order) for order in orders]
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_one_thread) as pool:
-        yield from pool.map(watched, orders)
+        return list(pool.map(function, orders))
 
 
 def measured(machine: Machine, state: State, rng: np.random.Generator) -> Measurement:

@@ -19,8 +19,8 @@ from benchmarks.fleet.amount import (
     rises,
 )
 from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
-from benchmarks.fleet.judging import Named, Outcome, Rule, earlier_rule, judged
-from benchmarks.fleet.measuring import PROCESSES, Ordered, fleet
+from benchmarks.fleet.judging import Named, Outcome, judged, service_rule
+from benchmarks.fleet.measuring import PROCESSES, Ordered, each, watched
 from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
 
 SEED = 5
@@ -70,11 +70,11 @@ def fleets(scale: float) -> tuple[Fleet, ...]:
 
 
 SHORT = (
-    Fleet("healthy", {SMALL: 2}, watched=30),
+    Fleet("healthy", {SMALL: 2}, watched=16),
     Fleet("unbalance step", {SMALL: 2}, watched=10),
     Fleet("probe lost", {SMALL: 2}, watched=10),
-    Fleet("misalignment step", {SMALL: 4, MIDDLE: 2}, watched=8),
-    Fleet("misalignment drift", {SMALL: 2}, watched=40),
+    Fleet("misalignment step", {SMALL: 2, MIDDLE: 2}, watched=8),
+    Fleet("misalignment drift", {SMALL: 2}, watched=34),
     Fleet("bearing step", {SMALL: 2}, watched=10),
 )
 """Enough to see that everything runs; says next to nothing about rates."""
@@ -90,17 +90,15 @@ class Result:
     refused: int
 
 
-def results(ordered: Sequence[Ordered], rule: Rule, *, processes: int = PROCESSES) -> list[Result]:
-    """Simulate, identify and judge."""
-    return [
-        Result(
-            one.ordered,
-            tuple((change.kind, change.element) for change in one.history.changes),
-            judged(one.history, rule(one.history, one.identifications)),
-            sum(not identification.accepted for identification in one.identifications),
-        )
-        for one in fleet(ordered, processes=processes)
-    ]
+def result(ordered: Ordered) -> Result:
+    """Simulate, identify and judge one machine's history as the service would."""
+    one = watched(ordered)
+    return Result(
+        ordered,
+        tuple((change.kind, change.element) for change in one.history.changes),
+        judged(one.history, service_rule(one.history, one.identifications)),
+        sum(not identification.accepted for identification in one.identifications),
+    )
 
 
 def rate_bound(count: int, years: float) -> float:
@@ -239,7 +237,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = SHORT if options.short else fleets(options.scale)
     orders = [order for one in chosen if one.scenario in (options.only or SCENARIOS) for order in one.orders(options.seed)]
     began = time.monotonic()
-    found = results(orders, earlier_rule, processes=options.processes)
+    found = each(result, orders, processes=options.processes)
     years = sum(order.watched for order in orders) / WEEKS_A_YEAR
     print(f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed},", end=" ")
     print(f"{time.monotonic() - began:.0f} s\n")

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from importlib.metadata import version
 
 from fastapi import APIRouter, FastAPI
-from fastapi.responses import RedirectResponse
 from fastapi_offline import FastAPIOffline
 
 from service.api import (
@@ -12,6 +11,7 @@ from service.api import (
     baselines,
     bode,
     comparisons,
+    dashboard,
     deviations,
     diagnoses,
     drawing,
@@ -116,11 +116,6 @@ def application(
         router.include_router(part.router)
     app.include_router(router)
     app.include_router(metrics.router)
-
+    app.include_router(dashboard.router)
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
-
-    @app.get("/", include_in_schema=False)
-    def root() -> RedirectResponse:
-        return RedirectResponse(f"{PREFIX}/docs")
-
     return app

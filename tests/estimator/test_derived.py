@@ -95,7 +95,7 @@ def one_mass(damping: float) -> float:
 
 
 def test_amplification_of_a_rigid_rotor() -> None:
-    """ζ = c/√(2 k m), of the logarithm half the error of that of the stiffness: ε/√8."""
+    """ζ = c/√(2 k m), of the logarithm half the error of that of the stiffness: ε/√8. Interpolated, within some per cent."""
     error = 0.02
     quantities = found(bouncing(error=error))
     for channel, number, damping in (("X", 1, 0.05), ("Y", 2, 0.05 / 1.2)):
@@ -104,7 +104,7 @@ def test_amplification_of_a_rigid_rotor() -> None:
         slope = np.log(one_mass(1.001 * damping) / one_mass(0.999 * damping)) / 0.002
         assert one.upper is not None
         assert one.lower is not None
-        assert np.log(one.upper / one.lower) / 2 == pytest.approx(-slope * CONFIDENCE_95 * error / np.sqrt(8), rel=0.01)
+        assert np.log(one.upper / one.lower) / 2 == pytest.approx(-slope * CONFIDENCE_95 * error / np.sqrt(8), rel=0.08)
 
 
 def test_errors_of_amplification_factors_are_those_of_small_changes() -> None:
@@ -164,7 +164,7 @@ def test_the_second_order_is_told_where_it_is_measured() -> None:
     first, other = (quantities[f"probe.{channel}.second_over_first"] for channel in model.machine.channels[:2])
     assert (first.value, first.lower, first.upper) == pytest.approx((0.25, 0.25, 0.25))
     assert other.value is None
-    assert other.reason == "fewer than 6 samples within 5 % of 2387 r/min have both"
+    assert other.reason == "fewer than 6 samples within 10 % of 2387 r/min have both"
     assert f"probe.{model.machine.channels[2]}.second_over_first" not in quantities
 
 

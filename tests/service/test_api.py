@@ -442,12 +442,6 @@ def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None
 # --- the document of the API ----------------------------------------------------------------------------------------
 
 
-def test_the_root_leads_to_the_documentation(told: Api) -> None:
-    answer = told.ask("GET", "/")
-    assert answer.status_code == 307
-    assert answer.headers["location"] == f"{PREFIX}/docs"
-
-
 @pytest.mark.parametrize("page", ["docs", "redoc"])
 def test_documentation_needs_no_other_host(told: Api, page: str) -> None:
     answer = told.get(f"/{page}")

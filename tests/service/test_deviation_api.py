@@ -96,10 +96,10 @@ def test_deviations_are_those_of_the_estimator_with_the_limits_they_reach(plant:
     assert parameters["bearing.B2.kxx"]["per_cent"] == pytest.approx(2.0)
     assert parameters["bearing.B2.kxx"]["reaches"] is None
     unbalance = parameters["disc.D1.unbalance"]
-    # The plant's factor is on the real part: 1e-3 - 5e-4j becomes 3e-3 - 5e-4j.
-    assert unbalance["added"] == pytest.approx(2e-3)
-    assert unbalance["added_angle_deg"] == pytest.approx(0.0, abs=1e-6) or unbalance["added_angle_deg"] == pytest.approx(360.0)
-    assert unbalance["per_cent"] == pytest.approx(100 * 2e-3 / np.hypot(1e-3, 5e-4))
+    # Three times 1e-3 - 5e-4j kg m: twice as much came on top.
+    assert unbalance["added"] == pytest.approx(2 * np.hypot(1e-3, 5e-4))
+    assert unbalance["added_angle_deg"] == pytest.approx(360 - np.degrees(np.arctan(0.5)))
+    assert unbalance["per_cent"] == pytest.approx(200.0)
     assert unbalance["reaches"] == "danger"
     assert parameters["disc.D2.unbalance"]["reaches"] is None
     assert elements["coupling.C1"]["probability"] < 1e-6 < 0.5 < elements["bearing.B1"]["probability"]

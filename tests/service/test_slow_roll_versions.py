@@ -304,7 +304,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         def counted() -> tuple[list[int], list[int]]:
             history = trends.histories(session, "pump-7", ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
             accepted = identifications.first_accepted(session, "pump-7", like, limit=10)
-            newest = identifications.newest_runs(session, "pump-7", like, until=2**62, limit=10)
+            newest = identifications.newest(session, "pump-7", like, limit=10)
             assert [row.id for row in newest] == [row.id for row in reversed(accepted)]
             return history.identification.tolist(), [row.id for row in accepted]
 

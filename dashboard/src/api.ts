@@ -1,0 +1,64 @@
+// Asking the service, and what is said when it refuses.
+import { missed } from "./connection";
+
+export const PREFIX = "/api/v1";
+const PATIENCE_MS = 20_000;
+
+/** The service's problem detail (RFC 9457), or that it did not answer; then the status is 0. */
+export class Failure extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+async function ask(path: string, options: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(PREFIX + path, { ...options, signal: AbortSignal.timeout(PATIENCE_MS) });
+  } catch {
+    missed();
+    throw new Failure(0, "The service does not answer.");
+  }
+  if (response.ok) return response;
+  throw new Failure(response.status, await reason(response));
+}
+
+async function reason(response: Response): Promise<string> {
+  try {
+    const problem = (await response.json()) as { detail?: string; errors?: { field: string; message: string }[] };
+    const fields = (problem.errors ?? []).map((one) => `${one.field}: ${one.message}`);
+    return [problem.detail ?? response.statusText, ...fields].join("\n");
+  } catch {
+    return `${response.status} ${response.statusText}`;
+  }
+}
+
+export async function get<T>(path: string): Promise<T> {
+  return (await (await ask(path, { headers: { accept: "application/json" } })).json()) as T;
+}
+
+/** The answer, and the ETag with which it can be changed. */
+export async function getToChange<T>(path: string): Promise<[T, string | null]> {
+  const response = await ask(path, { headers: { accept: "application/json" }, cache: "no-store" });
+  return [(await response.json()) as T, response.headers.get("etag")];
+}
+
+export async function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
+  const headers: Record<string, string> = { "content-type": "application/json", accept: "application/json" };
+  if (etag) headers["if-match"] = etag;
+  return (await (await ask(path, { method: "POST", headers, body: JSON.stringify(body) })).json()) as T;
+}
+
+export function query(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {
+  const search = new URLSearchParams();
+  for (const [name, value] of Object.entries(parameters)) {
+    for (const one of Array.isArray(value) ? value : [value]) {
+      if (one !== null && one !== undefined) search.append(name, String(one));
+    }
+  }
+  const text = search.toString();
+  return text ? `?${text}` : "";
+}

@@ -1,0 +1,57 @@
+// What can be done with keys alone.
+import { useEffect } from "preact/hooks";
+import { Dialog } from "./dialog";
+import { go, place } from "./router";
+import { TABS } from "./tabs";
+import { choice, choose } from "./theme";
+
+const SAID: [string, string][] = [
+  ["f", "fleet"],
+  ["a", "alerts"],
+  ["1 … 6", "tabs of a machine"],
+  ["d", "dark or light"],
+  ["← → in a plot", "move the read-out; with Shift ten points"],
+  ["+ − 0 in a plot", "zoom in, out, back to all"],
+  ["Esc", "close"],
+  ["?", "this list"],
+];
+
+export function useShortcuts(toggleKeys: () => void): void {
+  useEffect(() => {
+    const pressed = (event: KeyboardEvent) => {
+      const target = event.target as HTMLElement;
+      if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog, .plot")) return;
+      const tab = TABS[Number(event.key) - 1];
+      const { parts } = place.value;
+      if (event.key === "?") toggleKeys();
+      else if (event.key === "f") go([]);
+      else if (event.key === "a") go(["alerts"]);
+      else if (event.key === "d") choose(choice.value === "dark" ? "light" : "dark");
+      else if (tab && parts[0] === "machines" && parts[1]) go(["machines", parts[1], tab.id]);
+    };
+    window.addEventListener("keydown", pressed);
+    return () => window.removeEventListener("keydown", pressed);
+  }, [toggleKeys]);
+}
+
+export function Keys({ onClose }: { onClose: () => void }) {
+  return (
+    <Dialog title="Keys" onClose={onClose}>
+      <dl class="facts">
+        {SAID.map(([key, does]) => (
+          <>
+            <dt>
+              <kbd>{key}</kbd>
+            </dt>
+            <dd>{does}</dd>
+          </>
+        ))}
+      </dl>
+      <p>
+        <button type="button" onClick={onClose}>
+          Close
+        </button>
+      </p>
+    </Dialog>
+  );
+}

@@ -1,0 +1,32 @@
+// The run that is being collected, drawn while it grows.
+import type { Document, MachineState, Phasors } from "./answers";
+import { Panel } from "./parts";
+import { Plot } from "./plot";
+import { useResource } from "./resource";
+import { bySpeed } from "./sweep";
+
+const MS = 1500;
+
+export function LiveRun({ machine }: { machine: Document }) {
+  const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
+  const phasors = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, MS).data;
+  if (!run) return null;
+  const sweep = phasors && bySpeed(phasors);
+  return (
+    <Panel title={`Run ${run.id}, as it comes`} class="live">
+      {sweep ? (
+        <Plot
+          label={`Amplitude over speed of run ${run.id} so far`}
+          x={sweep.rpm}
+          xUnit="rpm"
+          yUnit="µm pp"
+          curves={sweep.channels.map((channel, index) => ({ name: channel, y: sweep.amplitude[index]!, points: true }))}
+          xRange={[machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm]}
+          height={190}
+        />
+      ) : (
+        <div class="waiting" style={{ minHeight: "190px" }} />
+      )}
+    </Panel>
+  );
+}

@@ -1,0 +1,122 @@
+// One machine: what it does now, and the views of it.
+import type { ComponentChildren } from "preact";
+import type { Document, Job, MachineRevision, MachineState } from "./answers";
+import { rpm } from "./format";
+import { IdentifiedView } from "./identified-view";
+import { ModelView } from "./model-view";
+import { Overview } from "./overview";
+import { Empty, Mode, Shown, Time } from "./parts";
+import { useResource } from "./resource";
+import { ResponseView } from "./response-view";
+import { link } from "./router";
+import { ShapesView } from "./shapes-view";
+import { TABS } from "./tabs";
+import { TrendsView } from "./trends-view";
+
+const STATE_MS = 1000;
+const JOBS_MS = 2000;
+
+export function MachinePage({ id, tab }: { id: string; tab: string }) {
+  const answer = useResource<MachineRevision>(`/machines/${id}`);
+  return (
+    <Shown answer={answer} lines={20}>
+      {({ document, revision }) => (
+        <>
+          <Now machine={document} revision={revision} />
+          <nav class="tabs" aria-label="Views of the machine">
+            {TABS.map((one) => (
+              <a key={one.id} href={link(["machines", id, one.id])} aria-current={one.id === tab ? "page" : undefined}>
+                {one.name}
+              </a>
+            ))}
+            <a class="end" href={link(["reports", id])}>
+              Report
+            </a>
+          </nav>
+          {view(tab, document)}
+        </>
+      )}
+    </Shown>
+  );
+}
+
+function view(tab: string, machine: Document): ComponentChildren {
+  switch (tab) {
+    case "overview":
+      return <Overview machine={machine} />;
+    case "trends":
+      return <TrendsView machine={machine} />;
+    case "response":
+      return <ResponseView machine={machine} />;
+    case "shapes":
+      return <ShapesView machine={machine} />;
+    case "model":
+      return <ModelView machine={machine} />;
+    case "identified":
+      return <IdentifiedView machine={machine} />;
+    default:
+      return <Empty>There is no such view.</Empty>;
+  }
+}
+
+function Now({ machine, revision }: { machine: Document; revision: number }) {
+  const state = useResource<MachineState>(`/machines/${machine.id}/state`, STATE_MS);
+  const jobs = useResource<Job[]>(`/machines/${machine.id}/jobs?limit=20`, JOBS_MS);
+  const now = state.data;
+  return (
+    <section class="now">
+      <div>
+        <h1>{machine.name}</h1>
+        <p class="muted">
+          {machine.plant} / {machine.id}, document revision {revision}
+        </p>
+      </div>
+      <dl>
+        <dt>State</dt>
+        <dd>{now ? <Mode state={now.state} /> : "…"}</dd>
+        <dt>Speed</dt>
+        <dd class="figure">{rpm(now?.speed_rpm)}</dd>
+        <dt>Since</dt>
+        <dd>
+          <Time at={now?.since} />
+        </dd>
+        <dt>Newest sample</dt>
+        <dd>
+          <Time at={now?.newest_sample_at} />
+        </dd>
+      </dl>
+      <Progress state={now} jobs={jobs.data} />
+    </section>
+  );
+}
+
+/** A bar while a run is collected or an identification computes; the place is kept when there is none. */
+function Progress({ state, jobs }: { state: MachineState | undefined; jobs: Job[] | undefined }) {
+  const run = state?.run;
+  const running = jobs?.filter((job) => job.state === "running") ?? [];
+  const queued = jobs?.filter((job) => job.state === "queued").length ?? 0;
+  const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
+  return (
+    <div class="progress" aria-live="polite">
+      {run ? (
+        <label class="collecting">
+          Collecting run {run.id}, {run.kind}: {Math.round(100 * run.progress)} %
+          <progress max={1} value={run.progress} />
+        </label>
+      ) : (
+        <span class="muted">No run is being collected.</span>
+      )}
+      {running.length + queued > 0 ? (
+        <label class="computing">
+          {running.length > 0 ? `Identifying run ${running.map((job) => job.runs.join(" + ")).join(", ")}` : "Identification waits"}
+          {queued > 0 && `, ${queued} waiting`}
+          <progress />
+        </label>
+      ) : failed ? (
+        <span class="trouble">Identification of run {failed.runs.join(" + ")} failed: {failed.error}</span>
+      ) : (
+        <span class="muted">No identification is being computed.</span>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,94 @@
+// Mode shapes of the identified model along the train, in the phase in which they are largest.
+import type { Displacement, Document, Drawing, Modes, ModeShape } from "./answers";
+import { number, rpm } from "./format";
+import { Empty, Panel, Shown } from "./parts";
+import { useResource } from "./resource";
+import { useNewest } from "./newest";
+
+const WIDTH = 420;
+const HEIGHT = 130;
+const MARGIN = 12;
+const MOST = 8;
+
+export function ModeShapes({ machine }: { machine: Document }) {
+  const { newest } = useNewest(machine.id);
+  const answer = useResource<Modes>(newest ? `/identifications/${newest.id}/model/modes` : null);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
+  if (!newest) return null;
+  return (
+    <Panel title={`Mode shapes of identification ${newest.id}`} aside={<p class="muted">solid: x, dashed: y, shaded: the orbits' semi-major axis</p>}>
+      <Shown answer={answer} lines={20}>
+        {(found) => (
+          <>
+            <p class="muted">At {rpm(found.speed)}. The largest semi-major axis is 1; couplings are dotted lines, bearings triangles.</p>
+            {found.modes.length === 0 && <Empty>No mode up to twice the highest speed.</Empty>}
+            <div class="modes shapes">
+              {drawing &&
+                found.modes
+                  .filter((mode) => mode.damping_ratio < 0.9)
+                  .slice(0, MOST)
+                  .map((mode) => <Shape key={mode.frequency_hz} mode={mode} drawing={drawing} />)}
+            </div>
+          </>
+        )}
+      </Shown>
+    </Panel>
+  );
+}
+
+function Shape({ mode, drawing }: { mode: ModeShape; drawing: Drawing }) {
+  const at = (z: number) => MARGIN + (z / drawing.length) * (WIDTH - 2 * MARGIN);
+  const up = (value: number) => HEIGHT / 2 - value * (HEIGHT / 2 - 16);
+  const turn = -phaseOfLargest(mode);
+  const line = (where: number[], values: number[]) => `M${where.map((z, index) => `${at(z).toFixed(1)} ${up(values[index]!).toFixed(1)}`).join("L")}`;
+  const now = (one: Displacement) => one.real.map((real, index) => real * Math.cos(turn) - one.imaginary[index]! * Math.sin(turn));
+  const whirl = Math.abs(mode.whirl) < 0.2 ? "straight" : mode.whirl > 0 ? "forward" : "backward";
+  const words = `${number(mode.frequency_hz)} Hz`;
+  return (
+    <figure>
+      <figcaption>
+        <strong>{words}</strong>
+        {mode.standard_error_hz !== null && <span class="muted"> ± {number(1.96 * mode.standard_error_hz, 2)}</span>},{" "}
+        <span class="muted">
+          damping {number(100 * mode.damping_ratio)} %, {whirl}
+          {mode.damping_ratio < 0 && ", unstable"}
+        </span>
+      </figcaption>
+      <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Mode shape at ${words}, ${whirl}`}>
+        <path class="grid" d={`M${MARGIN} ${HEIGHT / 2}H${WIDTH - MARGIN}`} />
+        {drawing.couplings.map((one) => (
+          <path class="grid dotted" d={`M${at(one.at)} 6V${HEIGHT - 6}`} />
+        ))}
+        {drawing.bearings.map((one) => (
+          <path class="foot" d={`M${at(one.at)} ${HEIGHT - 16}l-5 9h10z`} />
+        ))}
+        {mode.shafts.map((shaft) => (
+          <g key={shaft.shaft}>
+            <path class="hull" d={`${line(shaft.at, shaft.semi_major)}${line([...shaft.at].reverse(), [...shaft.semi_major].reverse().map((one) => -one)).replace("M", "L")}Z`} />
+            <g class="curve s0">
+              <path d={line(shaft.at, now(shaft.x))} />
+            </g>
+            <g class="curve s1 dashed">
+              <path d={line(shaft.at, now(shaft.y))} />
+            </g>
+          </g>
+        ))}
+      </svg>
+    </figure>
+  );
+}
+
+/** Phase [rad] of the largest displacement: turned back by it, the shape is seen at its largest. */
+function phaseOfLargest(mode: ModeShape): number {
+  let largest = 0;
+  let phase = 0;
+  for (const shaft of mode.shafts) {
+    for (const one of [shaft.x, shaft.y]) {
+      one.real.forEach((real, index) => {
+        const size = Math.hypot(real, one.imaginary[index]!);
+        if (size > largest) [largest, phase] = [size, Math.atan2(one.imaginary[index]!, real)];
+      });
+    }
+  }
+  return phase;
+}

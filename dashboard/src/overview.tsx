@@ -1,0 +1,112 @@
+// The machine at a glance: the train with what has changed, its alerts, its newest runs.
+import type { Alert, Deviations, Document, Drawing, Run } from "./answers";
+import { Alerts } from "./alerts";
+import { query } from "./api";
+import { marksOf } from "./deviations";
+import { DeviationsPanel } from "./deviations-panel";
+import { LiveRun } from "./live-run";
+import { number, rpm } from "./format";
+import { comparable, useNewestSummary } from "./newest";
+import { Empty, Panel, Shown, Time } from "./parts";
+import { useResource } from "./resource";
+import { go, link } from "./router";
+import { Timeline } from "./timeline";
+import { Train } from "./train";
+
+export function Overview({ machine }: { machine: Document }) {
+  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts${query({ open: true })}`, 10_000);
+  const newest = useNewestSummary(machine.id).data;
+  const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  return (
+    <>
+      <Panel title="Train" aside={<Legend />}>
+        <Shown answer={drawing} lines={15}>
+          {(found) => (
+            <Train
+              name={machine.name}
+              drawing={found}
+              marks={marksOf(alerts.data ?? [], deviations.data)}
+              chosen={null}
+              onChoose={(element) => go(["machines", machine.id, "trends"], { element })}
+            />
+          )}
+        </Shown>
+      </Panel>
+      <div class="columns">
+        <div>
+          <Panel title="Open alerts">
+            <Alerts answer={alerts} none="No alert is open." />
+          </Panel>
+          <LiveRun machine={machine} />
+        </div>
+        <div>
+          <DeviationsPanel machine={machine} answer={deviations} none={newest !== undefined && !comparable(newest)} />
+          <Timeline machine={machine} />
+        </div>
+      </div>
+      <Runs machine={machine} />
+    </>
+  );
+}
+
+function Legend() {
+  return (
+    <p class="legend muted">
+      <span class="normal">■</span> as at the baseline <span class="changed">●</span> changed <span class="alert">▲</span> alert{" "}
+      <span class="danger">◆</span> danger
+    </p>
+  );
+}
+
+function Runs({ machine }: { machine: Document }) {
+  const answer = useResource<Run[]>(`/machines/${machine.id}/runs?limit=12`, 5000);
+  return (
+    <Panel title="Newest runs">
+      <Shown answer={answer} lines={12}>
+        {(runs) =>
+          runs.length === 0 ? (
+            <Empty>No run yet. One begins when the speed sweeps through the machine's range.</Empty>
+          ) : (
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th>Run</th>
+                    <th>Began</th>
+                    <th>Kind</th>
+                    <th class="number">Speeds</th>
+                    <th class="number">Samples</th>
+                    <th class="number">Usable</th>
+                    <th>State</th>
+                  </tr>
+                </thead>
+                <tbody>
+                  {runs.map((run) => (
+                    <tr key={run.id}>
+                      <td>
+                        <a href={link(["machines", machine.id, "response"], { run: String(run.id) })}>{run.id}</a>
+                      </td>
+                      <td>
+                        <Time at={run.started_at} />
+                      </td>
+                      <td>{run.kind}</td>
+                      <td class="number">
+                        {rpm(run.speed_minimum_rpm).replace(" rpm", "")} … {rpm(run.speed_maximum_rpm)}
+                      </td>
+                      <td class="number">{run.samples ?? "–"}</td>
+                      <td class="number">
+                        {run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}
+                      </td>
+                      <td title={run.reason ?? undefined}>{run.state}</td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </div>
+          )
+        }
+      </Shown>
+    </Panel>
+  );
+}

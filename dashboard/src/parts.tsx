@@ -1,0 +1,82 @@
+// Small pieces that many views share: times, states, what to show while there is nothing.
+import type { ComponentChildren } from "preact";
+import type { Failure } from "./api";
+import { utc, when } from "./format";
+import type { Answer } from "./resource";
+
+/** Local time, with UTC on hover. */
+export function Time({ at }: { at: string | null | undefined }) {
+  if (!at) return <>–</>;
+  return (
+    <time dateTime={at} title={utc(at)}>
+      {when(at)}
+    </time>
+  );
+}
+
+export function Panel(props: { title: string; aside?: ComponentChildren; class?: string; children: ComponentChildren }) {
+  return (
+    <section class={`panel ${props.class ?? ""}`}>
+      <header>
+        <h2>{props.title}</h2>
+        {props.aside}
+      </header>
+      {props.children}
+    </section>
+  );
+}
+
+export function Empty({ children }: { children: ComponentChildren }) {
+  return <p class="empty">{children}</p>;
+}
+
+export function Trouble({ failure }: { failure: Failure }) {
+  return (
+    <p class="trouble" role="alert">
+      {failure.message}
+    </p>
+  );
+}
+
+/** What an answer holds, or that it is on its way, or why there is none. `lines` keeps the place free meanwhile. */
+export function Shown<T>(props: { answer: Answer<T>; lines?: number; children: (data: T) => ComponentChildren }) {
+  const { data, failure } = props.answer;
+  if (data !== undefined) return <>{props.children(data)}</>;
+  if (failure) return <Trouble failure={failure} />;
+  return <div class="waiting" aria-busy="true" aria-label="loading" style={{ minHeight: `${(props.lines ?? 3) * 1.6}em` }} />;
+}
+
+const STATES: Record<string, [string, string]> = {
+  stopped: ["■", "stopped"],
+  "slow roll": ["◔", "slow roll"],
+  slow_roll: ["◔", "slow roll"],
+  "run-up": ["▲", "run-up"],
+  "at speed": ["●", "at speed"],
+  at_speed: ["●", "at speed"],
+  "run-down": ["▼", "run-down"],
+  trip: ["⏷", "trip"],
+  unknown: ["○", "unknown"],
+};
+
+/** What a machine is doing, as a sign and a word. */
+export function Mode({ state }: { state: string }) {
+  const [glyph, word] = STATES[state] ?? ["○", state];
+  return (
+    <span class={`mode ${state === "trip" ? "trip" : ""}`}>
+      <span aria-hidden="true">{glyph}</span> {word}
+    </span>
+  );
+}
+
+export const SEVERITY_GLYPHS: Record<string, string> = { danger: "◆", alert: "▲", info: "●" };
+
+/** A severity as a sign with its own shape and colour, and the word beside it where there is room. */
+export function Severity(props: { severity: string; seen?: boolean; word?: boolean }) {
+  const { severity, seen = false, word = true } = props;
+  return (
+    <span class={`severity ${severity} ${seen ? "seen" : ""}`} title={severity}>
+      <span aria-hidden="true">{SEVERITY_GLYPHS[severity] ?? "●"}</span>
+      <span class={word ? undefined : "hidden"}> {severity}</span>
+    </span>
+  );
+}

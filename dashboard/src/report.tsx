@@ -1,0 +1,183 @@
+// A report of one machine and period, to be printed or kept as a file: what happened, how the parameters went, what is open.
+import type { Alert, Document, Drawing, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
+import { query } from "./api";
+import { stateInWords } from "./alert-words";
+import { marksOf } from "./deviations";
+import { elementName, rpm } from "./format";
+import { Identified } from "./identified-view";
+import { Empty, Panel, Severity, Shown, Time } from "./parts";
+import { useResource } from "./resource";
+import { choose, link, place } from "./router";
+import { useStore } from "./store";
+import { Train } from "./train";
+import { elementsOf, useNewest } from "./newest";
+import { Histories } from "./trends-view";
+
+const DAY_MS = 86_400_000;
+const PERIOD_DAYS = 90;
+
+/** The day in local time, as a date field wants it. */
+function day(at: Date): string {
+  return new Date(at.getTime() - at.getTimezoneOffset() * 60_000).toISOString().slice(0, 10);
+}
+
+export function Report({ id }: { id: string }) {
+  const answer = useResource<MachineRevision>(`/machines/${id}`);
+  return (
+    <Shown answer={answer} lines={20}>
+      {({ document, revision }) => <Whole machine={document} revision={revision} />}
+    </Shown>
+  );
+}
+
+function Whole({ machine, revision }: { machine: Document; revision: number }) {
+  const { query: chosen } = useStore(place);
+  const first = chosen.get("from") ?? day(new Date(Date.now() - PERIOD_DAYS * DAY_MS));
+  const last = chosen.get("to") ?? day(new Date());
+  const from = new Date(`${first}T00:00`);
+  const to = new Date(new Date(`${last}T00:00`).getTime() + DAY_MS - 1);
+  if (Number.isNaN(from.getTime()) || Number.isNaN(to.getTime()) || from > to) {
+    return <Panel title="Report"><Period first={first} last={last} /><Empty>The period's first day lies behind its last.</Empty></Panel>;
+  }
+  return (
+    <article class="report">
+      <header>
+        <p class="buttons screen">
+          <a href={link(["machines", machine.id])}>Back to the machine</a>
+        </p>
+        <h1>{machine.name}</h1>
+        <p>
+          {machine.plant} / {machine.id}, document revision {revision}. {from.toLocaleDateString()} to {to.toLocaleDateString()}. Made{" "}
+          {new Date().toLocaleString()}.
+        </p>
+        <Period first={first} last={last} />
+      </header>
+      <Body machine={machine} from={from.toISOString()} to={to.toISOString()} />
+    </article>
+  );
+}
+
+function Period({ first, last }: { first: string; last: string }) {
+  return (
+    <div class="choices">
+      <label>
+        From
+        <input type="date" value={first} onChange={(event) => choose({ from: event.currentTarget.value })} />
+      </label>
+      <label>
+        To
+        <input type="date" value={last} onChange={(event) => choose({ to: event.currentTarget.value })} />
+      </label>
+      <button type="button" class="strong" onClick={() => window.print()}>
+        Print, or save as PDF
+      </button>
+    </div>
+  );
+}
+
+function Body({ machine, from, to }: { machine: Document; from: string; to: string }) {
+  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=1000`);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  const runs = useResource<Run[]>(`/machines/${machine.id}/runs${query({ from, to, limit: 1000 })}`);
+  const timeline = useResource<TimelineEntry[]>(`/machines/${machine.id}/timeline${query({ from, to, limit: 1000 })}`);
+  const identified = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications${query({ from, to, limit: 1000 })}`);
+  const { newest } = useNewest(machine.id);
+  const during = (alerts.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
+  const elements = newest ? reported(elementsOf(newest.estimates), during) : [];
+  return (
+    <>
+      <Panel title="In short">
+        <Summary runs={runs.data} identified={identified.data} alerts={during} />
+        {drawing.data && <Train name={machine.name} drawing={drawing.data} marks={marksOf(during, undefined)} chosen={null} onChoose={() => undefined} />}
+      </Panel>
+      <Panel title="Alerts of the period">
+        <Shown answer={alerts}>{() => <AlertTable alerts={during} />}</Shown>
+      </Panel>
+      <Panel title="What was done">
+        <Shown answer={timeline}>
+          {(entries) =>
+            entries.length === 0 ? (
+              <Empty>Nothing is on the machine's timeline.</Empty>
+            ) : (
+              <ul>
+                {entries.map((one) => (
+                  <li key={one.id}>
+                    <Time at={one.at} /> {one.kind}, {one.by}: {one.text}
+                  </li>
+                ))}
+              </ul>
+            )
+          }
+        </Shown>
+      </Panel>
+      {newest &&
+        elements.map((element) => (
+          <Histories
+            key={element}
+            machine={machine.id}
+            element={element}
+            names={newest.estimates.filter((one) => one.element === element).map((one) => one.parameter)}
+            from={from}
+            to={to}
+            scope="run"
+            alerts={alerts.data ?? []}
+            height={130}
+          />
+        ))}
+      {newest && <Identified machine={machine} found={newest} />}
+    </>
+  );
+}
+
+/** Elements whose trends are shown: couplings, and whatever had an alert. */
+function reported(elements: string[], alerts: Alert[]): string[] {
+  return elements.filter((one) => one.startsWith("coupling.") || alerts.some((alert) => alert.element === one));
+}
+
+function Summary(props: { runs: Run[] | undefined; identified: IdentificationSummary[] | undefined; alerts: Alert[] }) {
+  const { runs, identified, alerts } = props;
+  const accepted = identified?.filter((one) => one.accepted).length;
+  const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
+  return (
+    <p>
+      {runs ? runs.length : "…"} runs{speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {identified ? identified.length : "…"}{" "}
+      identifications, {accepted ?? "…"} of them accepted; {alerts.length} alerts, {alerts.filter((one) => !one.closed_at).length} still open.
+    </p>
+  );
+}
+
+function AlertTable({ alerts }: { alerts: Alert[] }) {
+  if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
+  return (
+    <table>
+      <thead>
+        <tr>
+          <th>Severity</th>
+          <th>Element</th>
+          <th>State</th>
+          <th>Opened</th>
+          <th>Closed</th>
+          <th>What it says</th>
+        </tr>
+      </thead>
+      <tbody>
+        {alerts.map((one) => (
+          <tr key={one.id}>
+            <td>
+              <Severity severity={one.severity} />
+            </td>
+            <td>{elementName(one.element)}</td>
+            <td>{stateInWords(one.state)}</td>
+            <td>
+              <Time at={one.opened_at} />
+            </td>
+            <td>
+              <Time at={one.closed_at} />
+            </td>
+            <td>{one.message}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+}

@@ -1,0 +1,97 @@
+// Answers of the service that components share: asked for once, kept, and asked for again when there is news.
+import { useEffect, useState } from "preact/hooks";
+import { Failure, get } from "./api";
+import { newestEvent, returns } from "./connection";
+import { Store } from "./store";
+
+export interface Answer<T> {
+  data: T | undefined;
+  failure: Failure | undefined;
+}
+
+/** So many answers that nobody follows are kept, for going back and forth. */
+const KEPT = 60;
+
+class Resource {
+  readonly answer = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
+  followers = 0;
+  asked = 0;
+  private asking = false;
+
+  constructor(readonly path: string) {}
+
+  async refresh(): Promise<void> {
+    if (this.asking) return;
+    this.asking = true;
+    this.asked = Date.now();
+    try {
+      this.answer.set({ data: await get(this.path), failure: undefined });
+    } catch (error) {
+      const failure = error instanceof Failure ? error : new Failure(0, String(error));
+      // What was there stays visible while the service is away; what is gone is gone.
+      this.answer.set({ data: failure.status === 404 ? undefined : this.answer.value.data, failure });
+    } finally {
+      this.asking = false;
+    }
+  }
+}
+
+const resources = new Map<string, Resource>();
+
+function resourceOf(path: string): Resource {
+  const known = resources.get(path);
+  if (known) return known;
+  const made = new Resource(path);
+  resources.set(path, made);
+  for (const [name, one] of resources) {
+    if (resources.size <= KEPT) break;
+    if (one.followers === 0 && one !== made) resources.delete(name);
+  }
+  return made;
+}
+
+/** Ask again for all that is shown and whose path holds the text. */
+export function refresh(text: string): void {
+  for (const [path, resource] of resources) {
+    if (!path.includes(text)) continue;
+    if (resource.followers > 0) void resource.refresh();
+    else resources.delete(path);
+  }
+}
+
+returns.follow(() => refresh(""));
+newestEvent.follow(() => {
+  refresh("/alerts");
+  refresh("/deviations");
+  refresh("/fleet");
+});
+
+const NOTHING: Answer<never> = { data: undefined, failure: undefined };
+
+/**
+ * What the service answers under a path; nothing for no path.
+ *
+ * everyMs: asked again as often as this while the page is seen; 0: only on news.
+ */
+export function useResource<T>(path: string | null, everyMs = 0): Answer<T> {
+  const [, redraw] = useState(0);
+  useEffect(() => {
+    if (path === null) return undefined;
+    const resource = resourceOf(path);
+    resource.followers += 1;
+    const leave = resource.answer.follow(() => redraw((count) => count + 1));
+    void resource.refresh();
+    const timer =
+      everyMs > 0
+        ? window.setInterval(() => {
+            if (!document.hidden && Date.now() - resource.asked >= everyMs * 0.9) void resource.refresh();
+          }, everyMs)
+        : undefined;
+    return () => {
+      leave();
+      resource.followers -= 1;
+      window.clearInterval(timer);
+    };
+  }, [path, everyMs]);
+  return path === null ? NOTHING : (resourceOf(path).answer.value as Answer<T>);
+}

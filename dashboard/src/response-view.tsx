@@ -1,0 +1,80 @@
+// Choosing a run, one beside it, and channels, for the Bode and polar plots.
+import { useEffect } from "preact/hooks";
+import type { Bode, Document, IdentificationSummary, Phasors } from "./answers";
+import { Response } from "./bode";
+import { Empty, Panel, Trouble } from "./parts";
+import { useResource } from "./resource";
+import { choose, place } from "./router";
+import { RunChoice, useRuns } from "./run-choice";
+import { useStore } from "./store";
+import { bySpeed } from "./sweep";
+
+/** So many channels at once where none was chosen. */
+const FIRST_CHANNELS = 2;
+const LIVE_MS = 1500;
+/** Enough for the sharpest resonance of a train. */
+const FITTED_POINTS = 600;
+
+export function ResponseView({ machine }: { machine: Document }) {
+  const { query } = useStore(place);
+  const runs = useRuns(machine.id);
+  const { run, reference } = runs;
+  const identifications = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications?limit=500`);
+  const identified = identifications.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
+  const measured = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, run?.state === "open" ? LIVE_MS : 0);
+  const other = useResource<Phasors>(reference ? `/runs/${reference.id}/phasors` : null);
+  const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
+  useEffect(() => {
+    if (run && !query.get("run")) choose({ run: String(run.id) });
+  }, [run?.id]);
+  if (runs.all?.length === 0) {
+    return (
+      <Panel title="Bode and polar">
+        <Empty>No run yet. One begins when the speed sweeps through the machine's range.</Empty>
+      </Panel>
+    );
+  }
+  const channels = machine.probes.map((one) => one.id);
+  const asked = (query.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
+  const chosen = asked.length > 0 ? asked : channels.slice(0, FIRST_CHANNELS);
+  const waits = !measured.data || (identified && !fit.data && !fit.failure);
+  return (
+    <>
+      <Panel title="What is shown">
+        <div class="choices">
+          <RunChoice {...runs} />
+          <Channels channels={channels} chosen={chosen} />
+        </div>
+      </Panel>
+      {measured.failure && <Trouble failure={measured.failure} />}
+      {fit.failure && <Trouble failure={fit.failure} />}
+      {waits ? (
+        <div class="waiting" style={{ minHeight: "720px" }} />
+      ) : (
+        <Response
+          machine={machine}
+          channels={chosen}
+          measured={bySpeed(measured.data!)}
+          reference={other.data && bySpeed(other.data)}
+          fit={fit.data}
+        />
+      )}
+    </>
+  );
+}
+
+function Channels({ channels, chosen }: { channels: string[]; chosen: string[] }) {
+  const toggle = (one: string) => {
+    const next = channels.filter((other) => (other === one) !== chosen.includes(other));
+    if (next.length > 0) choose({ channels: next.join(",") });
+  };
+  return (
+    <span class="buttons" role="group" aria-label="Channels">
+      {channels.map((one) => (
+        <button key={one} type="button" aria-pressed={chosen.includes(one)} onClick={() => toggle(one)}>
+          {one}
+        </button>
+      ))}
+    </span>
+  );
+}

@@ -1,0 +1,113 @@
+// The frame around every page: where one is, whether the service answers, light and dark.
+import { useEffect, useState } from "preact/hooks";
+import { AlertsPage } from "./alerts-page";
+import { connection } from "./connection";
+import { Fleet } from "./fleet";
+import { clock } from "./format";
+import { Keys, useShortcuts } from "./keys";
+import { MachinePage } from "./machine-page";
+import { Report } from "./report";
+import { link, place } from "./router";
+import { useStore } from "./store";
+import { choice, choose, type Choice } from "./theme";
+
+export function Shell() {
+  const { parts } = useStore(place);
+  const lost = useStore(connection).state === "lost";
+  const [keys, setKeys] = useState(false);
+  useShortcuts(() => setKeys((open) => !open));
+  useEffect(() => {
+    document.title = ["Rundown", parts[1], parts[2]].filter(Boolean).join(" · ");
+  }, [parts.join("/")]);
+  return (
+    <>
+      <a class="skip" href="#main" onClick={skip}>
+        Skip to the content
+      </a>
+      <header class="bar">
+        <a class="brand" href="#/">
+          Rundown
+        </a>
+        <nav aria-label="Pages">
+          <a href="#/" aria-current={parts.length === 0 ? "page" : undefined}>
+            Fleet
+          </a>
+          <a href={link(["alerts"])} aria-current={parts[0] === "alerts" ? "page" : undefined}>
+            Alerts
+          </a>
+          <a href="/api/v1/docs">API</a>
+        </nav>
+        <span class="space" />
+        <Signal />
+        <ThemeChoice />
+        <button type="button" class="quiet" onClick={() => setKeys(true)} aria-label="Keys of this page" title="Keys (?)">
+          ?
+        </button>
+      </header>
+      <Banner />
+      <main id="main" tabIndex={-1} class={lost ? "stale" : undefined}>
+        <Page parts={parts} />
+      </main>
+      {keys && <Keys onClose={() => setKeys(false)} />}
+    </>
+  );
+}
+
+function skip(event: Event): void {
+  event.preventDefault();
+  document.getElementById("main")?.focus();
+}
+
+function Page({ parts }: { parts: string[] }) {
+  const [first, machine, tab] = parts;
+  if (first === undefined) return <Fleet />;
+  if (first === "alerts") return <AlertsPage />;
+  if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
+  if (first === "reports" && machine) return <Report key={machine} id={machine} />;
+  return (
+    <section class="panel">
+      <h1>No such page</h1>
+      <p>
+        <a href="#/">To the fleet</a>
+      </p>
+    </section>
+  );
+}
+
+function Signal() {
+  const { state } = useStore(connection);
+  const said = { connecting: "○ connecting", live: "● live", lost: "✕ no connection" }[state];
+  return (
+    <span class={`signal ${state}`} role="status">
+      {said}
+    </span>
+  );
+}
+
+function Banner() {
+  const { state, since } = useStore(connection);
+  if (state !== "lost") return null;
+  return (
+    <div class="banner" role="alert">
+      <strong>The service does not answer since {clock(since)}.</strong> What is shown is from before. It is tried again every
+      second; nothing needs to be done here.
+    </div>
+  );
+}
+
+function ThemeChoice() {
+  const now = useStore(choice);
+  const next: Record<Choice, Choice> = { system: "light", light: "dark", dark: "system" };
+  const glyph: Record<Choice, string> = { system: "◐", light: "☼", dark: "☾" };
+  return (
+    <button
+      type="button"
+      class="quiet theme"
+      onClick={() => choose(next[now])}
+      aria-label={`Colours: ${now}; change to ${next[now]}`}
+      title={`Colours: ${now} (d)`}
+    >
+      {glyph[now]}
+    </button>
+  );
+}

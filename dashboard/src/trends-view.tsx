@@ -1,0 +1,287 @@
+// Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
+import type { Alert, BaselineBand, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
+import { PREFIX, query } from "./api";
+import { elementName, number, percent, scaleOf, termName, when } from "./format";
+import { Panel, Shown, Time } from "./parts";
+import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
+import { comparable, elementsOf, NotIdentified, useNewest, useNewestSummary } from "./newest";
+import { useResource } from "./resource";
+import { choose, go, place } from "./router";
+import { useStore } from "./store";
+
+const RANGES: [string, string, number][] = [
+  ["month", "1 month", 31],
+  ["quarter", "3 months", 92],
+  ["year", "1 year", 366],
+  ["all", "all", Infinity],
+];
+const DAY_MS = 86_400_000;
+const MOST_POINTS = 2000;
+/** Stands for an element in the choice: what follows from the parameters. */
+const DERIVED = "derived quantities";
+/** A drift that chance would make less often than this is told. */
+const TOLD = 0.01;
+
+export function TrendsView({ machine }: { machine: Document }) {
+  const { query: chosen } = useStore(place);
+  const { newest, none, failure } = useNewest(machine.id);
+  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=200`, 30_000).data ?? [];
+  if (none) return <NotIdentified />;
+  if (!newest) return <Panel title="Trends">{failure ?? <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
+  const elements = [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])];
+  const open = alerts.find((one) => !one.closed_at)?.element;
+  const element = [chosen.get("element"), open, machine.couplings[0] && `coupling.${machine.couplings[0].id}`, elements[0]].find(
+    (one) => one && elements.includes(one),
+  )!;
+  const range = chosen.get("range") ?? "all";
+  const days = RANGES.find(([id]) => id === range)?.[2] ?? Infinity;
+  const names = element === DERIVED ? newest.derived.map((one) => one.name) : newest.estimates.filter((one) => one.element === element).map((one) => one.parameter);
+  return (
+    <>
+      <Panel title="What is shown">
+        <div class="choices">
+          <Elements elements={elements} chosen={element} alerts={alerts} />
+          <span class="buttons" role="group" aria-label="Time range">
+            {RANGES.map(([id, words]) => (
+              <button key={id} type="button" aria-pressed={id === range} onClick={() => choose({ range: id })}>
+                {words}
+              </button>
+            ))}
+          </span>
+          <label class="switch">
+            <input
+              type="checkbox"
+              checked={chosen.get("scope") === "gathered"}
+              onChange={(event) => choose({ scope: event.currentTarget.checked ? "gathered" : null })}
+            />
+            of the newest runs together
+          </label>
+        </div>
+      </Panel>
+      <Histories
+        machine={machine.id}
+        element={element}
+        names={names}
+        shownDays={days}
+        scope={chosen.get("scope") ?? "run"}
+        alerts={alerts}
+      />
+    </>
+  );
+}
+
+function Elements({ elements, chosen, alerts }: { elements: string[]; chosen: string; alerts: Alert[] }) {
+  const open = new Set(alerts.filter((one) => !one.closed_at).map((one) => one.element));
+  return (
+    <span class="buttons" role="group" aria-label="Element">
+      {elements.map((one) => (
+        <button key={one} type="button" aria-pressed={one === chosen} onClick={() => choose({ element: one })}>
+          {open.has(one) && <span class="severity alert">▲ </span>}
+          {elementName(one)}
+        </button>
+      ))}
+    </span>
+  );
+}
+
+interface HistoriesProps {
+  machine: string;
+  element: string;
+  names: string[];
+  from?: string | null;
+  to?: string | null;
+  /** Only the newest days are shown, of all that is asked for. */
+  shownDays?: number;
+  scope: string;
+  alerts: Alert[];
+  height?: number;
+}
+
+export function Histories(props: HistoriesProps) {
+  const { machine, element, names, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
+  const asked = query({ parameter: names, from, to, scope, max_points: MOST_POINTS });
+  const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
+  const newest = useNewestSummary(machine).data;
+  const judged = scope === "run" && element !== DERIVED && comparable(newest);
+  const tests = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null).data;
+  const xRange = windowOf(answer.data?.series ?? [], shownDays);
+  const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline?limit=200`, 60_000).data ?? [];
+  const markers = markersOf(alerts.filter((one) => one.element === element), timeline);
+  return (
+    <Panel
+      title={`${elementName(element)}: ${scope === "run" ? "of single runs" : "of the newest runs together"}, bands are 95 % intervals`}
+      aside={
+        <a class="screen" href={`${PREFIX}/machines/${machine}/trends${asked}&format=csv`} download={`${machine}-${element}.csv`}>
+          CSV
+        </a>
+      }
+    >
+      <Shown answer={answer} lines={30}>
+        {({ series }) => (
+          <>
+            <p class="muted">
+              <Names curves={kindsOf(series).map((name) => ({ name }))} />
+              {series.some((one) => one.baselines.length > 0) && " Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
+            </p>
+            <div class="plots">
+              {series.map((one) => (
+                <History
+                  key={one.parameter}
+                  name={element === DERIVED ? one.parameter : termName(one.parameter)}
+                  series={one}
+                  kinds={kindsOf(series)}
+                  markers={markers}
+                  tests={judged ? (tests?.tests ?? []).filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`)) : null}
+                  xRange={xRange}
+                  height={props.height ?? 190}
+                />
+              ))}
+            </div>
+            <Marks markers={markers} />
+          </>
+        )}
+      </Shown>
+    </Panel>
+  );
+}
+
+function markersOf(alerts: Alert[], timeline: TimelineEntry[]): Marker[] {
+  const raised = alerts.map<Marker>((one) => ({
+    x: Date.parse(one.opened_at) / 1000,
+    kind: one.severity === "danger" ? "danger" : "alert",
+    words: one.message,
+  }));
+  const entered = timeline.map<Marker>((one) => ({
+    x: Date.parse(one.at) / 1000,
+    kind: one.kind === "maintenance" ? "maintenance" : "note",
+    words: `${one.kind}: ${one.text}`,
+  }));
+  return [...raised, ...entered];
+}
+
+function kindsOf(series: Series[]): string[] {
+  return [...new Set(series.flatMap((one) => one.run_kind))].sort();
+}
+
+function Marks({ markers }: { markers: Marker[] }) {
+  return (
+    <ul class="marks muted">
+      {markers.map((one) => (
+        <li>
+          {MARKS[one.kind]} <Time at={new Date(one.x * 1000).toISOString()} /> {one.words}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** The newest days; undefined: all. */
+function windowOf(series: Series[], days: number): [number, number] | undefined {
+  const newest = Math.max(0, ...series.map((one) => Date.parse(one.measured_at.at(-1) ?? "") / 1000 || 0));
+  return Number.isFinite(days) && newest > 0 ? [newest - (days * DAY_MS) / 1000, newest + (0.02 * days * DAY_MS) / 1000] : undefined;
+}
+
+/** The baseline that a point is compared with. */
+function baselineAt(series: Series, index: number): BaselineBand | undefined {
+  const at = series.measured_at[index]!;
+  return series.baselines.find((one) => one.run_kind === series.run_kind[index] && one.since <= at && (one.until === null || at < one.until));
+}
+
+/** Cross-coupled terms may be near zero: per cent say nothing of them. */
+function isDirect(parameter: string): boolean {
+  return !/(xy|yx)$/.test(parameter);
+}
+
+/** What the trend tests say of a parameter, where they say something. */
+function told(tests: TrendTest[]): string {
+  return tests
+    .flatMap((test) => {
+      const step = [test.step_up, test.step_down].find((one) => one?.passed);
+      const drift = test.drift && test.drift.probability < TOLD ? test.drift : null;
+      return [
+        ...(step ? [`a step${step.began ? `, likeliest since ${when(step.began)}` : ""}`] : []),
+        ...(drift ? [`${percent(drift.per_week / 100)} a week (${number(drift.lower, 2)} … ${number(drift.upper, 2)})${ahead(drift)}`] : []),
+      ];
+    })
+    .join("; ");
+}
+
+function ahead(drift: Drift): string {
+  const next = [drift.alert, drift.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
+  return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
+}
+
+interface HistoryProps {
+  name: string;
+  series: Series;
+  kinds: string[];
+  markers: Marker[];
+  /** Null where nothing is tested. */
+  tests: TrendTest[] | null;
+  xRange: [number, number] | undefined;
+  height: number;
+}
+
+function History({ name, series, kinds, markers, tests, xRange, height }: HistoryProps) {
+  const unit = series.unit ?? "";
+  const sizes = series.value.filter((one) => one !== null).map(Math.abs);
+  const scale = scaleOf(Math.max(0, ...sizes), unit);
+  const scaled = (one: number | null | undefined) => (one === null || one === undefined ? null : one * scale.factor);
+  const accepted = (index: number) => series.quality[index] === "accepted";
+  const only = (values: (number | null)[], keep: (index: number) => boolean) => values.map((one, index) => (keep(index) ? scaled(one) : null));
+  const curves: Curve[] = kinds.map((kind, index) => {
+    const keep = (at: number) => series.run_kind[at] === kind && accepted(at);
+    return { name: kind, style: index, y: only(series.value, keep), lower: only(series.lower, keep), upper: only(series.upper, keep), points: true, spans: true };
+  });
+  if (series.quality.some((one) => one === "not_accepted")) {
+    curves.push({ name: "not accepted", y: only(series.value, (at) => series.quality[at] === "not_accepted"), faint: true, points: true, line: false });
+  }
+  const bands = series.baselines.map((one) => ({
+    low: one.lower * scale.factor,
+    high: one.upper * scale.factor,
+    from: Date.parse(one.since) / 1000,
+    to: one.until === null ? null : Date.parse(one.until) / 1000,
+  }));
+  const readOut = (index: number) => {
+    const value = series.value[index];
+    const at = `${when(series.measured_at[index]!)} ${series.run_kind[index]}`;
+    if (value === null || value === undefined) return `${at}: not estimable`;
+    const low = scaled(series.lower[index]);
+    const high = scaled(series.upper[index]);
+    const base = baselineAt(series, index);
+    const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
+    const doubt = accepted(index) ? "" : ", not accepted";
+    return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${beside}${doubt}`;
+  };
+  const thinned = series.down_sampling && series.down_sampling.method !== "none";
+  return (
+    <figure class="history-plot">
+      <figcaption>
+        <strong>{name}</strong> [{scale.unit || "-"}]
+        {thinned && <span class="muted"> lowest and highest of each stretch, of {series.down_sampling!.points} points</span>}
+      </figcaption>
+      {tests && (
+        <p class="told" title={told(tests)}>
+          {told(tests)}
+        </p>
+      )}
+      <Plot
+        label={`${series.parameter} over time, ${series.value.length} points`}
+        x={series.measured_at.map((one) => Date.parse(one) / 1000)}
+        time
+        yUnit={scale.unit}
+        curves={curves}
+        markers={markers}
+        bands={bands}
+        {...(xRange ? { xRange } : {})}
+        together="trends"
+        height={height}
+        readOut={readOut}
+        onPick={(index) => {
+          const parts = place.value.parts;
+          if (parts[1]) go(["machines", parts[1], "identified"], { identification: String(series.identification[index]) });
+        }}
+      />
+    </figure>
+  );
+}

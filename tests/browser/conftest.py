@@ -1,0 +1,85 @@
+"""A real service with real data, and a real headless Chromium that looks at its page."""
+
+import os
+import re
+import subprocess
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.browser.story import installed, launch, tell
+from tests.end_to_end.processes import ROOT, Service
+
+PICTURES = ROOT / "artefacts" / "browser"
+"""Where screenshots are left for people to look at; not committed."""
+PATIENCE_MS = 20_000
+
+
+class Seen:
+    """A page of the dashboard. errors: what the browser complained of."""
+
+    def __init__(self, page: Page, base: str) -> None:
+        self.page = page
+        self.base = base
+        self.errors: list[str] = []
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+
+    def open(self, place: str = "") -> None:
+        """Go to a place behind the #."""
+        self.page.goto(f"{self.base}/#/{place}")
+
+    def picture(self, name: str) -> None:
+        """Leave a screenshot."""
+        PICTURES.mkdir(parents=True, exist_ok=True)
+        self.page.screenshot(path=PICTURES / f"{name}.png", full_page=True)
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """Where the service runs."""
+    one = Service(tmp_path_factory.mktemp("dashboard"))
+    yield one
+    one.client.close()
+
+
+@pytest.fixture(scope="module")
+def serving(place: Service) -> Iterator[subprocess.Popen[bytes]]:
+    """The process of a service that has watched a coupling go out of alignment for some weeks, and still runs."""
+    with place.running() as started:
+        tell(place)
+        yield started
+
+
+@pytest.fixture
+def service(place: Service, serving: subprocess.Popen[bytes]) -> Service:
+    """The running service."""
+    assert serving.poll() is None
+    return place
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """Headless Chromium."""
+    program = installed()
+    if program is None:
+        if os.environ.get("RUNDOWN_REQUIRE_ALL"):
+            pytest.fail("chromium is not installed; .ci/run installs it")
+        pytest.skip("chromium is not installed")
+    with sync_playwright() as playwright:
+        launched = launch(playwright, program)
+        yield launched
+        launched.close()
+
+
+@pytest.fixture
+def seen(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
+    """A fresh page in a window of a laptop; a screenshot of its last state is left behind."""
+    size = {"width": 1440, "height": 900}
+    context = browser.new_context(viewport=size, color_scheme="light", timezone_id="Europe/Berlin", locale="en-GB")
+    context.set_default_timeout(PATIENCE_MS)
+    one = Seen(context.new_page(), f"http://127.0.0.1:{service.port}")
+    yield one
+    one.picture(re.sub(r"\W+", "-", request.node.name.removeprefix("test_")))
+    context.close()

@@ -1,0 +1,48 @@
+"""What the browser is shown: a real service that has watched a coupling go out of alignment, and Debian's Chromium."""
+
+import shutil
+
+from playwright.sync_api import Browser, Playwright
+
+from tests.end_to_end.processes import EXAMPLES, Service, process, until
+
+MACHINE = "thesis-chapter-3"
+CYCLES = 8
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+def tell(service: Service) -> None:
+    """Some weeks of a machine whose coupling goes out of alignment, all of it identified."""
+    service.create(MACHINE)
+    simulate(service, MACHINE, cycles=CYCLES, rate=1000, wait_s=90, story="misalignment")
+    until(service.idle, within_s=90, what="all runs are identified")
+
+
+def simulate(service: Service, machine: str, *, cycles: int, rate: float, wait_s: float, story: str = "healthy") -> None:
+    """Run-ups and run-downs over zenoh until all of them are closed."""
+    flags = ["--cycles", str(cycles), "--samples", "60", "--rate", str(rate), "--seed", "3", "--connect", service.endpoint]
+    with process(service.folder / "simulate.log", "simulate", f"{EXAMPLES / machine}.yaml:{story}", *flags):
+        until(lambda: closed(service, machine) == 2 * cycles, within_s=wait_s, what=f"the runs of {machine} are closed")
+
+
+def closed(service: Service, machine: str) -> int:
+    """How many runs are closed."""
+    return sum(run["state"] == "closed" for run in service.get(f"/machines/{machine}/runs"))
+
+
+def installed() -> str | None:
+    """Debian's Chromium, if it is there."""
+    return shutil.which("chromium")
+
+
+def launch(playwright: Playwright, program: str) -> Browser:
+    """A headless browser that speaks to nobody but the pages it is sent to."""
+    return playwright.chromium.launch(executable_path=program, args=list(FLAGS))

@@ -1,0 +1,217 @@
+"""The page in a real browser, over a service with real data: it draws, is worked with, follows what happens, survives."""
+
+import re
+import signal
+import subprocess
+import threading
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import PATIENCE_MS, Seen
+from tests.browser.story import MACHINE, simulate
+from tests.end_to_end.processes import Service, until
+
+expect.set_options(timeout=PATIENCE_MS)
+
+BLUE = [0, 114, 178]
+"""Of the first curve of a plot in light colours: --s0 of dashboard/src/style.css."""
+
+COUNT = """([canvas, [red, green, blue]]) => {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let at = 0; at < data.length; at += 4) {
+    const near = Math.abs(data[at] - red) + Math.abs(data[at + 1] - green) + Math.abs(data[at + 2] - blue) < 30;
+    if (near && data[at + 3] > 200) count += 1;
+  }
+  return count;
+}"""
+
+
+def drawn(page: Page) -> list[int]:
+    """For every plot how many of its pixels have the colour of its first curve."""
+    found = page.locator(".plot canvas")
+    return [page.evaluate(COUNT, [canvas.element_handle(), BLUE]) for canvas in found.all()]
+
+
+def wait_drawn(page: Page, plots: int) -> None:
+    """Wait until there are so many plots and each shows its first curve: axes and grid have no such pixel."""
+    expect(page.locator(".plot canvas")).to_have_count(plots)
+    until(lambda: all(count > 5 for count in drawn(page)), within_s=15, what=f"all curves are drawn: {drawn(page)}")
+
+
+def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
+    seen.open()
+    row = seen.page.locator(f"tr[data-machine={MACHINE}]")
+    expect(row).to_contain_text(re.compile("alert|danger"))
+    expect(row).to_contain_text("1 new")
+    row.get_by_role("link").click()
+    expect(seen.page.get_by_role("heading", level=1)).to_have_text("Two-shaft train of the thesis, Chapter 3")
+    assert seen.errors == []
+
+
+def test_train_is_drawn_to_scale_and_the_coupling_stands_out(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    coupling = seen.page.locator("[data-element='coupling.C1']")
+    expect(coupling).to_have_class(re.compile("alert|danger"))
+    expect(coupling).to_contain_text(re.compile("▲|◆"))  # not by colour alone
+    middle = {}
+    for element in ("bearing.B1", "bearing.B2", "bearing.B4"):
+        box = seen.page.locator(f"[data-element='{element}'] path").bounding_box()
+        assert box is not None
+        middle[element] = box["x"] + box["width"] / 2
+    at = {one["element"]: one["at"] for one in service.get(f"/machines/{MACHINE}/drawing")["bearings"]}
+    drawn_ratio = (middle["bearing.B2"] - middle["bearing.B1"]) / (middle["bearing.B4"] - middle["bearing.B1"])
+    true_ratio = (at["bearing.B2"] - at["bearing.B1"]) / (at["bearing.B4"] - at["bearing.B1"])
+    assert drawn_ratio == pytest.approx(true_ratio, abs=0.005)
+    assert seen.errors == []
+
+
+def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    names = [one["parameter"] for one in service.get("/identifications/1")["estimates"] if one["element"] == "coupling.C1"]
+    wait_drawn(seen.page, len(names))
+    plot = seen.page.get_by_role("group", name=re.compile("coupling.C1.kxx over time"))
+    plot.focus()
+    before = plot.locator(".readout").inner_text()
+    assert before.startswith("newest")
+    for _ in range(3):
+        seen.page.keyboard.press("ArrowLeft")
+    expect(plot.locator(".readout")).not_to_have_text(before)
+    expect(plot.locator(".readout")).to_contain_text("kN/m")
+    assert seen.errors == []
+
+
+def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/response")
+    wait_drawn(seen.page, 3)  # amplitude, phase, residuals
+    seen.page.get_by_role("button", name="Over the oldest of its kind").click()
+    expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
+    for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
+        assert path.evaluate("path => path.getTotalLength()") > 100
+    assert seen.errors == []
+
+
+def test_orbits_and_mode_shapes_have_a_shape(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/shapes")
+    expect(seen.page.locator(".orbits svg").first).to_be_visible()
+    expect(seen.page.locator(".modes svg").first).to_be_visible()
+    lengths = [path.evaluate("path => path.getTotalLength()") for path in seen.page.locator(".shapes .curve path").all()]
+    assert len(lengths) > 4
+    assert max(lengths) > 100
+    assert seen.errors == []
+
+
+def test_model_shows_campbell_diagram_and_coupling_forces(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/model")
+    expect(seen.page.locator(".plot canvas")).to_have_count(5)  # Campbell; two forces and two moments
+    expect(seen.page.get_by_text("in the range").first).to_be_visible()
+    until(lambda: drawn(seen.page)[0] > 100, within_s=15, what="the Campbell diagram is drawn")
+    assert seen.errors == []
+
+
+def test_parameters_say_in_words_what_the_data_tell(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/identified?identification=1")
+    found = service.get("/identifications/1")["estimates"]
+    known = sum(one["value"] is not None for one in found)
+    expect(seen.page.get_by_text(f"{known} of {len(found)} parameters are determined")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
+    seen.open(f"reports/{MACHINE}")
+    expect(seen.page.get_by_text("16 runs")).to_be_visible()
+    expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
+    seen.page.emulate_media(media="print")
+    expect(seen.page.locator(".bar")).to_be_hidden()
+    assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("width", "height", "scheme"), [(390, 844, "light"), (1440, 900, "dark")])
+def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, scheme: str) -> None:
+    seen.page.set_viewport_size({"width": width, "height": height})
+    seen.page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
+    for place, sign in {
+        "": "table.fleet",
+        f"machines/{MACHINE}": ".element",
+        f"machines/{MACHINE}/trends": ".plot canvas",
+        f"machines/{MACHINE}/response": ".polar svg",
+    }.items():
+        seen.open(place)
+        expect(seen.page.locator(sign).first).to_be_attached()
+        assert seen.page.evaluate("document.documentElement.scrollWidth") <= width, place
+        seen.picture(f"{scheme}-{width}-{place.replace('/', '-') or 'fleet'}")
+    assert seen.page.evaluate("document.documentElement.dataset.theme") == scheme
+    assert seen.errors == []
+
+
+def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    expect(alarm).to_contain_text("new")
+    alarm.get_by_role("button", name="Acknowledge").focus()
+    seen.page.keyboard.press("Enter")
+    seen.page.get_by_label("Your name").fill("anna")
+    seen.page.get_by_label("Comment").fill("on it")
+    seen.page.get_by_role("dialog").get_by_role("button", name="Acknowledge").click()
+    expect(alarm).to_contain_text("acknowledged")
+    expect(alarm.get_by_role("button", name="Acknowledge")).to_have_count(0)
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    assert alert["state"] == "acknowledged"
+    last = service.get(f"/alerts/{alert['id']}/events")[-1]
+    assert (last["by"], last["comment"]) == ("anna", "on it")
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history")).to_contain_text("on it")
+    assert seen.errors == []
+
+
+def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    expect(alarm).to_be_visible()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    said = {"by": "otto", "comment": "elsewhere", "until": "2099-01-01T00:00:00Z"}
+    answer = service.client.post(f"/alerts/{alert['id']}/shelve", json=said)
+    assert answer.status_code in (409, 422), "there is no shelving for ever"
+    service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "seen it"}).raise_for_status()
+    count = service.get(f"/alerts/{alert['id']}")["events"]
+    expect(alarm).to_contain_text(f"{count} events", timeout=3000)
+
+
+def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
+    service.create("motor-pump")
+    seen.open("machines/motor-pump")
+    expect(seen.page.get_by_text("No run yet")).to_be_visible()
+    source = threading.Thread(
+        target=simulate, args=(service, "motor-pump"), kwargs={"cycles": 1, "rate": 25.0, "wait_s": 60}, daemon=True
+    )
+    source.start()
+    bar = seen.page.locator(".now .collecting progress")
+    expect(bar).to_be_visible()
+    first = float(bar.evaluate("bar => bar.value"))
+    until(lambda: bar.count() == 1 and float(bar.evaluate("bar => bar.value")) > first, within_s=20, what="the bar moves")
+    until(lambda: max(drawn(seen.page), default=0) > 20, within_s=20, what="the run is drawn while it grows")
+    seen.picture("live-run")
+    source.join(60)
+    expect(seen.page.locator("table").get_by_text("run-up")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_the_page_says_that_the_service_is_gone_and_comes_back_with_it(
+    seen: Seen, service: Service, serving: subprocess.Popen[bytes]
+) -> None:
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+    serving.send_signal(signal.SIGTERM)
+    assert serving.wait(20) == 0
+    expect(seen.page.get_by_role("alert").filter(has_text="does not answer")).to_be_visible()
+    expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
+    seen.picture("service-gone")
+    with service.running():
+        expect(seen.page.locator(".banner")).to_have_count(0)
+        expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+        (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+        service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "back"}).raise_for_status()
+        expect(seen.page.locator(".alarm")).to_contain_text(f"{alert['events'] + 1} events")
