@@ -1,6 +1,7 @@
 """The long form of `tests/faults`: real processes killed in every order, frozen, cut off and fed with damaged messages.
 
-Every line is one scenario after which the store was compared with what was measured, sample by sample, to the bit.
+Every line is one scenario after which the store was compared with what was measured, sample by sample, to the bit; of alerts,
+what was told with what happened, event by event.
 
     python -m benchmarks.faults [--rounds 1] [--only killed]
 """
@@ -11,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from tests.faults import scenarios
+from tests.faults import scenarios, telling
 from tests.faults.chain import PARTS, every_order
 
 
@@ -31,6 +32,8 @@ def every_scenario(rounds: int) -> Iterator[tuple[str, Callable[[Path], object]]
         yield name, lambda folder, seed=seed: scenarios.mangled_with_log(folder, seed=seed, samples=10_000)
         name = f"mangled, without a log, seed {seed}"
         yield name, lambda folder, seed=seed: scenarios.mangled_without_log(folder, seed=seed, samples=10_000)
+        name = f"alerts told through 20 kills, seed {seed}"
+        yield name, lambda folder, seed=seed: telling.told_through_kills(folder, seed=seed, kills=20)
 
 
 def main() -> None:

@@ -31,8 +31,8 @@ LONGEST_DRIFT = 104
 """Newest runs that a drift is looked for in: two years of one a week."""
 CENTRES = 7
 """Nodes of the Gauss-Hermite rule over the baseline's centre."""
-SCATTERS = (0.1, 0.3, 0.5, 0.7, 0.9)
-"""Quantiles that stand for the fifths of the distribution of the true scatter."""
+SCATTERS = 10
+"""Nodes of the Gauss-Legendre rule over the quantiles of the true scatter."""
 LARGEST_LIMIT = 60.0
 
 
@@ -163,22 +163,21 @@ def creep_limit(*, runs: int, degrees_of_freedom: float) -> float:
 
 def _limit(rate: Callable[[float, float, float], float], runs: int, freedom: float) -> float:
     """The limit at which the mean rate of false alarms is that of RUN_LENGTH. rate: by limit, shift and σ true / σ used."""
-    nodes, weights = np.polynomial.hermite_e.hermegauss(CENTRES)
-    weights = weights / weights.sum()
-    ratios = [math.sqrt(freedom / float(scipy.special.chdtri(freedom, quantile))) for quantile in SCATTERS]
+    centres, centre_weights = np.polynomial.hermite_e.hermegauss(CENTRES)
+    quantiles, scatter_weights = np.polynomial.legendre.leggauss(SCATTERS)
+    shifts = centres / math.sqrt(runs)
+    ratios = np.sqrt(freedom / scipy.special.chdtri(freedom, (quantiles + 1.0) / 2.0))
+    weights = np.outer(centre_weights, scatter_weights)
+    weights /= weights.sum()
 
     def off(limit: float) -> float:
-        rates = [
-            weight * rate(limit, float(node) / math.sqrt(runs), ratio)
-            for node, weight in zip(nodes, weights, strict=True)
-            for ratio in ratios
-        ]
-        return math.log(RUN_LENGTH * sum(rates) / len(ratios))
+        rates = [[rate(limit, shift, ratio) for ratio in ratios.tolist()] for shift in shifts.tolist()]
+        return math.log(RUN_LENGTH * float(np.sum(weights * np.array(rates))))
 
     largest = 4.0
     while off(largest) > 0.0 and largest < LARGEST_LIMIT:
         largest *= 1.5
-    return float(scipy.optimize.brentq(off, 0.5, largest, xtol=1e-3))
+    return float(scipy.optimize.brentq(off, 0.5, largest, xtol=1e-2))
 
 
 def _tested(name: str, time: Floats, value: Floats, deviation: Floats, white: Whitening, *, both_ways: bool) -> TrendTest:

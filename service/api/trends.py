@@ -7,7 +7,7 @@ import msgspec
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, Field
 
-from service.api.access import From, MachineId, To, moment
+from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
 from service.api.problems import RESPONSES
@@ -104,9 +104,8 @@ class Trends(BaseModel):
 def read_trends(
     request: Request,
     machine_id: MachineId,
+    period: Period,
     parameter: Parameters,
-    first: From = None,
-    last: To = None,
     max_points: MaxPoints = 5000,
     scope: Scope = "run",
     chosen: FormatChoice = None,
@@ -118,8 +117,7 @@ def read_trends(
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories
     found = kept.columns(machine_id, list(dict.fromkeys(parameter)), scope=scope)
-    begin, end = moment(first), moment(last)
-    points = {name: cut(columns, first=begin, last=end, most=max_points) for name, columns in found.items()}
+    points = {name: cut(columns, first=period.first, last=period.last, most=max_points) for name, columns in found.items()}
     if wanted == "json":
         series = [_series(name, columns, points[name]) for name, columns in found.items()]
         body = msgspec.json.encode({"machine": machine_id, "scope": scope, "series": series})

@@ -5,7 +5,7 @@ These are the short forms; `python -m benchmarks.faults` runs every order of kil
 
 from pathlib import Path
 
-from tests.faults import scenarios
+from tests.faults import scenarios, telling
 
 
 def test_a_chain_that_is_frozen_parted_and_killed(tmp_path: Path) -> None:
@@ -22,3 +22,9 @@ def test_of_a_source_without_a_log_exactly_what_never_came_is_lost(tmp_path: Pat
     mangler = scenarios.mangled_without_log(tmp_path, seed=2, samples=800)
     assert min(mangler.twice, mangler.swapped, mangler.flipped) > 3
     assert len(mangler.intact) < 800
+
+
+def test_alerts_are_told_though_the_service_is_killed(tmp_path: Path) -> None:
+    told = telling.told_through_kills(tmp_path, seed=1, kills=2)
+    assert told.events > 50
+    assert told.heard > 10

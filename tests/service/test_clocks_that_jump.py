@@ -144,3 +144,22 @@ def test_a_late_run_of_before_a_maintenance_raises_nothing(plant: Database) -> N
         assert alerts.open_alerts(session, "pump-7") == []
         file(16, 7)
         assert alerts.open_alerts(session, "pump-7") == []
+
+
+def test_a_late_run_of_before_a_change_takes_no_alert_back(plant: Database) -> None:
+    """Three healthy weeks come in late, while the newest runs still show what the alert says."""
+    with plant.transaction() as session:
+
+        def file(number: int, week: int, factors: dict[str, float] | None = None) -> None:
+            row = store_identification(session, identification(factors), run_id=number, measured_at=START + week * WEEK)
+            judge(session, row, baseline_runs=5)
+
+        for week in range(1, 6):
+            file(week, week)
+        for week in range(10, 13):
+            file(week, week, STIFFER)
+        for week in range(6, 9):
+            file(week, week)
+            assert [row.state for row in alerts.open_alerts(session, "pump-7")] == ["unacknowledged"]
+        file(13, 13, STIFFER)
+        assert [row.state for row in alerts.open_alerts(session, "pump-7")] == ["unacknowledged"]

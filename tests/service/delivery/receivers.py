@@ -2,6 +2,7 @@
 
 import json
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -17,6 +18,7 @@ from storage.database import Database
 from storage.tables import AlertRow, IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]
+LATE_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,7 @@ class Received:
 @dataclass
 class Receiver:
     """An HTTP server. `/ok` takes, `/hang` never answers, `/error` answers 500, `/gone` 410, `/redirect` 307 to `/ok`,
-    `/flaky` 503 until `well` is set, `/endless` sends without end."""
+    `/flaky` 503 until `well` is set, `/endless` sends without end, `/late` takes after some milliseconds."""
 
     port: int = 0
     received: list[Received] = field(default_factory=list)
@@ -62,6 +64,8 @@ def receiver() -> Iterator[Receiver]:
             if kind == "hang":
                 state.over.wait(60.0)
                 return
+            if kind == "late":
+                time.sleep(LATE_S)
             status = {"error": 500, "gone": 410, "redirect": 307}.get(kind, 204)
             if kind == "flaky" and not state.well.is_set():
                 status = 503
