@@ -5,6 +5,7 @@ from benchmarks import (
     capture,
     coast_down,
     delivery,
+    derived,
     estimator,
     latency,
     many_sources,
@@ -21,6 +22,7 @@ from benchmarks.fleet import report as fleet
 WITH_OPTIONS = (
     estimator,
     updated_model,
+    derived,
     phasors,
     coast_down,
     states,

@@ -116,9 +116,14 @@ def _number(value: float | None) -> float:
     return np.nan if value is None else float(value)
 
 
+def usual_change(condition: Condition) -> float | None:
+    """What is nothing unusual of a condition, in its unit; None where neither document nor unit tell."""
+    return condition.usual_change or USUAL_CHANGE.get(condition.unit)
+
+
 def _width(condition: Condition, values: Floats) -> float:
-    """Usual change of a condition; zero where nothing tells it."""
-    given = condition.usual_change or USUAL_CHANGE.get(condition.unit)
+    """Usual change of a condition, by the baseline where nothing else tells it."""
+    given = usual_change(condition)
     return given if given is not None else float(np.std(values, ddof=1))
 
 

@@ -48,12 +48,16 @@ def derived_quantities(
     """
     model = updated_model(machine, identification).turning(machine.direction if direction is None else direction)
     speed = running_speed(machine, identification)
+    return (*model_quantities(model, speed=speed), *_second_orders(machine, runs, speed))
+
+
+def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...]:
+    """What follows from a model alone, loads at a speed [rad/s]."""
     crossings = followed_crossings(model)
     return (
         *_critical_speeds(model, crossings),
         *_coupling_loads(model, speed),
         *_amplification_factors(model, crossings),
-        *_second_orders(machine, runs, speed),
     )
 
 

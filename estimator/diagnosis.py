@@ -114,7 +114,7 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
         precision += seen
         pull += drawn
     error = np.linalg.inv(precision)
-    doubt = error + slow_variation(unknown, names) / np.outer(unit, unit)
+    doubt = error + slow_variation(unknown, names, origin) / np.outer(unit, unit)
     amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
     return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found)

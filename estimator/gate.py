@@ -76,11 +76,12 @@ def identify_gated(
     options: Options | None = None,
     rules: QualityRules | None = None,
     gate: bool = True,
+    beginning: Floats | None = None,
 ) -> Gated:
     """Judge runs and identify the machine from what may be used of all of them together.
 
     measurements: the same samples, with trial weights where there were any. rules: by default the document's. gate: without
-    it the quality is told, but nothing is left out beside what the source itself calls unusable.
+    it the quality is told, but nothing is left out beside what the source itself calls unusable. beginning: as `identify`.
     Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
     """
     rules = rules or machine.quality
@@ -90,9 +91,9 @@ def identify_gated(
     error, found = None, None
     try:
         if rules.sweep_rate and all(_clock_trusted(*one) for one in zip(runs, qualities, strict=True)):
-            qualities, found = _without_sweep(machine, runs, base, qualities, options, correct=gate)
+            qualities, found = _without_sweep(machine, runs, base, qualities, options, correct=gate, beginning=beginning)
         else:
-            found = identify(machine, base, options)
+            found = identify(machine, base, options, beginning=beginning)
     except NotEnoughData as reason:
         error = str(reason)
     qualities = tuple(replace(one, findings=(*one.findings, *too_few(one))) for one in qualities)
@@ -122,10 +123,11 @@ def _without_sweep(
     options: Options | None,
     *,
     correct: bool,
+    beginning: Floats | None,
 ) -> tuple[tuple[Quality, ...], Identification]:
     """The identification from what the sweeps left usable."""
     pieces = _pieces(runs)
-    plain = identify(machine, base, replace(options or Options(), starts=1))
+    plain = identify(machine, base, replace(options or Options(), starts=1), beginning=beginning)
     used, found = base, plain
     if not plain.accepted:
         used, found = _by_the_document(machine, runs, base, options, correct=correct)

@@ -13,7 +13,7 @@ import numpy as np
 from estimator.between_run_scatter import between_run_scatter
 from estimator.condensation import Floats
 from estimator.observation import Observation
-from estimator.parameters import SCALE_FACTORS, Quantity, Unknowns
+from estimator.parameters import SCALE_FACTORS, Coefficient, Quantity, Unknowns
 
 SHARED: dict[Quantity, float] = {
     "stiffness": 0.02,
@@ -22,9 +22,9 @@ SHARED: dict[Quantity, float] = {
     "damping": 0.03,
     "angular damping": 0.03,
 }
-"""Standard deviation of what the direct terms of one element share, between any two times of the year."""
+"""Standard deviation of what the terms of one element share, between any two times of the year."""
 SEASON = 0.04
-"""Standard deviation of what all direct stiffnesses of the machine share."""
+"""Standard deviation of what all stiffnesses of the machine share."""
 SCALE_FACTOR = 5e-4
 """Run-to-run standard deviation of E and density: the steel stays the same."""
 GAIN = 0.005
@@ -43,18 +43,30 @@ def run_variation(baseline: Sequence[Observation]) -> Floats:
     return unit
 
 
-def slow_variation(unknowns: Unknowns, names: Sequence[str]) -> Floats:
-    """Covariance (N, N) of what differs between two times of the year, and is alike in runs that follow each other."""
-    coefficients = {one.name: one for one in unknowns.coefficients if one.direct}
-    direct = [coefficients.get(name.partition("@")[0]) for name in names]
-    shared = np.array([0.0 if one is None else SHARED.get(one.quantity, 0.0) for one in direct])
-    groups = [None if one is None else (one.element, "damping" in one.quantity) for one in direct]
-    stiff = SEASON * np.array([one is not None and "stiffness" in one.quantity for one in direct])
+def slow_variation(unknowns: Unknowns, names: Sequence[str], typical: Floats) -> Floats:
+    """Covariance (N, N) of what differs between two times of the year, and is alike in runs that follow each other.
+
+    typical: (N,) values of the healthy machine: a cross-coupled term changes in proportion to its size, as a film's whole
+    stiffness matrix does with its temperature.
+    """
+    by_name = {one.name: one for one in unknowns.coefficients}
+    known = [by_name.get(name.partition("@")[0]) for name in names]
+    growth = np.array([_growth(one, float(value)) for one, value in zip(known, typical, strict=True)])
+    shared = growth * np.array([0.0 if one is None else SHARED.get(one.quantity, 0.0) for one in known])
+    groups = [None if one is None else (one.element, "damping" in one.quantity) for one in known]
+    stiff = SEASON * growth * np.array([one is not None and "stiffness" in one.quantity for one in known])
     covariance = np.outer(stiff, stiff)
     for group in dict.fromkeys(one for one in groups if one is not None):
         column = shared * np.array([one == group for one in groups])
         covariance += np.outer(column, column)
     return np.asarray(covariance)
+
+
+def _growth(coefficient: Coefficient | None, typical: float) -> float:
+    """How a quantity changes when it grows in proportion: a logarithm by 1, a cross-coupled term by its own value."""
+    if coefficient is None:
+        return 0.0
+    return 1.0 if coefficient.direct else typical
 
 
 def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:

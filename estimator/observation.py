@@ -5,7 +5,7 @@ errors of its channels together. Directions that the data leave open have next t
 out and nothing undetermined can look like a change.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,16 @@ class Observation:
         """The fit's own estimates, with their covariance when the channels are as the document has them."""
         own = slice(self.coordinates)
         return Point(self.names[own], self.reference[own], inverse(self.information[own, own]))
+
+    def at(self, point: Point) -> "Observation":
+        """The same with another estimate of the fit's own coordinates, such as one under other operating conditions."""
+        own, rest = slice(self.coordinates), slice(self.coordinates, None)
+        before, across = self.information[own, own], self.information[own, rest]
+        bias = np.linalg.solve(before, across)
+        after = inverse(point.covariance)
+        among = self.information[rest, rest] + bias.T @ (after - before) @ bias
+        information = np.block([[after, after @ bias], [(after @ bias).T, among]])
+        return replace(self, reference=np.concatenate([point.value, self.reference[rest]]), information=information)
 
 
 def observed(identification: Identification, channels: tuple[str, ...]) -> Observation:

@@ -12,7 +12,7 @@ import scipy.stats
 
 from estimator.condensation import Complexes, Floats
 
-NEAR = 0.05
+NEAR = 0.1
 """Samples within this part of the running speed count."""
 TAIL = 0.025
 """Probability that the median lies beyond either end of the interval."""

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from estimator.condensation import Complexes, Floats, condense
+from estimator.covariates import usual_change
 from estimator.machine import Machine, Noise
 from estimator.misalignment import neighbouring_bearings
 from estimator.parameters import Quantity, Unknowns, unknowns
@@ -26,6 +27,13 @@ COUPLING_STIFFENING = 0.6
 """Relative growth of a coupling's coefficients at the end of the misalignment story."""
 BEARING_STIFFENING = 0.25
 """The same for the bearings beside it."""
+CONDITION_LEVEL = 5.0
+"""Mean of a simulated operating condition in usual changes of it: 50 °C, 100 %."""
+SEASON, WEATHER = 1.0, 0.3
+"""How far it swings over a year, and from run to run, in usual changes."""
+CONDITION_EFFECT = -0.01
+"""What a usual change of each condition does to the logarithm of every bearing coefficient."""
+YEAR_S = 365.25 * 86_400.0
 UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
 """Factor on one disc's unbalance in the unbalance story: larger and elsewhere."""
 
@@ -90,6 +98,21 @@ def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
     coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
     turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
     return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
+
+
+def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) -> Floats:
+    """Operating conditions (k,) of one run at a time [s], in the document's order and units: a season, and the day's own."""
+    size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
+    season = SEASON * np.sin(2 * np.pi * time_s / YEAR_S)
+    return np.asarray(size * (CONDITION_LEVEL + season + WEATHER * rng.standard_normal(size.size)))
+
+
+def under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Truth:
+    """The truth under operating conditions (k,): oil that is warmer is thinner, and the bearings softer."""
+    size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
+    change = float(np.sum(conditions / size - CONDITION_LEVEL))
+    of_bearing = np.array([c.element.startswith("bearing.") for c in truth.unknowns.coefficients])
+    return replace(truth, coefficients=truth.coefficients * np.where(of_bearing, np.exp(CONDITION_EFFECT * change), 1.0))
 
 
 def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int) -> tuple[Floats, Floats]:

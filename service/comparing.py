@@ -62,15 +62,11 @@ def compared(
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
     )
-    which = session, stored.machine_id, like
-    if began is None or began.identification_ids is None:
-        first = identifications.first_accepted(*which, limit=baseline_runs)
-        wanted = baseline_runs
-    else:
-        first = identifications.named(*which, began.identification_ids)
-        wanted = len(set(began.identification_ids))
+    first, wanted = baseline_of(session, stored.machine_id, like, began, baseline_runs=baseline_runs)
     known = {row.id for row in first}
-    newest = identifications.newest(*which, limit=longest + wanted, last=stored.measured_at, accepted=accepted)
+    newest = identifications.newest(
+        session, stored.machine_id, like, limit=longest + wanted, last=stored.measured_at, accepted=accepted
+    )
     after = [row for row in reversed(newest) if row.id not in known]
     if began is None and first:
         # What was refused before the machine's first good run belongs to nothing.
@@ -92,6 +88,15 @@ def like_conditions(session: Session, found: Compared) -> Adjustment:
     known = identifications.points(session, found.baseline) if conditions else {}
     baseline = [one for one in found.baseline if one.id in known]
     return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
+
+
+def baseline_of(
+    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
+) -> tuple[Sequence[IdentificationRow], int]:
+    """The identifications that make a baseline so far, oldest first, and how many it needs."""
+    if began is None or began.identification_ids is None:
+        return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
+    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
 
 
 def readings(session: Session, found: Compared) -> list[Reading]:

@@ -6,7 +6,7 @@ import threading
 import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from importlib.metadata import version as version_of_the_code
 
 from sqlalchemy.exc import DBAPIError, IntegrityError
@@ -138,7 +138,8 @@ class Identifying:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", job_id, outcome.error)
                 return
-            stored = identifications.add(session, _origin(session, row, self._options), result)
+            origin = replace(_origin(session, row, self._options, outcome.beginning), conditions=outcome.conditions or None)
+            stored = identifications.add(session, origin, result)
             derived.add(session, stored, outcome.derived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
@@ -185,7 +186,14 @@ def _task(session: Session, row: JobRow, options: Options, settings: Settings) -
         rules=requesting.quality_rules(row, machine.quality),
         earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
         slow_roll=vectors,
+        beginning=_beginning(session, row, revision, version),
     )
+
+
+def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: int | None) -> tuple[int, bytes] | None:
+    """The point of the machine's first good identification: from there outliers lead no fit astray."""
+    first = identifications.first_of(session, row.machine_id, revision=revision, slow_roll_version=slow_roll_version)
+    return None if first is None or first.point is None else (first.id, first.point)
 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
@@ -201,10 +209,12 @@ def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
     return None if held is None else (f"run {before.id}", encode(held))
 
 
-def _origin(session: Session, row: JobRow, options: Options) -> Origin:
+def _origin(session: Session, row: JobRow, options: Options, beginning: int | None) -> Origin:
     used = [runs.get(session, run_id) for run_id in row.run_ids]
     version = requesting.slow_roll_version(session, row)
     described = asdict(requesting.fit_options(row, options))
+    if beginning is not None:
+        described["beginning"] = beginning
     if version is not None:
         machine = machines.document(session, row.machine_id, used[0].revision)
         described["slow_roll_left_out"] = slow_roll.doubtful(slow_roll.get(session, row.machine_id, version), machine)

@@ -51,6 +51,7 @@ class Sidecar(BaseModel):
     amplitude_kind: str
     phase_convention: str
     phase_unit: str
+    conditions: dict[Identifier, str] = Field(default_factory=dict, description="column of each operating condition by name")
     added_unbalance: dict[Identifier, Unbalance] = Field(
         default_factory=dict, description="trial weights that were on: disc, and what they add to its unbalance"
     )
@@ -106,6 +107,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         speed=speed,
         amplitude=[list(row) for row in zip(*amplitude, strict=True)],
         phase=[list(row) for row in zip(*phase, strict=True)],
+        conditions={name: gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
 
 
@@ -134,7 +136,7 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
         phase_convention="lag",
         phase_unit="deg",
     )
-    described = sidecar.model_dump(mode="json", exclude_none=True, exclude={"start", "added_unbalance"})
+    described = sidecar.model_dump(mode="json", exclude_none=True, exclude={"start", "added_unbalance", "conditions"})
     path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 
@@ -156,6 +158,9 @@ def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
             sequence=batch.sequence + start,
             time_ns=batch.time_ns[piece],
             speed=batch.speed[piece],
+            conditions=None
+            if batch.conditions is None
+            else {name: values[piece] for name, values in batch.conditions.items()},
             **{name: rows if rows is None else rows[piece] for name in TABLES for rows in [getattr(batch, name)]},
         )
 

@@ -17,7 +17,17 @@ import zenoh
 from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
 from estimator.segmentation import RunKind
-from estimator.simulation import Story, Truth, at_progress, draw_truth, measured_phasors, scattered, speed_law
+from estimator.simulation import (
+    Story,
+    Truth,
+    at_progress,
+    draw_truth,
+    drawn_conditions,
+    measured_phasors,
+    scattered,
+    speed_law,
+    under_conditions,
+)
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.recording import split
 from service.source import Source
@@ -120,6 +130,7 @@ class _Life:
         self._drawn = draw_truth(machine, rng)
         at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
         self._due = time.monotonic()
+        self._conditions: Floats = np.empty(0)
 
     def live(self) -> None:
         """Publish all cycles."""
@@ -133,6 +144,8 @@ class _Life:
                 progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
                 truth = scattered(at_progress(self._drawn, machine, self._story, progress), self._rng)
                 start = began + cycle * plan.interval_s
+                self._conditions = drawn_conditions(machine, start, self._rng)
+                truth = under_conditions(truth, machine, self._conditions)
                 if self._stop.wait(max(0.0, start - time.time())):
                     return
                 logger.info(
@@ -148,7 +161,7 @@ class _Life:
     def _sweep(self, source: Source, truth: Truth, kind: RunKind, start: float, duration: float) -> None:
         seconds, speed = speed_law(self.machine, kind, duration=duration, samples=self._plan.samples)
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
-        batch = _batch(self.machine, start + seconds, speed, phasors)
+        batch = _batch(self.machine, start + seconds, speed, phasors, self._conditions)
         self._truths.write(self.machine, kind, batch.time_ns[-1], truth)
         self._publish(source, batch)
 
@@ -158,7 +171,7 @@ class _Life:
         seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
         speed = np.full(HOLD_SAMPLES, sweep[0])
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
-        self._publish(source, _batch(self.machine, start + seconds, speed, phasors))
+        self._publish(source, _batch(self.machine, start + seconds, speed, phasors, self._conditions))
 
     def _publish(self, source: Source, batch: SampleBatch) -> None:
         for piece in split(batch, BATCH_SAMPLES):
@@ -177,8 +190,12 @@ class _Life:
         self._stop.wait(max(0.0, self._due - time.monotonic()))
 
 
-def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes) -> SampleBatch:
-    """A batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag."""
+def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
+    """A batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
+
+    conditions: (k,) the same in all samples.
+    """
+    told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
     return SampleBatch(
         schema=WIRE_SCHEMA,
         plant=machine.plant,
@@ -197,4 +214,5 @@ def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes) 
         speed=[rad_per_s_to_rpm(value) for value in speed.tolist()],
         amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
         phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
+        conditions={name: [value] * speed.size for name, value in told.items()} or None,
     )

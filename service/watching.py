@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from estimator.change_size import ChangeSize, change_size
+from estimator.covariates import Adjustment, adjustment
 from estimator.diagnosis import Cause, Diagnosis
 from estimator.healthy_variation import typical_amplitude
 from estimator.machine import Machine
@@ -44,13 +45,13 @@ class Comparison:
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
     """Diagnose a machine after an identification was stored; open, update or clear its alerts.
 
-    Alerts follow the newest run of a kind: a late one is diagnosed, and shows in alerts with the next.
+    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
     """
-    if stored.scope != jobs.RUN or _of_the_past(session, stored):
+    if stored.scope != jobs.RUN:
         return
+    today = _of_today(session, stored)
     limits = limits_in_force(session, stored.machine_id)
-    newest = identifications.is_newest(session, stored)
-    if stored.accepted and newest:
+    if stored.accepted and today:
         watching_rates.judge(session, compared(session, stored, baseline_runs=baseline_runs), limits)
     found = comparison(session, stored, baseline_runs=baseline_runs)
     if found is None:
@@ -64,7 +65,7 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
         runs=max((len(cause.agreement) for cause in diagnosis.causes), default=0),
         causes=[one.evidence() for one in statements],
     )
-    if not newest:
+    if not today:
         return
     raised = {alert.id for one in statements if (alert := _raise(session, one, stored, limits)) is not None}
     for alert in alerts.open_alerts(session, stored.machine_id):
@@ -72,13 +73,12 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
             _clear_if_gone(session, alert, found, statements, limits)
 
 
-def _of_the_past(session: Session, stored: IdentificationRow) -> bool:
-    """Whether a late run belongs to the machine as it was: alerts speak of the machine as it is."""
+def _of_today(session: Session, stored: IdentificationRow) -> bool:
+    """Whether a run shows the machine as it is: the newest of its kind, under the document and the baseline in force."""
     newest = machines.get(session, stored.machine_id).revision
-    if stored.revision not in machines.comparable(session, stored.machine_id, newest):
-        return True
     then, today = (baselines.in_force(session, stored.machine_id, at=moment) for moment in (stored.measured_at, now()))
-    return then is not today
+    same_machine = stored.revision in machines.comparable(session, stored.machine_id, newest)
+    return same_machine and then is today and identifications.is_newest(session, stored)
 
 
 def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
@@ -96,9 +96,19 @@ def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: in
     after = [(row, said) for row, said in _said(rows.after, channels) if said.names == names]
     if not after or any(said.names != names for _, said in baseline):
         return None
-    watch = Watch.over(machine, [said for _, said in baseline])
-    newest, observations = zip(*after, strict=True)
-    return Comparison(machine, tuple(row for row, _ in baseline), watch, newest, observations)
+    follows = adjustment(
+        [said.point for _, said in baseline], [row.conditions or {} for row, _ in baseline], machine.conditions
+    )
+    watch = Watch.over(machine, [_adjusted(said, row, follows) for row, said in baseline])
+    observations = tuple(_adjusted(said, row, follows) for row, said in after)
+    return Comparison(machine, tuple(row for row, _ in baseline), watch, tuple(row for row, _ in after), observations)
+
+
+def _adjusted(said: Observation, row: IdentificationRow, follows: Adjustment) -> Observation:
+    """What a run says of the machine under the baseline's mean operating conditions."""
+    if not follows.conditions:
+        return said
+    return said.at(follows.adjusted(said.point, row.conditions or {}))
 
 
 def _said(rows: Sequence[IdentificationRow], channels: tuple[str, ...]) -> list[tuple[IdentificationRow, Observation]]:

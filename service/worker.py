@@ -4,7 +4,7 @@ import os
 import signal
 import threading
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
 from types import FrameType
@@ -24,7 +24,7 @@ from estimator.quality import Quality, Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
-from storage.blocks import Samples, decode
+from storage.blocks import Samples, decode, mean_conditions
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Task:
     """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
 
     rules: what may be left out. earlier: name and block of a run that a single run is compared with. slow_roll: vectors that
-    are subtracted before the fit.
+    are subtracted before the fit. beginning: id and `point` of an earlier identification, alike, to start from.
     """
 
     document: dict[str, Any]
@@ -42,19 +42,23 @@ class Task:
     rules: QualityRules | None = None
     earlier: tuple[str, bytes] | None = None
     slow_roll: SlowRoll | None = None
+    beginning: tuple[int, bytes] | None = None
 
 
 @dataclass(frozen=True)
 class Outcome:
     """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`.
 
-    derived: what follows from an accepted identification.
+    derived: what follows from an accepted identification. conditions: mean of each operating condition over the runs by name,
+    None where it was not measured. beginning: id of the identification from which the fit started, if any.
     """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
     error: str | None = None
     derived: tuple[Derived, ...] = ()
+    conditions: dict[str, float | None] = field(default_factory=dict)
+    beginning: int | None = None
 
 
 class OutOfTime(RuntimeError):
@@ -82,7 +86,10 @@ def compute(task: Task) -> Outcome:
         if len(found) < len(gated):
             return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
         result = found[0] if len(found) == 1 else combined(found)
-        return Outcome(qualities, result, derived=_derived(machine, result, runs))
+        conditions = mean_conditions(runs, machine.condition_names)
+        beginning = None if task.beginning is None else task.beginning[0]
+        derived = _derived(machine, result, runs)
+        return Outcome(qualities, result, derived=derived, conditions=conditions, beginning=beginning)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
@@ -100,7 +107,8 @@ def _gated(machine: Machine, samples: Samples, task: Task) -> Gated:
     described, without = machine, measurement
     if task.slow_roll is not None:
         described, without = corrected(machine, measurement, task.slow_roll)
-    gated = identify_gated(described, [run], [without], options=task.options, rules=task.rules)
+    beginning = None if task.beginning is None else np.frombuffer(task.beginning[1], "<f8")
+    gated = identify_gated(described, [run], [without], options=task.options, rules=task.rules, beginning=beginning)
     quality = gated.qualities[0]
     good = replace(measurement, usable=measurement.usable & quality.usable)
     wiring = tuple(finding.words for finding in orbit_findings(machine, good))

@@ -7,6 +7,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import AlertEventRow, AlertRow
 
 
@@ -103,9 +104,11 @@ def get(session: Session, alert_id: int, *, to_change: bool = False) -> AlertRow
     return row
 
 
-def find(session: Session, *, machine_id: str | None, only_open: bool, limit: int) -> Sequence[AlertRow]:
-    """Alerts, newest first."""
-    query = select(AlertRow).order_by(AlertRow.opened_at.desc(), AlertRow.id.desc())
+def find(
+    session: Session, *, machine_id: str | None, only_open: bool, limit: int, after: Keys | None = None
+) -> Sequence[AlertRow]:
+    """Alerts, newest first; after: time of opening and id of the one before the first."""
+    query = ordered(select(AlertRow), (AlertRow.opened_at, AlertRow.id), after)
     if machine_id is not None:
         query = query.where(AlertRow.machine_id == machine_id)
     if only_open:
@@ -113,11 +116,12 @@ def find(session: Session, *, machine_id: str | None, only_open: bool, limit: in
     return session.scalars(query.limit(limit)).all()
 
 
-def history(session: Session, alert_id: int) -> Sequence[AlertEventRow]:
-    """What happened to an alert, oldest first."""
-    return session.scalars(
-        select(AlertEventRow).where(AlertEventRow.alert_id == alert_id).order_by(AlertEventRow.number)
-    ).all()
+def history(
+    session: Session, alert_id: int, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[AlertEventRow]:
+    """What happened to an alert, oldest first; after: number of the event before the first."""
+    query = select(AlertEventRow).where(AlertEventRow.alert_id == alert_id)
+    return session.scalars(ordered(query, (AlertEventRow.number,), after, descending=False).limit(limit)).all()
 
 
 def events_after(session: Session, event_id: int, *, limit: int) -> Sequence[AlertEventRow]:

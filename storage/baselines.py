@@ -6,6 +6,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import BaselineRow
 
 
@@ -32,7 +33,9 @@ def in_force(session: Session, machine_id: str, *, at: int) -> BaselineRow | Non
     return session.scalars(query.order_by(BaselineRow.since.desc(), BaselineRow.id.desc()).limit(1)).one_or_none()
 
 
-def of_machine(session: Session, machine_id: str) -> Sequence[BaselineRow]:
-    """All baselines of a machine that a person or a maintenance began, newest first."""
+def of_machine(
+    session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[BaselineRow]:
+    """All baselines of a machine that a person or a maintenance began, newest first; after: beginning and id."""
     query = select(BaselineRow).where(BaselineRow.machine_id == machine_id)
-    return session.scalars(query.order_by(BaselineRow.since.desc(), BaselineRow.id.desc())).all()
+    return session.scalars(ordered(query, (BaselineRow.since, BaselineRow.id), after).limit(limit)).all()

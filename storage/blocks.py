@@ -3,7 +3,7 @@
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ from estimator.quality import Recorded
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
 _MAGIC = b"RDSB"
-_FORMAT = 2
-_OLDEST_FORMAT = 1  # without 2× and with one bit of status
+_FORMAT = 3
+_WITHOUT_CONDITIONS = 2  # still written where there are none
+_OLDEST_FORMAT = 1  # without 2× too, and with one bit of status
 
 
 class DamagedBlock(ValueError):
@@ -28,7 +29,8 @@ class Samples:
 
     time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 1× 0-to-peak [m], NaN
     where there is none. status: (S, m) ChannelStatus. scatter: (S, m) rms of the complex error of the 1× [m], NaN where
-    unknown. second: (S, m) complex 2× 0-to-peak [m], NaN where there is none; it does not enter the fit.
+    unknown. second: (S, m) complex 2× 0-to-peak [m], NaN where there is none; it does not enter the fit. conditions: (S, k)
+    operating conditions in the document's order and units, NaN where one was not measured; by default none.
     """
 
     time: NDArray[np.int64]
@@ -38,6 +40,11 @@ class Samples:
     status: NDArray[np.uint8]
     scatter: NDArray[np.float64]
     second: NDArray[np.complex128]
+    conditions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+
+    def __post_init__(self) -> None:
+        if self.conditions.size == 0 and len(self.conditions) != len(self):
+            object.__setattr__(self, "conditions", np.empty((len(self), 0)))
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -64,7 +71,7 @@ class Samples:
         return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
 
 
-_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second")
+_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions")
 
 
 def join(parts: Sequence[Samples], *, channels: int) -> Samples:
@@ -79,7 +86,17 @@ def join(parts: Sequence[Samples], *, channels: int) -> Samples:
             np.empty((0, channels)),
             np.empty((0, channels), complex),
         )
-    return Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS))
+    width = max(part.conditions.shape[1] for part in parts)
+    conditions = np.concatenate([_wider(part.conditions, width) for part in parts])
+    joined = Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS[:-1]))
+    return replace(joined, conditions=conditions)
+
+
+def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str, float | None]:
+    """Mean of each condition over several pieces by its name, in the document's order; None where it was never measured."""
+    table = np.concatenate([np.empty((0, len(names))), *(_wider(part.conditions, len(names)) for part in parts)])
+    counts, sums = np.count_nonzero(np.isfinite(table), axis=0), np.nansum(table, axis=0)
+    return {name: float(sums[i] / counts[i]) if counts[i] else None for i, name in enumerate(names)}
 
 
 def encode(samples: Samples) -> bytes:
@@ -94,10 +111,12 @@ def encode(samples: Samples) -> bytes:
             samples.status.astype("u1").tobytes(),
             samples.scatter.astype("<f8").tobytes(),
             samples.second.astype("<c16").tobytes(),
+            samples.conditions.astype("<f8").tobytes(),
         ]
     )
     packed = zlib.compress(body, 1)
-    return _HEADER.pack(_MAGIC, _FORMAT, channels, count, _checksum(channels, count, packed)) + packed
+    version = _FORMAT if samples.conditions.size else _WITHOUT_CONDITIONS
+    return _HEADER.pack(_MAGIC, version, channels, count, _checksum(channels, count, packed)) + packed
 
 
 def decode(data: bytes) -> Samples:
@@ -129,9 +148,16 @@ def decode(data: bytes) -> Samples:
             second=(
                 take("<c16", values).astype(np.complex128) if version > 1 else np.full(values, complex(np.nan, np.nan))
             ).reshape(table),
+            conditions=take("<f8", (len(body) - at) // 8).astype(np.float64).reshape(count, -1 if version > 2 else 0),
         )
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
+
+
+def _wider(conditions: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Conditions (S, k) with columns of NaN up to a width: what an older block did not know was not measured."""
+    missing = np.full((len(conditions), max(width - conditions.shape[1], 0)), np.nan)
+    return np.hstack([conditions, missing]) if missing.shape[1] else conditions
 
 
 def _status(stored: NDArray[np.generic], values: int, version: int) -> NDArray[np.uint8]:

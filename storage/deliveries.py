@@ -6,6 +6,7 @@ from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from storage.clock import TOLERANCE, now
+from storage.paging import Keys, ordered
 from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
 
 ACTIVE, DISABLED = "active", "disabled"
@@ -51,9 +52,9 @@ def get(session: Session, subscription_id: int) -> SubscriptionRow:
     return row
 
 
-def every(session: Session) -> Sequence[SubscriptionRow]:
-    """All subscriptions, by id."""
-    return session.scalars(select(SubscriptionRow).order_by(SubscriptionRow.id)).all()
+def every(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
+    """All subscriptions, by id; after: the one before."""
+    return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
 
 
 def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
@@ -114,10 +115,10 @@ def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Se
     return session.scalars(query.order_by(DeliveryRow.id).limit(limit)).all()
 
 
-def of_subscription(session: Session, subscription_id: int, *, limit: int) -> Sequence[DeliveryRow]:
-    """The delivery log of a subscription, newest first."""
+def of_subscription(session: Session, subscription_id: int, *, limit: int, after: Keys | None = None) -> Sequence[DeliveryRow]:
+    """The delivery log of a subscription, newest first; after: id of the one before."""
     query = select(DeliveryRow).where(DeliveryRow.subscription_id == subscription_id)
-    return session.scalars(query.order_by(DeliveryRow.id.desc()).limit(limit)).all()
+    return session.scalars(ordered(query, (DeliveryRow.id,), after).limit(limit)).all()
 
 
 def delivery(session: Session, delivery_id: int) -> DeliveryRow:

@@ -7,6 +7,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, ScalarSelect, func, select
 from sqlalchemy.orm import Session
 
+from storage.paging import Keys, ordered
 from storage.tables import (
     AlertEventRow,
     AlertRow,
@@ -75,19 +76,17 @@ class ListedMachine:
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
-def page(session: Session, *, after: str | None, limit: int) -> list[ListedMachine]:
-    """Machines behind an id, by id. Their documents are not read, but for the name."""
+def page(session: Session, *, limit: int, after: Keys | None = None) -> list[ListedMachine]:
+    """Machines by id; after: the one before the first. Their documents are not read, but for the name."""
     query = select(
         MachineRow.id, MachineRow.plant, _document()["name"].as_string(), MachineRow.revision, MachineRow.created_at
     )
-    query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id).limit(limit)
-    if after is not None:
-        query = query.where(MachineRow.id > after)
+    query = ordered(query.join(RevisionRow, _in_force()), (MachineRow.id,), after, descending=False).limit(limit)
     return [ListedMachine(*row) for row in session.execute(query)]
 
 
-def glances(session: Session, *, since: int, after: str | None, limit: int) -> list[MachineGlance]:
-    """Machines behind an id, by id, with what happened since a time [ns]."""
+def glances(session: Session, *, since: int, limit: int, after: Keys | None = None) -> list[MachineGlance]:
+    """Machines by id with what happened since a time [ns]; after: the one before the first."""
     limits = _document()["speed_range"]
     query = (
         select(
@@ -104,12 +103,8 @@ def glances(session: Session, *, since: int, after: str | None, limit: int) -> l
         )
         .join(RevisionRow, _in_force())
         .outerjoin(CollectorRow, CollectorRow.machine_id == MachineRow.id)
-        .order_by(MachineRow.id)
-        .limit(limit)
     )
-    if after is not None:
-        query = query.where(MachineRow.id > after)
-    rows = session.execute(query).all()
+    rows = session.execute(ordered(query, (MachineRow.id,), after, descending=False).limit(limit)).all()
     run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
     runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[8] for row in rows])}
     identification = (

@@ -16,6 +16,7 @@ from estimator.parameters import is_direct
 from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
+from storage.paging import Keys, ordered
 from storage.runs import DISCARDED
 from storage.tables import EstimateRow, IdentificationRow, RunRow
 
@@ -38,6 +39,7 @@ class Origin:
     options: dict[str, Any]
     code_version: str
     slow_roll_version: int | None = None
+    conditions: dict[str, float | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
         covariance=result.covariance.astype("<f8").tobytes(),
@@ -142,11 +145,17 @@ def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np
 
 
 def of_machine(
-    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+    session: Session,
+    machine_id: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    limit: int | None = None,
+    after: Keys | None = None,
 ) -> Sequence[IdentificationRow]:
-    """Identifications of a machine measured between two times [ns], newest first."""
+    """Identifications of a machine measured between two times [ns], newest first; after: time and id of the one before."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id)
-    query = query.order_by(IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
+    query = ordered(query, (IdentificationRow.measured_at, IdentificationRow.id), after)
     if first is not None:
         query = query.where(IdentificationRow.measured_at >= first)
     if last is not None:
@@ -158,6 +167,20 @@ def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int)
     """The first accepted identifications of single runs that are alike, oldest first."""
     query = _accepted_runs(machine_id, like)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
+
+
+def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_version: int | None) -> IdentificationRow | None:
+    """The first accepted identification of a single run under a revision and slow-roll version, of any kind of run."""
+    query = select(IdentificationRow).where(
+        IdentificationRow.machine_id == machine_id,
+        IdentificationRow.revision == revision,
+        IdentificationRow.slow_roll_version == slow_roll_version,
+        IdentificationRow.scope == RUN,
+        IdentificationRow.accepted,
+        IdentificationRow.point.is_not(None),
+    )
+    query = query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(1)
+    return session.scalars(query.options(undefer(IdentificationRow.point))).one_or_none()
 
 
 def newest(

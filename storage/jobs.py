@@ -9,6 +9,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import JobRow
 
 QUEUED, RUNNING, DONE, FAILED = "queued", "running", "done", "failed"
@@ -102,10 +103,10 @@ def get(session: Session, job_id: int) -> JobRow:
     return row
 
 
-def of_machine(session: Session, machine_id: str, *, limit: int) -> Sequence[JobRow]:
-    """The newest jobs of a machine, newest first."""
-    query = select(JobRow).where(JobRow.machine_id == machine_id).order_by(JobRow.id.desc()).limit(limit)
-    return session.scalars(query).all()
+def of_machine(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[JobRow]:
+    """The newest jobs of a machine, newest first; after: id of the one before."""
+    query = ordered(select(JobRow).where(JobRow.machine_id == machine_id), (JobRow.id,), after)
+    return session.scalars(query.limit(limit)).all()
 
 
 def count(session: Session) -> dict[str, int]:

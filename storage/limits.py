@@ -7,6 +7,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import LimitsRow
 
 
@@ -25,7 +26,7 @@ def in_force(session: Session, machine_id: str) -> LimitsRow | None:
     return next(iter(versions(session, machine_id, limit=1)), None)
 
 
-def versions(session: Session, machine_id: str, *, limit: int) -> Sequence[LimitsRow]:
-    """The newest versions, newest first."""
-    query = select(LimitsRow).where(LimitsRow.machine_id == machine_id).order_by(LimitsRow.version.desc()).limit(limit)
-    return session.scalars(query).all()
+def versions(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[LimitsRow]:
+    """The newest versions, newest first; after: the one before."""
+    query = ordered(select(LimitsRow).where(LimitsRow.machine_id == machine_id), (LimitsRow.version,), after)
+    return session.scalars(query.limit(limit)).all()

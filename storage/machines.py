@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine import Machine, parse_machine
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import MachineRow, RevisionRow
 
 
@@ -72,10 +73,12 @@ def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
     return row
 
 
-def revisions(session: Session, machine_id: str) -> Sequence[RevisionRow]:
-    """All revisions of a machine, oldest first."""
-    query = select(RevisionRow).where(RevisionRow.machine_id == machine_id).order_by(RevisionRow.revision)
-    return session.scalars(query).all()
+def revisions(
+    session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[RevisionRow]:
+    """All revisions of a machine, oldest first; after: the one before."""
+    query = select(RevisionRow).where(RevisionRow.machine_id == machine_id)
+    return session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
 
 
 def document(session: Session, machine_id: str, number: int | None = None) -> Machine:

@@ -7,6 +7,7 @@ from typing import Any, cast
 from sqlalchemy import CursorResult, delete, func, select
 from sqlalchemy.orm import Session
 
+from storage.paging import Keys, ordered
 from storage.tables import QuarantineCountRow, QuarantineRow
 
 KEPT_ROWS = 10_000
@@ -52,9 +53,11 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
     session.execute(delete(QuarantineRow).where(QuarantineRow.id <= newest - KEPT_ROWS))
 
 
-def newest(session: Session, *, reason: str | None, machine_id: str | None, limit: int) -> Sequence[QuarantineRow]:
-    """The newest rejections that are still kept."""
-    query = select(QuarantineRow).order_by(QuarantineRow.id.desc()).limit(limit)
+def newest(
+    session: Session, *, reason: str | None, machine_id: str | None, limit: int, after: Keys | None = None
+) -> Sequence[QuarantineRow]:
+    """The newest rejections that are still kept, newest first; after: id of the one before."""
+    query = ordered(select(QuarantineRow), (QuarantineRow.id,), after).limit(limit)
     if reason is not None:
         query = query.where(QuarantineRow.reason == reason)
     if machine_id is not None:

@@ -15,6 +15,7 @@ from estimator.coverage import Coverage
 from estimator.quality import Quality
 from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
+from storage.paging import Keys, ordered
 from storage.tables import CollectorRow, MachineStateRow, RunRow
 
 _FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
@@ -168,10 +169,16 @@ def _finite(values: dict[str, float]) -> dict[str, float | None]:
 
 
 def of_machine(
-    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+    session: Session,
+    machine_id: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    limit: int | None = None,
+    after: Keys | None = None,
 ) -> Sequence[RunRow]:
-    """Runs of a machine that began between two times [ns], newest first."""
-    query = select(RunRow).where(RunRow.machine_id == machine_id).order_by(RunRow.time_first.desc())
+    """Runs of a machine that began between two times [ns], newest first; after: beginning and id of the one before."""
+    query = ordered(select(RunRow).where(RunRow.machine_id == machine_id), (RunRow.time_first, RunRow.id), after)
     if first is not None:
         query = query.where(RunRow.time_first >= first)
     if last is not None:
@@ -217,12 +224,18 @@ def add_state(session: Session, machine_id: str, *, since: int, mode: str, speed
 
 
 def states(
-    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int | None = None
+    session: Session,
+    machine_id: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    limit: int | None = None,
+    after: Keys | None = None,
 ) -> Sequence[MachineStateRow]:
-    """What a machine did, newest first: every state that began between two times [ns]."""
+    """What a machine did, newest first: every state that began between two times [ns]; after: beginning and id."""
     query = select(MachineStateRow).where(MachineStateRow.machine_id == machine_id)
     if first is not None:
         query = query.where(MachineStateRow.since >= first)
     if last is not None:
         query = query.where(MachineStateRow.since <= last)
-    return session.scalars(query.order_by(MachineStateRow.since.desc(), MachineStateRow.id.desc()).limit(limit)).all()
+    return session.scalars(ordered(query, (MachineStateRow.since, MachineStateRow.id), after).limit(limit)).all()

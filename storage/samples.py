@@ -8,6 +8,7 @@ from sqlalchemy import func, select, tuple_
 from sqlalchemy.orm import Session
 
 from storage.blocks import Samples, decode, encode, join
+from storage.paging import Keys, ordered
 from storage.tables import SampleBlockRow, SourceRow
 
 
@@ -125,12 +126,15 @@ def latest(session: Session, machine_id: str, *, revision: int, channels: int = 
     return newest
 
 
-def sources(session: Session, machine_id: str | None = None) -> Sequence[SourceRow]:
-    """Known sources, of one machine or of all."""
-    query = select(SourceRow).order_by(SourceRow.machine_id, SourceRow.source, SourceRow.epoch)
+def sources(
+    session: Session, machine_id: str | None = None, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[SourceRow]:
+    """Known sources, of one machine or of all, by machine, name and epoch; after: these of the one before."""
+    query = select(SourceRow)
     if machine_id is not None:
         query = query.where(SourceRow.machine_id == machine_id)
-    return session.scalars(query).all()
+    by = SourceRow.machine_id, SourceRow.source, SourceRow.epoch
+    return session.scalars(ordered(query, by, after, descending=False).limit(limit)).all()
 
 
 def totals(session: Session) -> list[Totals]:

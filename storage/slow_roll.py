@@ -16,6 +16,7 @@ from estimator.machine import Machine, Probe
 from estimator.slow_roll import SlowRoll
 from storage import machines
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import SlowRollRow
 
 GIVEN, CAPTURED = "given", "captured"
@@ -88,10 +89,10 @@ def get(session: Session, machine_id: str, version: int) -> SlowRollRow:
     return row
 
 
-def versions(session: Session, machine_id: str, *, limit: int) -> Sequence[SlowRollRow]:
-    """The newest versions, newest first."""
-    query = select(SlowRollRow).where(SlowRollRow.machine_id == machine_id).order_by(SlowRollRow.version.desc()).limit(limit)
-    return session.scalars(query).all()
+def versions(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[SlowRollRow]:
+    """The newest versions, newest first; after: the one before."""
+    query = ordered(select(SlowRollRow).where(SlowRollRow.machine_id == machine_id), (SlowRollRow.version,), after)
+    return session.scalars(query.limit(limit)).all()
 
 
 def put_in_force(session: Session, machine_id: str, version: int | None) -> None:

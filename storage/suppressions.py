@@ -6,6 +6,7 @@ from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
 from storage.clock import TOLERANCE, now
+from storage.paging import Keys, ordered
 from storage.tables import SuppressionRow
 
 
@@ -50,10 +51,12 @@ def get(session: Session, suppression_id: int) -> SuppressionRow:
     return row
 
 
-def in_force(session: Session, machine_id: str) -> Sequence[SuppressionRow]:
-    """Suppressions of a machine that have not ended, oldest first."""
+def in_force(
+    session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[SuppressionRow]:
+    """Suppressions of a machine that have not ended, oldest first; after: the one before."""
     query = select(SuppressionRow).where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
-    return session.scalars(query.order_by(SuppressionRow.id)).all()
+    return session.scalars(ordered(query, (SuppressionRow.id,), after, descending=False).limit(limit)).all()
 
 
 def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> Sequence[SuppressionRow]:

@@ -6,6 +6,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
+from storage.paging import Keys, ordered
 from storage.tables import TimelineRow
 
 
@@ -18,12 +19,18 @@ def add(session: Session, machine_id: str, *, at: int, kind: str, text: str, by:
 
 
 def of_machine(
-    session: Session, machine_id: str, *, first: int | None = None, last: int | None = None, limit: int
+    session: Session,
+    machine_id: str,
+    *,
+    first: int | None = None,
+    last: int | None = None,
+    limit: int,
+    after: Keys | None = None,
 ) -> Sequence[TimelineRow]:
-    """Entries between two moments [ns], newest first."""
+    """Entries between two moments [ns], newest first; after: moment and id of the one before."""
     query = select(TimelineRow).where(TimelineRow.machine_id == machine_id)
     if first is not None:
         query = query.where(TimelineRow.at >= first)
     if last is not None:
         query = query.where(TimelineRow.at <= last)
-    return session.scalars(query.order_by(TimelineRow.at.desc(), TimelineRow.id.desc()).limit(limit)).all()
+    return session.scalars(ordered(query, (TimelineRow.at, TimelineRow.id), after).limit(limit)).all()

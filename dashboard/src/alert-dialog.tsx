@@ -4,9 +4,9 @@ import { DEEDS, type Deed } from "./alert-words";
 import type { Alert } from "./answers";
 import { Failure, getToChange, post } from "./api";
 import { Dialog } from "./dialog";
+import { keepName, keptName } from "./person";
 import { refresh } from "./resource";
 
-const NAME = "rundown.name";
 const HOURS: [number, string][] = [
   [1, "1 hour"],
   [8, "8 hours, a shift"],
@@ -34,7 +34,7 @@ export function AlertDialog(props: { alert: Alert; deed: Deed; onClose: () => vo
     const by = String(form.get("by")).trim();
     const said: Record<string, string> = { by, comment: String(form.get("comment") ?? "") };
     if (deed === "shelve") said.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
-    window.localStorage.setItem(NAME, by);
+    keepName(by);
     setBusy(true);
     setFailure(null);
     try {
@@ -54,7 +54,7 @@ export function AlertDialog(props: { alert: Alert; deed: Deed; onClose: () => vo
       <form onSubmit={submit}>
         <label>
           Your name
-          <input name="by" required maxLength={120} autoComplete="name" defaultValue={window.localStorage.getItem(NAME) ?? ""} />
+          <input name="by" required maxLength={120} autoComplete="name" defaultValue={keptName()} />
         </label>
         {deed === "shelve" && (
           <label>

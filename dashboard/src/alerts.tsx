@@ -2,8 +2,8 @@
 import { useState } from "preact/hooks";
 import { AlertDialog } from "./alert-dialog";
 import { calls, DEEDS, possible, stateInWords, type Deed } from "./alert-words";
-import type { Alert, AlertEvent } from "./answers";
-import { elementName } from "./format";
+import type { Alert, AlertEvent, Evidence } from "./answers";
+import { elementName, number, quantity } from "./format";
 import { Empty, Severity, Shown, Time } from "./parts";
 import { useResource, type Answer } from "./resource";
 import { link } from "./router";
@@ -54,8 +54,41 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
           {open ? "▾" : "▸"} {alert.events} {alert.events === 1 ? "event" : "events"}
         </button>
       </div>
-      {open && <History alert={alert} />}
+      {open && (
+        <>
+          <Basis evidence={alert.evidence} />
+          <History alert={alert} />
+        </>
+      )}
     </li>
+  );
+}
+
+/** What it rests on, where a diagnosis made it. */
+function Basis({ evidence }: { evidence: Partial<Evidence> }) {
+  const { moved = [], runners_up: others = [], since, runs, misalignment_force: force } = evidence;
+  if (moved.length === 0) return null;
+  return (
+    <dl class="facts">
+      <dt>Seen since</dt>
+      <dd>
+        <Time at={since} />, in {runs} runs in a row
+      </dd>
+      <dt>Moved most</dt>
+      <dd>{moved.map((one) => `${one.parameter} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
+      {typeof force === "number" && (
+        <>
+          <dt>Misalignment force</dt>
+          <dd>{quantity(force, "N")} at running speed</dd>
+        </>
+      )}
+      {others.length > 0 && (
+        <>
+          <dt>Else it would be</dt>
+          <dd>{others.map((one) => `${one.kind} of ${elementName(one.element)}`).join(", or ")}; explains it less well</dd>
+        </>
+      )}
+    </dl>
   );
 }
 

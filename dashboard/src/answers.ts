@@ -105,8 +105,19 @@ export interface IdentificationSummary {
   code_version: string;
 }
 
+/** A quantity that follows from an identification. */
+export interface Derived {
+  name: string;
+  unit: string;
+  value: number | null;
+  lower: number | null;
+  upper: number | null;
+  reason: string | null;
+}
+
 export interface Identification extends IdentificationSummary {
   estimates: Estimate[];
+  derived: Derived[];
 }
 
 export interface Alert {
@@ -120,12 +131,25 @@ export interface Alert {
   latching: boolean;
   suppressions: string[];
   message: string;
+  evidence: Partial<Evidence>;
   identification: number;
   measured_at: string;
   opened_at: string;
   updated_at: string;
   closed_at: string | null;
   events: number;
+}
+
+/** What an alert of a diagnosis rests on; alerts of other rules hold other things. */
+export interface Evidence {
+  kind: string;
+  sigma: number;
+  since: string;
+  runs: number;
+  form: string | null;
+  misalignment_force: number | null;
+  moved: { parameter: string; change: number; sigma: number }[];
+  runners_up: { kind: string; element: string; evidence: number }[];
 }
 
 export interface AlertEvent {
@@ -188,7 +212,17 @@ export interface Series {
   quality: string[];
   run_kind: string[];
   identification: number[];
-  baseline?: { lower: number; centre: number; upper: number } | null;
+  baselines: BaselineBand[];
+}
+
+/** Where 95 % of the estimates lie while nothing happens. */
+export interface BaselineBand {
+  run_kind: string;
+  since: string;
+  until: string | null;
+  centre: number;
+  lower: number;
+  upper: number;
 }
 
 export interface Trends {
@@ -300,4 +334,66 @@ export interface FleetMachine {
 export interface Fleet {
   since: string;
   machines: FleetMachine[];
+}
+
+export interface ParameterDeviation {
+  parameter: string;
+  element: string;
+  per_cent: number;
+  lower_per_cent: number;
+  upper_per_cent: number;
+  sigma: number;
+  probability: number;
+  added: number | null;
+  added_angle_deg: number | null;
+  reaches: string | null;
+}
+
+export interface Deviations {
+  identification: number;
+  measured_at: string;
+  run_kind: string;
+  baseline: { identifications: number[]; wanted: number; since: string | null; reason: string | null; by: string | null };
+  missing: string | null;
+  left_out: Record<string, string>;
+  parameters: ParameterDeviation[];
+  elements: { element: string; distance: number; degrees_of_freedom: number; probability: number }[];
+}
+
+export interface TrendTest {
+  name: string;
+  runs: number;
+  newest: number;
+  step_up: Chart;
+  step_down: Chart | null;
+  creep: Chart;
+  drift: Drift | null;
+}
+
+export interface Chart {
+  value: number;
+  limit: number;
+  passed: boolean;
+  began: string | null;
+}
+
+export interface Drift {
+  per_week: number;
+  lower: number;
+  upper: number;
+  probability: number;
+  alert: Ahead | null;
+  danger: Ahead | null;
+}
+
+export interface Ahead {
+  per_cent: number;
+  expected: number | null;
+  earliest: number | null;
+  latest: number | null;
+}
+
+export interface TrendTests {
+  missing: string | null;
+  tests: TrendTest[];
 }

@@ -1,20 +1,41 @@
 // How far each element is from its baseline: its colour and words on the drawing of the train.
-import type { Alert } from "./answers";
+import type { Alert, Deviations, ParameterDeviation } from "./answers";
 import { calls } from "./alert-words";
+import { number, percent, termName } from "./format";
 import type { Mark } from "./train";
 
+/** An element whose parameters would move together as far as this by chance less often than this has changed. */
+export const CHANGED = 1e-3;
 const RANK: Record<Mark["level"], number> = { unknown: 0, normal: 1, changed: 2, alert: 3, danger: 4 };
 
-export function marksOf(alerts: Alert[]): Map<string, Mark> {
+/** The largest of an element's deviations in words: kxx +54 % (10.5 σ). */
+export function inWords(one: ParameterDeviation): string {
+  return `${termName(one.parameter)} ${percent(one.per_cent / 100)} (${number(one.sigma, 2)} σ)`;
+}
+
+export function largest(deviations: Deviations, element: string): ParameterDeviation | undefined {
+  const own = deviations.parameters.filter((one) => one.element === element);
+  return own.sort((a, b) => Math.abs(b.sigma) - Math.abs(a.sigma))[0];
+}
+
+/** What the newest identification and the open alerts say of each element. */
+export function marksOf(alerts: Alert[], deviations: Deviations | undefined): Map<string, Mark> {
   const marks = new Map<string, Mark>();
-  const put = (element: string, mark: Mark) => {
+  const put = (element: string, level: Mark["level"], words: string) => {
     const there = marks.get(element);
-    if (!there || RANK[mark.level] > RANK[there.level]) marks.set(element, mark);
+    const said = [there?.words, words].filter(Boolean).join("\n");
+    marks.set(element, { level: there && RANK[there.level] > RANK[level] ? there.level : level, words: said });
   };
+  for (const { element, probability } of deviations?.elements ?? []) {
+    // Alert and danger are said by alerts only: they know the cause, a deviation does not.
+    const most = largest(deviations!, element);
+    if (probability >= CHANGED || !most) put(element, "normal", "as at the baseline");
+    else put(element, "changed", `${inWords(most)}${most.reaches ? `, reaches the limit for ${most.reaches}` : ""}`);
+  }
   for (const alert of alerts) {
     if (alert.closed_at) continue;
     const level = alert.severity === "danger" ? "danger" : "alert";
-    put(alert.element, { level, words: `${alert.message}${calls(alert) ? "" : ` (${alert.state.replaceAll("_", " ")})`}` });
+    put(alert.element, level, `${alert.message}${calls(alert) ? "" : ` (${alert.state.replaceAll("_", " ")})`}`);
   }
   return marks;
 }

@@ -23,6 +23,7 @@ export function scaleOf(largest: number, unit: string): Scale {
   if (unit === "" || unit === "-" || unit === "1") return { factor: 1, unit: "" };
   if (unit === "m") return { factor: 1e6, unit: "µm" };
   if (unit === "kg") return { factor: 1, unit };
+  if (unit === "rad/s") return { factor: 30 / Math.PI, unit: "rpm" };
   const size = Math.abs(largest);
   const [step, prefix] = PREFIXES.find(([at]) => size >= at) ?? [1, ""];
   return { factor: size > 0 ? 1 / step : 1, unit: (size > 0 ? prefix : "") + (SAID[unit] ?? unit) };

@@ -6,7 +6,7 @@ import { Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
-import { elementsOf, NotIdentified } from "./trends-view";
+import { elementsOf, NotIdentified } from "./newest";
 
 /** An interval wider than this part of the value says little. */
 const POOR = 0.5;

@@ -3,7 +3,7 @@ import type { Displacement, Document, Drawing, Modes, ModeShape } from "./answer
 import { number, rpm } from "./format";
 import { Empty, Panel, Shown } from "./parts";
 import { useResource } from "./resource";
-import { useNewest } from "./trends-view";
+import { useNewest } from "./newest";
 
 const WIDTH = 420;
 const HEIGHT = 130;

@@ -4,7 +4,7 @@ import { number, rpm, scaleOf } from "./format";
 import { Empty, Panel, Shown, Time } from "./parts";
 import { Plot, type Curve } from "./plot";
 import { useResource } from "./resource";
-import { NotIdentified, useNewest } from "./trends-view";
+import { NotIdentified, useNewest } from "./newest";
 
 /** Modes damped more than this are not felt in passing, and left out of the diagram. */
 const HEAVY = 0.5;

@@ -1,17 +1,22 @@
 // The machine at a glance: the train with what has changed, its alerts, its newest runs.
-import type { Alert, Document, Drawing, Run } from "./answers";
+import type { Alert, Deviations, Document, Drawing, Run } from "./answers";
 import { Alerts } from "./alerts";
 import { query } from "./api";
 import { marksOf } from "./deviations";
+import { DeviationsPanel } from "./deviations-panel";
 import { LiveRun } from "./live-run";
 import { number, rpm } from "./format";
+import { comparable, useNewestSummary } from "./newest";
 import { Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { go, link } from "./router";
+import { Timeline } from "./timeline";
 import { Train } from "./train";
 
 export function Overview({ machine }: { machine: Document }) {
   const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts${query({ open: true })}`, 10_000);
+  const newest = useNewestSummary(machine.id).data;
+  const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   return (
     <>
@@ -21,7 +26,7 @@ export function Overview({ machine }: { machine: Document }) {
             <Train
               name={machine.name}
               drawing={found}
-              marks={marksOf(alerts.data ?? [])}
+              marks={marksOf(alerts.data ?? [], deviations.data)}
               chosen={null}
               onChoose={(element) => go(["machines", machine.id, "trends"], { element })}
             />
@@ -35,8 +40,12 @@ export function Overview({ machine }: { machine: Document }) {
           </Panel>
           <LiveRun machine={machine} />
         </div>
-        <Runs machine={machine} />
+        <div>
+          <DeviationsPanel machine={machine} answer={deviations} none={newest !== undefined && !comparable(newest)} />
+          <Timeline machine={machine} />
+        </div>
       </div>
+      <Runs machine={machine} />
     </>
   );
 }

@@ -29,6 +29,14 @@ export interface Marker {
   words: string;
 }
 
+export interface Band {
+  low: number;
+  high: number;
+  from: number;
+  /** Null: to the right edge. */
+  to: number | null;
+}
+
 export interface PlotProps {
   label: string;
   x: number[];
@@ -39,8 +47,8 @@ export interface PlotProps {
   yUnit: string;
   xRange?: [number, number];
   yRange?: [number, number];
-  /** A range that y should lie in. */
-  band?: { low: number; high: number; words: string } | null;
+  /** Ranges that y should lie in, each over a stretch of x. */
+  bands?: Band[];
   markers?: Marker[];
   height?: number;
   /** Plots of the same name move their cursors together. */
@@ -104,7 +112,7 @@ export function Plot(props: PlotProps) {
     const kept = zoomed(made);
     made.setData(data(props), !kept);
     if (kept) made.redraw();
-  }, [props.x, props.curves, props.band, props.markers, props.xRange?.[0], props.xRange?.[1]]);
+  }, [props.x, props.curves, props.bands, props.markers, props.xRange?.[0], props.xRange?.[1]]);
 
   const last = props.x.length - 1;
   const index = at !== null && at <= last ? at : null;
@@ -232,7 +240,7 @@ function options(
       ...(props.together ? { sync: { key: props.together } } : {}),
     },
     hooks: {
-      drawAxes: [(made) => band(made, latest.current)],
+      drawAxes: [(made) => drawBands(made, latest.current)],
       draw: [(made) => markers(made, latest.current)],
       setCursor: [(made) => onCursor(made.cursor.idx ?? null)],
       setSelect: [(made) => made.select.width > 0 && (made.root.dataset.zoomed = "1")],
@@ -252,8 +260,8 @@ function xRange(props: PlotProps, min: number | null, max: number | null): [numb
 function yRange(props: PlotProps, min: number | null, max: number | null): [number, number] {
   if (props.yRange) return props.yRange;
   if (min === null || max === null) return [0, 1];
-  const low = Math.min(min, props.band?.low ?? min);
-  const high = Math.max(max, props.band?.high ?? max);
+  const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low));
+  const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high));
   const room = 0.06 * (high - low || Math.abs(high) || 1);
   return [low >= 0 && low - room < 0 ? 0 : low - room, high + room];
 }
@@ -267,14 +275,18 @@ function faded(stroke: string): string {
   return /^#[0-9a-f]{6}$/i.test(stroke) ? `${stroke}${Math.round(255 * ALPHA).toString(16)}` : stroke;
 }
 
-function band(made: uPlot, { band: wanted }: PlotProps): void {
-  if (!wanted) return;
+function drawBands(made: uPlot, { bands: wanted }: PlotProps): void {
   const { ctx, bbox } = made;
-  const top = Math.max(bbox.top, made.valToPos(wanted.high, "y", true));
-  const bottom = Math.min(bbox.top + bbox.height, made.valToPos(wanted.low, "y", true));
+  const inside = (x: number) => Math.min(bbox.left + bbox.width, Math.max(bbox.left, x));
   ctx.save();
   ctx.fillStyle = colour("baseline");
-  ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
+  for (const one of wanted ?? []) {
+    const left = inside(made.valToPos(one.from, "x", true));
+    const right = one.to === null ? bbox.left + bbox.width : inside(made.valToPos(one.to, "x", true));
+    const top = Math.max(bbox.top, made.valToPos(one.high, "y", true));
+    const bottom = Math.min(bbox.top + bbox.height, made.valToPos(one.low, "y", true));
+    ctx.fillRect(left, top, right - left, bottom - top);
+  }
   ctx.restore();
 }
 

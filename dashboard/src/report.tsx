@@ -10,7 +10,8 @@ import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
 import { Train } from "./train";
-import { elementsOf, Histories, useNewest } from "./trends-view";
+import { elementsOf, useNewest } from "./newest";
+import { Histories } from "./trends-view";
 
 const DAY_MS = 86_400_000;
 const PERIOD_DAYS = 90;
@@ -87,7 +88,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
     <>
       <Panel title="In short">
         <Summary runs={runs.data} identified={identified.data} alerts={during} />
-        {drawing.data && <Train name={machine.name} drawing={drawing.data} marks={marksOf(during)} chosen={null} onChoose={() => undefined} />}
+        {drawing.data && <Train name={machine.name} drawing={drawing.data} marks={marksOf(during, undefined)} chosen={null} onChoose={() => undefined} />}
       </Panel>
       <Panel title="Alerts of the period">
         <Shown answer={alerts}>{() => <AlertTable alerts={during} />}</Shown>

@@ -12,6 +12,8 @@ import { bySpeed } from "./sweep";
 /** So many channels at once where none was chosen. */
 const FIRST_CHANNELS = 2;
 const LIVE_MS = 1500;
+/** Enough for the sharpest resonance of a train. */
+const FITTED_POINTS = 600;
 
 export function ResponseView({ machine }: { machine: Document }) {
   const { query } = useStore(place);
@@ -21,7 +23,7 @@ export function ResponseView({ machine }: { machine: Document }) {
   const identified = identifications.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
   const measured = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, run?.state === "open" ? LIVE_MS : 0);
   const other = useResource<Phasors>(reference ? `/runs/${reference.id}/phasors` : null);
-  const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}` : null);
+  const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
   useEffect(() => {
     if (run && !query.get("run")) choose({ run: String(run.id) });
   }, [run?.id]);

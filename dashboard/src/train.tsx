@@ -110,7 +110,7 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
             foot + 24,
           );
         })}
-        <Probes plan={plan} at={at} y={axis} thick={thick} />
+        <Probes plan={plan} marks={marks} at={at} y={axis} thick={thick} />
         <Ruler length={plan.length} at={at} y={height - 8} />
       </svg>
       {stretch > 1.05 && <figcaption>Lengths to scale; diameters {stretch.toFixed(1)} times larger.</figcaption>}
@@ -118,18 +118,33 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
   );
 }
 
-function Probes(props: { plan: Layout; at: (z: number) => number; y: number; thick: (radius: number) => number }) {
+interface ProbesProps {
+  plan: Layout;
+  marks: Map<string, Mark>;
+  at: (z: number) => number;
+  y: number;
+  thick: (radius: number) => number;
+}
+
+function Probes({ plan, marks, at, y, thick }: ProbesProps) {
   return (
     <>
-      {props.plan.probes.map((one) => (
-        <g class="probe">
-          <title>{`probes ${one.channels.join(", ")}`}</title>
-          <path
-            d={`M${props.at(one.at)} ${props.y - props.thick(one.radius) - 3}v-12m-3.5 0h7`}
-            aria-label={`probes ${one.channels.join(", ")}`}
-          />
-        </g>
-      ))}
+      {plan.probes.map((one) => {
+        const found = one.channels.flatMap((channel) => marks.get(`probe.${channel}`) ?? []);
+        const words = [`probes ${one.channels.join(", ")}`, ...found.map((mark) => mark.words)].join("\n");
+        const top = y - thick(one.radius) - 3;
+        return (
+          <g class={`probe ${found[0]?.level ?? ""}`} role="img" aria-label={words}>
+            <title>{words}</title>
+            <path d={`M${at(one.at)} ${top}v-12m-3.5 0h7`} />
+            {found[0] && (
+              <text x={at(one.at)} y={top - 16} text-anchor="middle">
+                {GLYPHS[found[0].level]}
+              </text>
+            )}
+          </g>
+        );
+      })}
     </>
   );
 }

@@ -1,9 +1,10 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
-import type { Alert, Document, Estimate, Identification, IdentificationSummary, Series, TimelineEntry, Trends } from "./answers";
+import type { Alert, BaselineBand, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
-import { Empty, Panel, Shown, Time } from "./parts";
+import { Panel, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
+import { comparable, elementsOf, NotIdentified, useNewest, useNewestSummary } from "./newest";
 import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
@@ -16,26 +17,10 @@ const RANGES: [string, string, number][] = [
 ];
 const DAY_MS = 86_400_000;
 const MOST_POINTS = 2000;
-
-/** The newest accepted identification, or the newest of all. */
-export function useNewest(machine: string): { newest: Identification | undefined; none: boolean; failure: string | undefined } {
-  const list = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=20`, 15_000);
-  const chosen = list.data?.find((one) => one.accepted && one.scope === "run") ?? list.data?.[0];
-  const answer = useResource<Identification>(chosen ? `/identifications/${chosen.id}` : null);
-  return { newest: answer.data, none: list.data?.length === 0, failure: (list.failure ?? answer.failure)?.message };
-}
-
-export function NotIdentified() {
-  return (
-    <Panel title="Nothing to show yet">
-      <Empty>No run of this machine was identified yet. The first one that covers enough of the speed range will be.</Empty>
-    </Panel>
-  );
-}
-
-export function elementsOf(estimates: Estimate[]): string[] {
-  return [...new Set(estimates.map((one) => one.element))];
-}
+/** Stands for an element in the choice: what follows from the parameters. */
+const DERIVED = "derived quantities";
+/** A drift that chance would make less often than this is told. */
+const TOLD = 0.01;
 
 export function TrendsView({ machine }: { machine: Document }) {
   const { query: chosen } = useStore(place);
@@ -43,14 +28,14 @@ export function TrendsView({ machine }: { machine: Document }) {
   const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=200`, 30_000).data ?? [];
   if (none) return <NotIdentified />;
   if (!newest) return <Panel title="Trends">{failure ?? <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
-  const elements = elementsOf(newest.estimates);
+  const elements = [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])];
   const open = alerts.find((one) => !one.closed_at)?.element;
   const element = [chosen.get("element"), open, machine.couplings[0] && `coupling.${machine.couplings[0].id}`, elements[0]].find(
     (one) => one && elements.includes(one),
   )!;
   const range = chosen.get("range") ?? "all";
   const days = RANGES.find(([id]) => id === range)?.[2] ?? Infinity;
-  const from = Number.isFinite(days) ? new Date(Math.floor((Date.now() - days * DAY_MS) / 3_600_000) * 3_600_000).toISOString() : null;
+  const names = element === DERIVED ? newest.derived.map((one) => one.name) : newest.estimates.filter((one) => one.element === element).map((one) => one.parameter);
   return (
     <>
       <Panel title="What is shown">
@@ -76,8 +61,8 @@ export function TrendsView({ machine }: { machine: Document }) {
       <Histories
         machine={machine.id}
         element={element}
-        names={newest.estimates.filter((one) => one.element === element).map((one) => one.parameter)}
-        from={from}
+        names={names}
+        shownDays={days}
         scope={chosen.get("scope") ?? "run"}
         alerts={alerts}
       />
@@ -103,17 +88,23 @@ interface HistoriesProps {
   machine: string;
   element: string;
   names: string[];
-  from: string | null;
+  from?: string | null;
   to?: string | null;
+  /** Only the newest days are shown, of all that is asked for. */
+  shownDays?: number;
   scope: string;
   alerts: Alert[];
   height?: number;
 }
 
 export function Histories(props: HistoriesProps) {
-  const { machine, element, names, from, to = null, scope, alerts } = props;
+  const { machine, element, names, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
   const asked = query({ parameter: names, from, to, scope, max_points: MOST_POINTS });
   const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
+  const newest = useNewestSummary(machine).data;
+  const judged = scope === "run" && element !== DERIVED && comparable(newest);
+  const tests = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null).data;
+  const xRange = windowOf(answer.data?.series ?? [], shownDays);
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline?limit=200`, 60_000).data ?? [];
   const markers = markersOf(alerts.filter((one) => one.element === element), timeline);
   return (
@@ -128,10 +119,22 @@ export function Histories(props: HistoriesProps) {
       <Shown answer={answer} lines={30}>
         {({ series }) => (
           <>
-            <Names curves={kindsOf(series).map((name) => ({ name }))} />
+            <p class="muted">
+              <Names curves={kindsOf(series).map((name) => ({ name }))} />
+              {series.some((one) => one.baselines.length > 0) && " Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
+            </p>
             <div class="plots">
               {series.map((one) => (
-                <History key={one.parameter} series={one} kinds={kindsOf(series)} markers={markers} height={props.height ?? 190} />
+                <History
+                  key={one.parameter}
+                  name={element === DERIVED ? one.parameter : termName(one.parameter)}
+                  series={one}
+                  kinds={kindsOf(series)}
+                  markers={markers}
+                  tests={judged ? (tests?.tests ?? []).filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`)) : null}
+                  xRange={xRange}
+                  height={props.height ?? 190}
+                />
               ))}
             </div>
             <Marks markers={markers} />
@@ -172,7 +175,54 @@ function Marks({ markers }: { markers: Marker[] }) {
   );
 }
 
-function History({ series, kinds, markers, height }: { series: Series; kinds: string[]; markers: Marker[]; height: number }) {
+/** The newest days; undefined: all. */
+function windowOf(series: Series[], days: number): [number, number] | undefined {
+  const newest = Math.max(0, ...series.map((one) => Date.parse(one.measured_at.at(-1) ?? "") / 1000 || 0));
+  return Number.isFinite(days) && newest > 0 ? [newest - (days * DAY_MS) / 1000, newest + (0.02 * days * DAY_MS) / 1000] : undefined;
+}
+
+/** The baseline that a point is compared with. */
+function baselineAt(series: Series, index: number): BaselineBand | undefined {
+  const at = series.measured_at[index]!;
+  return series.baselines.find((one) => one.run_kind === series.run_kind[index] && one.since <= at && (one.until === null || at < one.until));
+}
+
+/** Cross-coupled terms may be near zero: per cent say nothing of them. */
+function isDirect(parameter: string): boolean {
+  return !/(xy|yx)$/.test(parameter);
+}
+
+/** What the trend tests say of a parameter, where they say something. */
+function told(tests: TrendTest[]): string {
+  return tests
+    .flatMap((test) => {
+      const step = [test.step_up, test.step_down].find((one) => one?.passed);
+      const drift = test.drift && test.drift.probability < TOLD ? test.drift : null;
+      return [
+        ...(step ? [`a step${step.began ? `, likeliest since ${when(step.began)}` : ""}`] : []),
+        ...(drift ? [`${percent(drift.per_week / 100)} a week (${number(drift.lower, 2)} … ${number(drift.upper, 2)})${ahead(drift)}`] : []),
+      ];
+    })
+    .join("; ");
+}
+
+function ahead(drift: Drift): string {
+  const next = [drift.alert, drift.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
+  return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
+}
+
+interface HistoryProps {
+  name: string;
+  series: Series;
+  kinds: string[];
+  markers: Marker[];
+  /** Null where nothing is tested. */
+  tests: TrendTest[] | null;
+  xRange: [number, number] | undefined;
+  height: number;
+}
+
+function History({ name, series, kinds, markers, tests, xRange, height }: HistoryProps) {
   const unit = series.unit ?? "";
   const sizes = series.value.filter((one) => one !== null).map(Math.abs);
   const scale = scaleOf(Math.max(0, ...sizes), unit);
@@ -186,14 +236,20 @@ function History({ series, kinds, markers, height }: { series: Series; kinds: st
   if (series.quality.some((one) => one === "not_accepted")) {
     curves.push({ name: "not accepted", y: only(series.value, (at) => series.quality[at] === "not_accepted"), faint: true, points: true, line: false });
   }
-  const base = series.baseline ?? null;
+  const bands = series.baselines.map((one) => ({
+    low: one.lower * scale.factor,
+    high: one.upper * scale.factor,
+    from: Date.parse(one.since) / 1000,
+    to: one.until === null ? null : Date.parse(one.until) / 1000,
+  }));
   const readOut = (index: number) => {
     const value = series.value[index];
     const at = `${when(series.measured_at[index]!)} ${series.run_kind[index]}`;
     if (value === null || value === undefined) return `${at}: not estimable`;
     const low = scaled(series.lower[index]);
     const high = scaled(series.upper[index]);
-    const beside = base ? `, ${percent(value / base.centre - 1)} to the baseline` : "";
+    const base = baselineAt(series, index);
+    const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
     const doubt = accepted(index) ? "" : ", not accepted";
     return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${beside}${doubt}`;
   };
@@ -201,9 +257,14 @@ function History({ series, kinds, markers, height }: { series: Series; kinds: st
   return (
     <figure class="history-plot">
       <figcaption>
-        <strong>{termName(series.parameter)}</strong> [{scale.unit || "-"}]
+        <strong>{name}</strong> [{scale.unit || "-"}]
         {thinned && <span class="muted"> lowest and highest of each stretch, of {series.down_sampling!.points} points</span>}
       </figcaption>
+      {tests && (
+        <p class="told" title={told(tests)}>
+          {told(tests)}
+        </p>
+      )}
       <Plot
         label={`${series.parameter} over time, ${series.value.length} points`}
         x={series.measured_at.map((one) => Date.parse(one) / 1000)}
@@ -211,7 +272,8 @@ function History({ series, kinds, markers, height }: { series: Series; kinds: st
         yUnit={scale.unit}
         curves={curves}
         markers={markers}
-        band={base && { low: base.lower * scale.factor, high: base.upper * scale.factor, words: "baseline" }}
+        bands={bands}
+        {...(xRange ? { xRange } : {})}
         together="trends"
         height={height}
         readOut={readOut}

@@ -1,10 +1,12 @@
 """What the endpoints are given: the database, and reading or writing sessions of it."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, cast
 
 from fastapi import Depends, Path, Query, Request
+from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
 from storage.clock import from_datetime
@@ -39,4 +41,22 @@ MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="i
 Number = Annotated[int, Path(ge=0, le=2**62)]
 From = Annotated[datetime | None, Query(alias="from", description="RFC 3339; without a zone it counts as UTC")]
 To = Annotated[datetime | None, Query(alias="to", description="RFC 3339; without a zone it counts as UTC")]
-Limit = Annotated[int, Query(ge=1, le=1000)]
+
+
+@dataclass(frozen=True)
+class TimeRange:
+    """From when to when, as the store counts time [ns], both ends in it; None: without an end there."""
+
+    first: int | None
+    last: int | None
+
+
+def _period(first: From = None, last: To = None) -> TimeRange:
+    begin, end = moment(first), moment(last)
+    if begin is not None and end is not None and begin > end:
+        message = "from lies behind to: exchange them"
+        raise RequestValidationError([{"type": "value_error", "loc": ("query", "from"), "msg": message, "input": str(first)}])
+    return TimeRange(begin, end)
+
+
+Period = Annotated[TimeRange, Depends(_period)]

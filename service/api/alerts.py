@@ -11,9 +11,11 @@ from service.alert_messages import AlertEvent, alert_event
 from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import Limit, MachineId, Number, Reading, database, instant
+from service.api.access import MachineId, Number, Reading, database, instant
+from service.api.paging import ById, ByTime
 from service.api.problems import CHANGES, RESPONSES
 from storage import alerts, machines
+from storage.paging import Keys
 from storage.tables import AlertRow
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES)
@@ -23,16 +25,18 @@ After = Annotated[int, Query(ge=0, le=2**62, description="only events behind thi
 
 
 @router.get("/alerts", operation_id="list_alerts")
-def list_alerts(session: Reading, only_open: OnlyOpen = False, limit: Limit = 100) -> list[schemas.AlertOut]:
+def list_alerts(session: Reading, paging: ByTime, only_open: OnlyOpen = False) -> list[schemas.AlertOut]:
     """Alerts of all machines, newest first."""
-    rows = alerts.find(session, machine_id=None, only_open=only_open, limit=limit)
-    return [rendering.alert(row) for row in rows]
+    rows = alerts.find(session, machine_id=None, only_open=only_open, limit=paging.wanted, after=paging.after)
+    return [rendering.alert(row) for row in paging.page(rows, _place)]
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
-def list_alert_events(session: Reading, after: After = 0, limit: Limit = 100) -> list[AlertEvent]:
+def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
     """What happened to all alerts, oldest first: ask again with the last id for what came then."""
-    return [alert_event(row) for row in alerts.events_after(session, after, limit=limit)]
+    begin = after if paging.after is None else int(paging.after[0])
+    rows = alerts.events_after(session, begin, limit=paging.wanted)
+    return [alert_event(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
@@ -42,20 +46,21 @@ def read_alert(session: Reading, alert_id: Number) -> schemas.AlertOut:
 
 
 @router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
-def list_events_of_alert(session: Reading, alert_id: Number) -> list[AlertEvent]:
+def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
     """What happened to one alert, oldest first."""
     alerts.get(session, alert_id)
-    return [alert_event(row) for row in alerts.history(session, alert_id)]
+    rows = alerts.history(session, alert_id, limit=paging.wanted, after=paging.after)
+    return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
 
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts")
 def list_machine_alerts(
-    session: Reading, machine_id: MachineId, only_open: OnlyOpen = False, limit: Limit = 100
+    session: Reading, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
 ) -> list[schemas.AlertOut]:
     """Alerts of one machine, newest first."""
     machines.get(session, machine_id)
-    rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=limit)
-    return [rendering.alert(row) for row in rows]
+    rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
+    return [rendering.alert(row) for row in paging.page(rows, _place)]
 
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", responses=CHANGES)
@@ -95,6 +100,10 @@ def _change(request: Request, alert_id: int, change: Callable[[Session, AlertRow
         row = alerts.get(session, alert_id, to_change=True)
         change(session, row)
         return rendering.alert(row)
+
+
+def _place(row: AlertRow) -> Keys:
+    return row.opened_at, row.id
 
 
 def _person(said: schemas.By) -> Person:

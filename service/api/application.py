@@ -76,7 +76,7 @@ def application(
     app.state.submissions = submissions
     app.state.depth = depth
     app.state.answers = KeptAnswers()
-    app.state.histories = KeptHistories(database)
+    app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)

@@ -6,6 +6,7 @@ from service import baselining
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Reading, database, instant
+from service.api.paging import ByTime
 from service.api.problems import CHANGES, RESPONSES
 from storage import baselines, machines
 
@@ -13,10 +14,11 @@ router = APIRouter(tags=["machines"], responses=RESPONSES)
 
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
-def list_baselines(session: Reading, machine_id: MachineId) -> list[schemas.BaselineOut]:
+def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> list[schemas.BaselineOut]:
     """Baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
     machines.get(session, machine_id)
-    return [rendering.baseline(row) for row in baselines.of_machine(session, machine_id)]
+    rows = baselines.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [rendering.baseline(row) for row in paging.page(rows, lambda row: (row.since, row.id))]
 
 
 @router.post(

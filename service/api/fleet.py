@@ -11,6 +11,7 @@ from estimator.units import rad_per_s_to_rpm
 from service.alert_life import Severity
 from service.api.access import Reading, instant
 from service.api.machine_state import OpenRun, progress
+from service.api.paging import ByName
 from service.api.problems import RESPONSES
 from service.api.rendering import time_or_none
 from service.collection import Standing
@@ -82,13 +83,13 @@ class Fleet(BaseModel):
 @router.get("/fleet", operation_id="read_fleet")
 def read_fleet(
     session: Reading,
+    paging: ByName,
     since: Annotated[datetime | None, Query(description="RFC 3339; what happened from then on; by default a day ago")] = None,
-    limit: Annotated[int, Query(ge=1, le=2000)] = 1000,
 ) -> Fleet:
     """What each machine is doing, its last run, its open alerts, and what happened to it since a time."""
     begin = now() - A_DAY if since is None else instant(since)
-    seen = fleet.glances(session, since=begin, after=None, limit=limit)
-    return Fleet(since=to_datetime(begin), machines=[_machine(one) for one in seen])
+    seen = fleet.glances(session, since=begin, limit=paging.wanted, after=paging.after)
+    return Fleet(since=to_datetime(begin), machines=[_machine(one) for one in paging.page(seen, lambda one: (one.id,))])
 
 
 def _machine(one: MachineGlance) -> FleetMachine:

@@ -6,7 +6,8 @@ from fastapi import APIRouter, Body, Request, status
 
 from service import requesting
 from service.api import rendering, schemas
-from service.api.access import From, Limit, MachineId, Number, Reading, To, database, moment
+from service.api.access import MachineId, Number, Period, Reading, database
+from service.api.paging import ById, ByTime
 from service.api.problems import RESPONSES, Problem
 from storage import derived, identifications, jobs, machines
 
@@ -15,12 +16,14 @@ router = APIRouter(tags=["identifications"], responses=RESPONSES)
 
 @router.get("/machines/{machine_id}/identifications", operation_id="list_identifications")
 def list_identifications(
-    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
+    session: Reading, machine_id: MachineId, period: Period, paging: ByTime
 ) -> list[schemas.IdentificationSummary]:
     """Identifications measured in a time range, newest first."""
     machines.get(session, machine_id)
-    rows = identifications.of_machine(session, machine_id, first=moment(first), last=moment(last), limit=limit)
-    return [rendering.identification(row) for row in rows]
+    rows = identifications.of_machine(
+        session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
+    )
+    return [rendering.identification(row) for row in paging.page(rows, lambda row: (row.measured_at, row.id))]
 
 
 @router.get("/identifications/{identification_id}", operation_id="read_identification")
@@ -54,7 +57,8 @@ def identify_run(request: Request, run_id: Number, body: Annotated[schemas.Ident
 
 
 @router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")
-def list_jobs(session: Reading, machine_id: MachineId, limit: Limit = 100) -> list[schemas.JobOut]:
+def list_jobs(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.JobOut]:
     """Identification jobs, newest first: what waits, what runs, and what failed and why."""
     machines.get(session, machine_id)
-    return [rendering.job(row) for row in jobs.of_machine(session, machine_id, limit=limit)]
+    rows = jobs.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [rendering.job(row) for row in paging.page(rows, lambda row: (row.id,))]

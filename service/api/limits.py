@@ -5,8 +5,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Request, Response
 
-from service.api.access import Limit, MachineId, Reading, database
+from service.api.access import MachineId, Reading, database
 from service.api.limit_schemas import LimitsIn, LimitsOut
+from service.api.paging import ById
 from service.api.problems import RESPONSES, STALE
 from service.limits import Limits
 from service.setting_limits import LimitsChanged, set_limits
@@ -42,10 +43,11 @@ def replace_limits(
 
 
 @router.get("/machines/{machine_id}/limits/versions", operation_id="list_limits")
-def list_limits(session: Reading, machine_id: MachineId, limit: Limit = 100) -> list[LimitsOut]:
+def list_limits(session: Reading, machine_id: MachineId, paging: ById) -> list[LimitsOut]:
     """All that people have set, newest first."""
     machines.get(session, machine_id)
-    return [_rendered(machine_id, row) for row in limits.versions(session, machine_id, limit=limit)]
+    rows = limits.versions(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [_rendered(machine_id, row) for row in paging.page(rows, lambda row: (row.version,))]
 
 
 def _expected(if_match: str | None) -> int | None:

@@ -11,7 +11,8 @@ from estimator.machine import Machine
 from estimator.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
 from service.api import rendering
-from service.api.access import From, Limit, MachineId, Reading, To, moment
+from service.api.access import MachineId, Period, Reading
+from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.collection import Standing, standing
 from storage import machines, runs
@@ -87,12 +88,10 @@ def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | No
 
 
 @router.get("/{machine_id}/states", operation_id="list_machine_states")
-def list_machine_states(
-    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
-) -> list[PastState]:
+def list_machine_states(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[PastState]:
     """States entered in a time range, newest first. Samples that come late change runs, not this history."""
     machines.get(session, machine_id)
-    rows = runs.states(session, machine_id, first=moment(first), last=moment(last), limit=limit)
+    rows = runs.states(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [
         PastState.model_validate(
             {
@@ -101,5 +100,5 @@ def list_machine_states(
                 "speed_rpm": None if row.speed is None else rad_per_s_to_rpm(row.speed),
             }
         )
-        for row in rows
+        for row in paging.page(rows, lambda row: (row.since, row.id))
     ]

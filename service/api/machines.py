@@ -7,6 +7,7 @@ from fastapi import APIRouter, Body, Request, Response, status
 from estimator.machine import DocumentError, Machine
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
+from service.api.paging import ById, ByName
 from service.api.problems import RESPONSES, Problem
 from storage import fleet, machines
 
@@ -16,9 +17,10 @@ Document = Annotated[Machine, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines")
-def list_machines(session: Reading) -> list[schemas.MachineSummary]:
+def list_machines(session: Reading, paging: ByName) -> list[schemas.MachineSummary]:
     """All machines, by id."""
-    return [rendering.machine_summary(one) for one in fleet.page(session, after=None, limit=10_000)]
+    rows = fleet.page(session, limit=paging.wanted, after=paging.after)
+    return [rendering.machine_summary(one) for one in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})
@@ -47,7 +49,8 @@ def revise_machine(request: Request, machine_id: MachineId, document: Document) 
 
 
 @router.get("/{machine_id}/revisions", operation_id="list_revisions")
-def list_revisions(session: Reading, machine_id: MachineId) -> list[schemas.MachineRevision]:
+def list_revisions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.MachineRevision]:
     """All revisions of the document, oldest first."""
     machines.get(session, machine_id)
-    return [rendering.revision(row) for row in machines.revisions(session, machine_id)]
+    rows = machines.revisions(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [rendering.revision(row) for row in paging.page(rows, lambda row: (row.revision,))]

@@ -5,8 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from service.api import rendering, schemas
-from service.api.access import From, Limit, MachineId, Number, Reading, To, moment
+from service.api.access import MachineId, Number, Period, Reading
 from service.api.corrections import SlowRollChoice, corrected_phasors, run_samples
+from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from storage import machines, runs, samples
 
@@ -31,13 +32,11 @@ def read_samples(
 
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
-def list_runs(
-    session: Reading, machine_id: MachineId, first: From = None, last: To = None, limit: Limit = 100
-) -> list[schemas.Run]:
+def list_runs(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.Run]:
     """Run-ups and run-downs that began in a time range, newest first."""
     machines.get(session, machine_id)
-    rows = runs.of_machine(session, machine_id, first=moment(first), last=moment(last), limit=limit)
-    return [rendering.run(row) for row in rows]
+    rows = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
+    return [rendering.run(row) for row in paging.page(rows, lambda row: (row.time_first, row.id))]
 
 
 @router.get("/runs/{run_id}", operation_id="read_run")

@@ -8,7 +8,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response, status
 
 from service.api import rendering, schemas
-from service.api.access import Limit, Reading, database, moment
+from service.api.access import Reading, database, moment
+from service.api.paging import ById, BySource
 from service.wire import Reason
 from storage import jobs, quarantine, samples
 from storage.database import DatabaseUnusable
@@ -53,9 +54,10 @@ def read_readiness(request: Request, response: Response) -> schemas.Health:
 
 
 @router.get("/sources", operation_id="list_sources")
-def list_sources(session: Reading) -> list[schemas.SourceOut]:
+def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
     """Every source heard of: how far it was received, what came twice, what is lost."""
-    return [rendering.source(row) for row in samples.sources(session)]
+    rows = samples.sources(session, limit=paging.wanted, after=paging.after)
+    return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
 
 WhichReason = Annotated[Reason | None, Query(description="only entries with this reason")]
@@ -63,11 +65,14 @@ WhichReason = Annotated[Reason | None, Query(description="only entries with this
 
 @router.get("/quarantine", operation_id="read_quarantine")
 def read_quarantine(
-    session: Reading, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None, limit: Limit = 100
+    session: Reading, paging: ById, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None
 ) -> schemas.Quarantine:
     """Rejected input: counts by reason since ever, and the newest entries that are still kept."""
-    rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=limit)
-    return schemas.Quarantine(counts=quarantine.counts(session), entries=[rendering.quarantine_entry(row) for row in rows])
+    rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=paging.wanted, after=paging.after)
+    return schemas.Quarantine(
+        counts=quarantine.counts(session),
+        entries=[rendering.quarantine_entry(row) for row in paging.page(rows, lambda row: (row.id,))],
+    )
 
 
 @router.delete("/quarantine", operation_id="purge_quarantine")

@@ -65,6 +65,10 @@ def phasors(machine: Machine, samples: Samples) -> schemas.Phasors:
         direction=[direction(sign) for sign in samples.direction.tolist()],
         amplitude_um_pp=_columns(amplitude, samples),
         phase_lag_deg=_columns(lag, samples),
+        conditions={
+            name: [value if math.isfinite(value) else None for value in column]
+            for name, column in zip(machine.condition_names, samples.conditions.T.tolist(), strict=False)
+        },
     )
 
 
@@ -119,6 +123,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
         noise_floor=row.noise_floor,
         outliers=row.outliers,
         slow_roll_version=row.slow_roll_version,
+        conditions=row.conditions,
     )
 
 

@@ -39,6 +39,9 @@ class Phasors(BaseModel):
     phase_lag_deg: list[list[float | None]] = Field(description="per channel, lag behind the keyphasor [°], 0 to 360")
     slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")
     slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
+    conditions: dict[str, list[float | None]] = Field(
+        default_factory=dict, description="operating conditions by name, in the unit of the machine's document"
+    )
 
 
 class RunCoverage(BaseModel):
@@ -157,6 +160,9 @@ class IdentificationSummary(BaseModel):
     noise_floor: float | None = Field(description="its floor, 0-to-peak [m]")
     outliers: dict[str, int] | None = Field(description="per channel the phasors left out because no noise explains them")
     slow_roll_version: int | None = Field(description="slow-roll vectors that were subtracted; null: none")
+    conditions: dict[str, float | None] | None = Field(
+        description="mean of each operating condition over the runs, in the unit of the machine's document"
+    )
 
 
 class IdentificationDetail(IdentificationSummary):

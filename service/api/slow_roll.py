@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
@@ -14,7 +15,8 @@ from estimator.machine import Identifier, Machine
 from estimator.slow_roll import SlowRoll, capture
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service import requesting
-from service.api.access import Limit, MachineId, Reading, database, moment
+from service.api.access import MachineId, Reading, database, moment
+from service.api.paging import ById
 from service.api.problems import RESPONSES, Unsuitable
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
@@ -119,11 +121,15 @@ class InForce(BaseModel):
 
 
 @router.get("", operation_id="list_slow_roll")
-def list_slow_roll(session: Reading, machine_id: MachineId, limit: Limit = 100) -> SlowRollList:
+def list_slow_roll(session: Reading, machine_id: MachineId, paging: ById) -> SlowRollList:
     """All versions, newest first, and which is in force."""
+    rows = slow_roll.versions(session, machine_id, limit=paging.wanted, after=paging.after)
+    return _listed(session, machine_id, paging.page(rows, lambda row: (row.version,)))
+
+
+def _listed(session: Session, machine_id: str, rows: Sequence[SlowRollRow]) -> SlowRollList:
     in_force = machines.get(session, machine_id).slow_roll_version
     document = machines.document(session, machine_id)
-    rows = slow_roll.versions(session, machine_id, limit=limit)
     return SlowRollList(machine=machine_id, in_force=in_force, versions=[_rendered(row, document, in_force) for row in rows])
 
 
@@ -146,7 +152,7 @@ def put_in_force(request: Request, machine_id: MachineId, body: Annotated[InForc
             for run in runs.newest_closed(session, machine_id, revision=revision, limit=body.identify_again):
                 requesting.ask(session, run.id, requesting.Request())
     with database(request).reading() as session:
-        return list_slow_roll(session, machine_id)
+        return _listed(session, machine_id, slow_roll.versions(session, machine_id, limit=100))
 
 
 def _given(session: Session, machine_id: str, body: SlowRollIn) -> SlowRollRow:

@@ -7,7 +7,8 @@ from fastapi import APIRouter, Request, status
 from service.alert_life import Forbidden
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import Limit, Number, Reading, database
+from service.api.access import Number, Reading, database
+from service.api.paging import ById
 from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
 from service.delivery.channel import Outcome
@@ -21,9 +22,10 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 
 
 @router.get("", operation_id="list_subscriptions")
-def list_subscriptions(session: Reading) -> list[schemas.SubscriptionOut]:
+def list_subscriptions(session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
     """All subscriptions, without their secrets."""
-    return [rendering.subscription(row) for row in deliveries.every(session)]
+    rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
+    return [rendering.subscription(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post("", operation_id="subscribe", status_code=status.HTTP_201_CREATED, responses=CHANGES)
@@ -62,10 +64,11 @@ def enable_subscription(request: Request, subscription_id: Number) -> schemas.Su
 
 
 @router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")
-def list_deliveries(session: Reading, subscription_id: Number, limit: Limit = 100) -> list[schemas.DeliveryOut]:
+def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> list[schemas.DeliveryOut]:
     """The delivery log, newest first."""
     deliveries.get(session, subscription_id)
-    return [rendering.delivery(row) for row in deliveries.of_subscription(session, subscription_id, limit=limit)]
+    rows = deliveries.of_subscription(session, subscription_id, limit=paging.wanted, after=paging.after)
+    return [rendering.delivery(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post("/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", responses=CHANGES)

@@ -1,15 +1,14 @@
 """Machines, probes and rules whose alerts call nobody for a while, and notes on machines' timelines."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Query, Request, status
+from fastapi import APIRouter, Request, status
 
 from service import alerting, baselining
 from service.alert_life import Forbidden, Suppression
 from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import From, MachineId, Number, Reading, To, database, instant, moment
+from service.api.access import MachineId, Number, Period, Reading, database, instant
+from service.api.paging import ById, ByTime
 from service.api.problems import CHANGES, RESPONSES
 from storage import machines, suppressions, timeline
 from storage.clock import now
@@ -18,10 +17,11 @@ router = APIRouter(tags=["alerts"], responses=RESPONSES)
 
 
 @router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
-def list_suppressions(session: Reading, machine_id: MachineId) -> list[schemas.SuppressionOut]:
+def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.SuppressionOut]:
     """What is suppressed on a machine now, shelvings among it."""
     machines.get(session, machine_id)
-    return [rendering.suppression(row) for row in suppressions.in_force(session, machine_id)]
+    rows = suppressions.in_force(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [rendering.suppression(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post(
@@ -59,17 +59,13 @@ def end_suppression(request: Request, suppression_id: Number, said: schemas.By) 
 
 
 @router.get("/machines/{machine_id}/timeline", operation_id="read_timeline")
-def read_timeline(
-    session: Reading,
-    machine_id: MachineId,
-    first: From = None,
-    last: To = None,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-) -> list[schemas.TimelineOut]:
+def read_timeline(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.TimelineOut]:
     """Notes and markers of a machine, newest first."""
     machines.get(session, machine_id)
-    rows = timeline.of_machine(session, machine_id, first=moment(first), last=moment(last), limit=limit)
-    return [rendering.timeline_entry(row) for row in rows]
+    rows = timeline.of_machine(
+        session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
+    )
+    return [rendering.timeline_entry(row) for row in paging.page(rows, lambda row: (row.at, row.id))]
 
 
 @router.post("/machines/{machine_id}/timeline", operation_id="add_timeline_entry", status_code=status.HTTP_201_CREATED)

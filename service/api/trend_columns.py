@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from service.api.downsampling import Chosen, min_max
+from service.trend_baselines import BaselineBand, baseline_bands
 from storage import machines, trends
 from storage.database import Database
+from storage.jobs import RUN
 from storage.trends import Floats, History, Stamp, Texts
 
 MOST_KEPT = 512
@@ -36,6 +38,7 @@ class Columns:
     standard_error: Floats
     quality: Texts
     complex: bool
+    baselines: list[BaselineBand]
 
     def __len__(self) -> int:
         return len(self.history)
@@ -44,8 +47,9 @@ class Columns:
 class KeptHistories:
     """Histories by machine, parameter and scope, read again when something was stored that changes them."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, *, baseline_runs: int) -> None:
         self._database = database
+        self._baseline_runs = baseline_runs
         self._kept: OrderedDict[tuple[str, str, str], tuple[Stamp, Columns]] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -57,9 +61,12 @@ class KeptHistories:
             found = self._still_good(machine_id, parameters, scope, stamp)
             missing = [name for name in parameters if name not in found]
             read = trends.histories(session, machine_id, missing, scope=scope) if missing else {}
-        for name, history in read.items():
-            found[name] = _columns(history)
-            self._keep((machine_id, name, scope), stamp, found[name])
+            for name, history in read.items():
+                bands = []
+                if scope == RUN:  # only single runs are compared with a baseline
+                    bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
+                found[name] = _columns(history, bands)
+                self._keep((machine_id, name, scope), stamp, found[name])
         return {name: found[name] for name in parameters}
 
     def _still_good(self, machine_id: str, parameters: Sequence[str], scope: str, stamp: Stamp) -> dict[str, Columns]:
@@ -115,7 +122,7 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
     return {"real": history.value[at].tolist(), "imaginary": history.imaginary[at].tolist()}
 
 
-def _columns(history: History) -> Columns:
+def _columns(history: History, bands: list[BaselineBand]) -> Columns:
     is_complex = bool(np.isfinite(history.imaginary).any())
     value = np.hypot(history.value, history.imaginary) if is_complex else history.value
     quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)
@@ -127,6 +134,7 @@ def _columns(history: History) -> Columns:
         standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
         quality=quality.astype(np.object_),
         complex=is_complex,
+        baselines=bands,
     )
 
 
@@ -134,3 +142,8 @@ def texts(nanoseconds: trends.Integers) -> Texts:
     """Times [ns since 1970] as RFC 3339 in UTC, to the microsecond."""
     moments = (nanoseconds // 1000).astype("datetime64[us]")
     return np.datetime_as_string(moments, timezone="UTC").astype(np.object_)
+
+
+def text(nanoseconds: int) -> str:
+    """A time [ns since 1970] as RFC 3339 in UTC."""
+    return str(texts(np.array([nanoseconds]))[0])

@@ -7,11 +7,12 @@ import msgspec
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, Field
 
-from service.api.access import From, MachineId, To, moment
+from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
 from service.api.problems import RESPONSES
-from service.api.trend_columns import Columns, KeptHistories, cut, parts, table
+from service.api.trend_columns import Columns, KeptHistories, cut, parts, table, text
+from service.trend_baselines import BaselineBand
 
 router = APIRouter(tags=["trends"], responses=RESPONSES)
 
@@ -44,12 +45,25 @@ class DownSampling(BaseModel):
     points: int = Field(description="how many there are in the time range")
 
 
+class BaselineOut(BaseModel):
+    """Between which values 95 % of the estimates lie while nothing happens, by the baseline of a part of the trend."""
+
+    run_kind: str = Field(description="of the runs that it is for")
+    since: str = Field(description="measured_at of the first identification that it is for")
+    until: str | None = Field(description="from here on another one; null for the one in force now")
+    centre: float
+    lower: float
+    upper: float
+    identifications: list[int] = Field(description="that made it")
+
+
 class Series(BaseModel):
     """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
 
     parameter: str
     unit: str | None = Field(description="null for a parameter that was never identified")
     down_sampling: DownSampling
+    baselines: list[BaselineOut] = Field(description="empty until a baseline is complete, and for gathered runs")
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
     computed_at: list[str] = Field(description="when it was identified")
     value: list[float | None] = Field(description="of an unbalance its magnitude")
@@ -90,9 +104,8 @@ class Trends(BaseModel):
 def read_trends(
     request: Request,
     machine_id: MachineId,
+    period: Period,
     parameter: Parameters,
-    first: From = None,
-    last: To = None,
     max_points: MaxPoints = 5000,
     scope: Scope = "run",
     chosen: FormatChoice = None,
@@ -104,8 +117,7 @@ def read_trends(
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories
     found = kept.columns(machine_id, list(dict.fromkeys(parameter)), scope=scope)
-    begin, end = moment(first), moment(last)
-    points = {name: cut(columns, first=begin, last=end, most=max_points) for name, columns in found.items()}
+    points = {name: cut(columns, first=period.first, last=period.last, most=max_points) for name, columns in found.items()}
     if wanted == "json":
         series = [_series(name, columns, points[name]) for name, columns in found.items()]
         body = msgspec.json.encode({"machine": machine_id, "scope": scope, "series": series})
@@ -119,7 +131,20 @@ def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
     # Encoded without a model: of thousands of points each would be looked at.
     head = {"parameter": name, "unit": columns.history.unit}
     down_sampling = {"method": chosen.method, "points": chosen.points}
-    return head | {"down_sampling": down_sampling} | table(columns, chosen) | parts(columns, chosen)
+    bands = [_baseline(one) for one in columns.baselines]
+    return head | {"down_sampling": down_sampling, "baselines": bands} | table(columns, chosen) | parts(columns, chosen)
+
+
+def _baseline(one: BaselineBand) -> dict[str, Any]:
+    return {
+        "run_kind": one.run_kind,
+        "since": text(one.since),
+        "until": None if one.until is None else text(one.until),
+        "centre": one.band.centre,
+        "lower": one.band.lower,
+        "upper": one.band.upper,
+        "identifications": one.identifications,
+    }
 
 
 def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[str, list[Any]]:

@@ -13,12 +13,14 @@
 | 32 | 1 each | speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit, direction: places in lists below |
 | 38 | 1 | tables that are there beside amplitude and phase: 1 scatter, 2 the 2×, 4 status |
 | 39 | 1 each | number format of amplitudes, of phases, of scatter: 0 float64, 1 int32, 2 int16 |
-| 42 | 6 | zero |
+| 42 | 1 | operating conditions k |
+| 43 | 5 | zero |
 | 48 | 8 each | quantum of amplitudes, of phases, of scatter: what an integer is multiplied with; 1 for float64 |
-| 72 | | names in UTF-8, a newline between them: plant, machine, source, channels; zeros up to a multiple of 8 |
+| 72 | | names in UTF-8, a newline between them: plant, machine, source, channels, conditions; zeros up to a multiple of 8 |
 | | 8 S | time_ns, int64 |
 | | 8 S | speed, float64 |
 | | S m | amplitude, then phase, then scatter, amplitude_2x, phase_2x and status (one byte each), sample by sample |
+| | 8 k S | conditions, float64, one after the other |
 
 Tables follow each other without padding. NaN, or the most negative integer, stands for null. status is 0 `good`,
 1 `not_available`, 2 `bad`, 3 `out_of_range`.
@@ -55,7 +57,7 @@ _LABELS = np.array(list(STATUSES), dtype=object)
 _SCATTER, _SECOND, _STATUS = 1, 2, 4
 _MAGIC = b"RDSW"
 _VERSION = struct.Struct("<4sHH")
-_HEADER = struct.Struct("<4sHHQQIHH6BB3B6xddd")
+_HEADER = struct.Struct("<4sHHQQIHH6BB3BB5xddd")
 
 
 class NumberFormat(NamedTuple):
@@ -116,7 +118,8 @@ def encode_binary(
     scatter: NumberFormat = FLOAT64,
 ) -> bytes:
     """The body. Raises ValueError for what this encoding has no place for."""
-    names = "\n".join([batch.plant, batch.machine, batch.source, *batch.channels]).encode()
+    conditions = batch.conditions or {}
+    names = "\n".join([batch.plant, batch.machine, batch.source, *batch.channels, *conditions]).encode()
     second = batch.amplitude_2x is not None and batch.phase_2x is not None
     tables = _SCATTER * (batch.scatter is not None) | _SECOND * second | _STATUS * (batch.status is not None)
     codes = [places.index(getattr(batch, name)) for name, places in _UNITS.items()]
@@ -133,6 +136,7 @@ def encode_binary(
         *codes,
         tables,
         *(one.code for one in formats),
+        len(conditions),
         *(one.quantum for one in formats),
     )
     parts = [header, names, bytes(-(_HEADER.size + len(names)) % 8)]
@@ -144,6 +148,7 @@ def encode_binary(
         parts += [amplitude.write(batch.amplitude_2x), phase.write(batch.phase_2x)]
     if batch.status is not None:
         parts.append(bytes(STATUSES[label] for row in batch.status for label in row))
+    parts += [np.array(values, "<f8").tobytes() for values in conditions.values()]
     return b"".join(parts)
 
 
@@ -156,17 +161,18 @@ def decode_binary(body: bytes) -> SampleBatch:
     if not _HEADER.size <= header_size <= len(body):
         raise Rejected("undecodable", f"a header of {header_size} bytes; {_HEADER.size} or more must be there")
     _, _, _, epoch, sequence, count, channels, size, *rest = _HEADER.unpack_from(body)
-    codes, (tables, *kinds), quanta = rest[:6], rest[6:10], rest[10:]
+    codes, (tables, *kinds), conditions, quanta = rest[:6], rest[6:10], rest[10], rest[11:]
     formats = [_format(code, quantum) for code, quantum in zip(kinds, quanta, strict=True)]
-    names = _names(body[header_size : header_size + size], channels)
+    names = _names(body[header_size : header_size + size], channels, conditions)
     at = header_size + size
     at += -at % 8
     widths = [np.dtype(one.kind).itemsize for one in formats]
     second = bool(tables & _SECOND)
     width = (widths[0] + widths[1]) * (1 + second) + widths[2] * bool(tables & _SCATTER) + bool(tables & _STATUS)
-    expected = at + 16 * count + width * count * channels
+    expected = at + 16 * count + width * count * channels + 8 * count * conditions
     if len(body) != expected or tables >= 8:
-        raise Rejected("undecodable", f"{len(body)} bytes; {count} samples of {channels} channels make {expected}")
+        what = f"{count} samples of {channels} channels" + (f" and {conditions} conditions" if conditions else "")
+        raise Rejected("undecodable", f"{len(body)} bytes; {what} make {expected}")
     shape = count, channels
 
     def table(which: int) -> Table:
@@ -184,7 +190,7 @@ def decode_binary(body: bytes) -> SampleBatch:
         source=names[2],
         epoch=epoch,
         sequence=sequence,
-        channels=names[3:],
+        channels=names[3 : 3 + channels],
         time_ns=time.tolist(),
         speed=speed.tolist(),
         amplitude=table(0),
@@ -193,8 +199,20 @@ def decode_binary(body: bytes) -> SampleBatch:
         amplitude_2x=table(0) if second else None,
         phase_2x=table(1) if second else None,
         status=_statuses(np.frombuffer(body, "u1", count * channels, at).reshape(shape)) if tables & _STATUS else None,
+        conditions=_conditions(names[3 + channels :], body, expected - 8 * count * conditions, count) if conditions else None,
         **_units(codes),
     )
+
+
+def _conditions(names: Sequence[str], body: bytes, at: int, count: int) -> dict[str, list[float | None]]:
+    """By name its values, which end the body; NaN stands for null. Raises Rejected for a name that stands twice."""
+    if len(set(names)) != len(names):
+        raise Rejected("undecodable", "a condition stands more than once among the names")
+    columns = np.frombuffer(body, "<f8", len(names) * count, at).reshape(len(names), count)
+    found: dict[str, list[float | None]] = dict(zip(names, columns.tolist(), strict=True))
+    for row, column in np.argwhere(np.isnan(columns)).tolist():
+        found[names[row]][column] = None
+    return found
 
 
 def _format(code: int, quantum: float) -> NumberFormat:
@@ -205,13 +223,14 @@ def _format(code: int, quantum: float) -> NumberFormat:
     return one
 
 
-def _names(text: bytes, channels: int) -> list[str]:
+def _names(text: bytes, channels: int, conditions: int) -> list[str]:
     try:
         names = text.decode().split("\n")
     except UnicodeDecodeError as error:
         raise Rejected("undecodable", f"the names are not UTF-8: {error}") from None
-    if len(names) != 3 + channels:
-        raise Rejected("undecodable", f"{len(names)} names; plant, machine, source and {channels} channels must be there")
+    if len(names) != 3 + channels + conditions:
+        what = f"{channels} channels" + (f", {conditions} conditions" if conditions else "")
+        raise Rejected("undecodable", f"{len(names)} names; plant, machine, source and {what} must be there")
     return names
 
 

@@ -33,7 +33,7 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     Returns all samples, which of them can be taken at all (S,), and every fault. A channel's bad value makes that channel
     unusable in that sample; a bad time or speed the whole sample. Raises Rejected for what is wrong with all of it.
     """
-    _check_channels(batch, machine)
+    _check_names(batch, machine)
     factors = _metres(batch, machine) * _factor(batch, "amplitude_kind", PEAK)
     turn = _factor(batch, "phase_convention", LEAD) * _factor(batch, "phase_unit", RADIANS)
     count = len(batch.time_ns)
@@ -65,7 +65,11 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         faults.append(fault)
         taken[fault.index] = False
     direction = np.full(count, _factor(batch, "direction", DIRECTIONS), dtype=np.int8)
-    return Samples(time, speed, direction, phasor, status, scatter, second), taken, faults
+    conditions = _conditions(batch, machine)
+    for index, column in np.argwhere(np.isinf(conditions)).tolist():
+        faults.append(Fault(index, "not_finite", f"condition {machine.condition_names[column]} is infinite"))
+        conditions[index, column] = np.nan
+    return Samples(time, speed, direction, phasor, status, scatter, second, conditions), taken, faults
 
 
 def is_ahead(time_ns: int) -> bool:
@@ -88,11 +92,23 @@ def _factor(batch: SampleBatch, name: str, table: Mapping[Any, float]) -> float:
     return table[value]
 
 
-def _check_channels(batch: SampleBatch, machine: Machine) -> None:
+def _conditions(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
+    """Operating conditions (S, k) in the document's order, NaN where one was not measured."""
+    table = np.full((len(batch.time_ns), len(machine.conditions)), np.nan)
+    for name, values in (batch.conditions or {}).items():
+        table[:, machine.condition_names.index(name)] = np.array(values, dtype=float)  # null becomes NaN
+    return table
+
+
+def _check_names(batch: SampleBatch, machine: Machine) -> None:
     unknown = [channel[:64] for channel in batch.channels if channel not in machine.channels]
     if unknown:
         known = ", ".join(machine.channels)
         raise Rejected("unknown_channel", f"machine '{machine.id}' has no channel {', '.join(unknown)}; it has {known}")
+    unknown = [name[:64] for name in batch.conditions or () if name not in machine.condition_names]
+    if unknown:
+        known = f"it has {', '.join(machine.condition_names)}" if machine.conditions else "its document names none"
+        raise Rejected("unknown_condition", f"machine '{machine.id}' has no condition {', '.join(unknown)}; {known}")
 
 
 def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ Reason = Literal[
     "key_mismatch",
     "unknown_machine",
     "unknown_channel",
+    "unknown_condition",
     "wrong_unit",
     "wrong_shape",
     "not_finite",

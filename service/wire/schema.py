@@ -10,6 +10,7 @@ from storage.samples import SourceKey
 WIRE_SCHEMA = 1
 LARGEST_BATCH = 5_000
 LARGEST_CHANNEL_COUNT = 128
+LARGEST_CONDITION_COUNT = 16
 
 STATUSES = {status.label: status for status in ChannelStatus}
 DIRECTIONS = {"positive": 1, "negative": -1}
@@ -28,7 +29,8 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     amplitude, phase, status, scatter: per sample a list over the channels; null where there is no value. status: `good`,
     `not_available`, `bad` or `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's
     unit. amplitude_2x, phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive`
-    turns +x towards +y.
+    turns +x towards +y. conditions: by name of an operating condition its value per sample, in the unit of the machine's
+    document; null where it was not measured.
     """
 
     schema: int
@@ -52,6 +54,7 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     scatter: Table | None = None
     amplitude_2x: Table | None = None
     phase_2x: Table | None = None
+    conditions: dict[str, list[float | None]] | None = None
 
 
 def source_key(batch: SampleBatch) -> SourceKey:
@@ -80,6 +83,12 @@ def require_shape(batch: SampleBatch) -> None:
         raise Rejected("wrong_shape", "epoch and sequence must not be negative and must fit 63 bits")
     if len(batch.speed) != count:
         raise Rejected("wrong_shape", f"speed has {len(batch.speed)} values for {count} samples")
+    if batch.conditions is not None:
+        if len(batch.conditions) > LARGEST_CONDITION_COUNT:
+            raise Rejected("wrong_shape", f"{len(batch.conditions)} conditions; at most {LARGEST_CONDITION_COUNT} ride along")
+        for name, values in batch.conditions.items():
+            if len(values) != count:
+                raise Rejected("wrong_shape", f"condition {name[:64]} has {len(values)} values for {count} samples")
     if (batch.amplitude_2x is None) != (batch.phase_2x is None):
         raise Rejected("wrong_shape", "amplitude_2x and phase_2x come together or not at all")
     for name in TABLES:

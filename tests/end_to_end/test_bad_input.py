@@ -46,6 +46,7 @@ def bad_messages() -> dict[str, tuple[str, bytes]]:
         "key_mismatch": ("rundown/v1/examples/other/samples", encode_batch(good)),
         "unknown_machine": ("rundown/v1/examples/nobody/samples", encode_batch(some(machine="nobody"))),
         "unknown_channel": (KEY.samples, encode_batch(some(source="b1", channels=[*good.channels[:-1], "B9Z"]))),
+        "unknown_condition": (KEY.samples, encode_batch(some(source="b10", conditions={"humidity": [40.0] * 3}))),
         "wrong_unit": (KEY.samples, encode_batch(some(source="b2", amplitude_unit="furlong"))),
         "wrong_shape": (KEY.samples, encode_batch(some(source="b3", speed=[1.0]))),
         "not_finite": (KEY.samples, encode_batch(some(source="b4", amplitude=spoiled(good.amplitude, float("nan"))))),

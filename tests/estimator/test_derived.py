@@ -164,7 +164,7 @@ def test_the_second_order_is_told_where_it_is_measured() -> None:
     first, other = (quantities[f"probe.{channel}.second_over_first"] for channel in model.machine.channels[:2])
     assert (first.value, first.lower, first.upper) == pytest.approx((0.25, 0.25, 0.25))
     assert other.value is None
-    assert other.reason == "fewer than 6 samples within 5 % of 2387 r/min have both"
+    assert other.reason == "fewer than 6 samples within 10 % of 2387 r/min have both"
     assert f"probe.{model.machine.channels[2]}.second_over_first" not in quantities
 
 

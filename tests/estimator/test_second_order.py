@@ -44,8 +44,8 @@ def test_the_interval_holds_the_median_of_any_distribution_in_95_per_cent() -> N
 
 
 def test_runs_count_together_and_only_near_the_speed() -> None:
-    far = orders(np.full(20, 9.0), speed=0.94 * SPEED)
-    near = [orders(np.full(4, 0.2), speed=0.96 * SPEED), orders(np.full(5, 0.3), speed=1.04 * SPEED)]
+    far = orders(np.full(20, 9.0), speed=0.89 * SPEED)
+    near = [orders(np.full(4, 0.2), speed=0.91 * SPEED), orders(np.full(5, 0.3), speed=1.09 * SPEED)]
     found = second_over_first([far, *near], 0, running_speed=SPEED)
     assert found is not None
     assert (found.value, found.samples) == (pytest.approx(0.3), 9)

@@ -112,6 +112,7 @@ REFUSED: dict[Reason, tuple[int, SampleBatch | bytes]] = {
     "key_mismatch": (422, batch(machine="pump-8")),
     "unknown_machine": (404, batch(plant="elsewhere")),
     "unknown_channel": (422, batch(channels=["a", "b", "c", "d"])),
+    "unknown_condition": (422, batch(conditions={"humidity": [40.0]})),
     "wrong_unit": (422, batch(speed_unit="knots")),
     "wrong_shape": (422, batch(speed=[1.0, 2.0])),
     "sequence_out_of_range": (409, batch(sequence=2 * 10**9)),

@@ -5,6 +5,7 @@ import signal
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import psutil
 import pytest
 
 from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
+from estimator.machine import Condition, Machine, Operation
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
 from service.identifying import Identifying
@@ -88,6 +89,32 @@ def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: D
         force = quantities["coupling.C1.misalignment_force"]
         assert (force.unit, force.measured_at, force.reason) == ("N", row.measured_at, None)
         assert 0.0 < (force.lower or 0.0) < (force.value or 0.0) < (force.upper or 0.0)
+
+
+def test_conditions_and_derived_quantities_of_a_run_are_kept(database: Database, train: Machine) -> None:
+    conditions = Condition(name="oil", unit="degC"), Condition(name="load", unit="%")
+    train = train.model_copy(update={"conditions": conditions, "operation": Operation(running_rpm=3000)})
+    with database.transaction() as session:
+        machines.create(session, train)
+    run_id = close_run(database, train, seed=1, start_s=1_700_000_000)
+    with database.transaction() as session:
+        held = runs.samples(session, run_id)
+        assert held is not None
+        oil = np.column_stack([np.linspace(60.0, 50.0, len(held)), np.full(len(held), np.nan)])
+        told = replace(held, conditions=oil, second=0.25 * held.phasor)
+        runs.close(runs.get(session, run_id), samples=told, state=runs.CLOSED, reason="the speed left the speed range")
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1})
+    with database.reading() as session:
+        (row,) = identifications.of_machine(session, train.id)
+        assert row.conditions == {"oil": pytest.approx(55.0), "load": None}
+        found = {one.name: one for one in derived.of_identification(session, row.id)}
+        speed, ratio = found["critical_speed.1"], found["probe.B1X.second_over_first"]
+        assert (speed.unit, ratio.unit, ratio.value) == ("rad/s", "1", pytest.approx(0.25))
+        assert speed.value == pytest.approx(121.8, rel=0.1)  # nominal
+        assert (speed.lower or 0.0) < (speed.value or 0.0) < (speed.upper or 0.0)
+        for one in found.values():
+            assert (one.value is None) == (one.reason is not None)
 
 
 def test_interrupted_job_is_computed_after_the_next_start(database: Database, train: Machine) -> None:

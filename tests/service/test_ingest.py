@@ -348,6 +348,7 @@ BAD: dict[str, tuple[str, dict[str, Any]]] = {
     "another machine's key": ("key_mismatch", {"payload": GOOD, "key": "rundown/v1/plant-1/pump-8/samples"}),
     "a key with odd letters": ("key_mismatch", {"payload": GOOD, "key": "rundown/v1/plant-1/pümp 7/samples"}),
     "unknown channel": ("unknown_channel", {"payload": encode_batch(batch(epoch=2, channels=["a", "b", "c", "d"]))}),
+    "unknown condition": ("unknown_condition", {"payload": encode_batch(batch(epoch=4, conditions={"humidity": [40.0]}))}),
     "unknown unit": ("wrong_unit", {"payload": encode_batch(batch(epoch=3, speed_unit="RPM"))}),
     "newer schema": ("future_schema", {"payload": encode_batch(batch(schema=2))}),
 }

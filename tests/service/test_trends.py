@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from service.api.downsampling import min_max
 from service.api.formats import CSV, JSON, PARQUET
-from storage import jobs, runs
+from storage import baselines, jobs, runs
 from storage.database import Database
 from tests.asking import Api, fields, problem
 from tests.plant import KEY, SECOND, START, few_examples, identification, samples, store_identification
@@ -165,6 +165,32 @@ def test_a_stretch_without_values_is_still_seen() -> None:
     value = np.array([1.0] * 50 + [math.nan] * 50 + [1.0] * 50)
     chosen = min_max(np.arange(150) * SECOND, value, most=20)
     assert np.isnan(value[chosen.index]).any()
+
+
+def test_each_baseline_has_its_band(plant: Database) -> None:
+    factors = [1.0, 1.01, 0.99, 1.0, 1.0, 1.3, 1.3, 1.31, 1.29, 1.3, 1.3, 1.3]
+    store(plant, factors)
+    with plant.transaction() as session:
+        baselines.begin(session, KEY.machine, since=START + 6 * HOUR, identification_ids=None, reason="why", by="anna")
+    (one,) = trend(Api(plant), "coupling.C1.kxx")
+    first, second = one["baselines"]
+    assert (first["since"], first["until"]) == (one["measured_at"][0], one["measured_at"][6])
+    assert (second["since"], second["until"]) == (one["measured_at"][6], None)
+    assert [first["identifications"], second["identifications"]] == [[1, 2, 3, 4, 5], [7, 8, 9, 10, 11]]
+    assert first["centre"] == pytest.approx(2e6, rel=1e-3)
+    assert second["centre"] == pytest.approx(2.6e6, rel=1e-3)
+    assert first["lower"] < first["centre"] < first["upper"] < 1.1 * first["centre"]
+    unbalance = trend(Api(plant), "disc.D1.unbalance")[0]
+    assert unbalance["baselines"][0]["centre"] == pytest.approx(unbalance["value"][0])
+
+
+def test_a_baseline_that_is_not_complete_has_no_band(plant: Database) -> None:
+    store(plant, [1.0, 1.0, 1.0, 1.0])
+    with plant.transaction() as session:
+        store_identification(session, identification(), run_id=200, scope=jobs.GATHERED, run_kind="gathered")
+    api = Api(plant)
+    assert trend(api, "coupling.C1.kxx")[0]["baselines"] == []
+    assert trend(api, "coupling.C1.kxx", scope="gathered")[0]["baselines"] == []
 
 
 @pytest.mark.parametrize(

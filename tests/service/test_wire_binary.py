@@ -47,6 +47,8 @@ def batches(draw: st.DrawFn) -> SampleBatch:
         return st.lists(st.lists(values, min_size=channels, max_size=channels), min_size=count, max_size=count)
 
     second = draw(st.booleans())
+    names = draw(st.lists(st.sampled_from(["oil", "load", "Druck-ü"]), unique=True))
+    values = st.lists(cells, min_size=count, max_size=count)
     return SampleBatch(
         schema=1,
         plant=KEY.plant,
@@ -69,6 +71,7 @@ def batches(draw: st.DrawFn) -> SampleBatch:
         scatter=draw(st.none() | table(cells)),
         amplitude_2x=draw(table(cells)) if second else None,
         phase_2x=draw(table(cells)) if second else None,
+        conditions={name: draw(values) for name in names} or None,
     )
 
 

@@ -3,6 +3,7 @@
 import struct
 import zlib
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from estimator.channel_status import ChannelStatus
-from storage.blocks import DamagedBlock, Samples, decode, encode, join
+from storage.blocks import DamagedBlock, Samples, decode, encode, join, mean_conditions
 from tests.plant import START, assert_same_samples, few_examples, samples
 
 NAN_WITH_PAYLOAD = struct.unpack("<d", struct.pack("<Q", 0x7FF800000000BEEF))[0]
@@ -20,7 +21,7 @@ NAN_WITH_PAYLOAD = struct.unpack("<d", struct.pack("<Q", 0x7FF800000000BEEF))[0]
 @st.composite
 def any_samples(draw: st.DrawFn) -> Samples:
     """Samples with every float there is: NaN, infinities, subnormal numbers and negative zero among them."""
-    count, channels = draw(st.integers(0, 6)), draw(st.integers(1, 5))
+    count, channels, conditions = draw(st.integers(0, 6)), draw(st.integers(1, 5)), draw(st.integers(0, 3))
     table = (count, channels)
     floats = st.floats(width=64)
     return Samples(
@@ -31,6 +32,7 @@ def any_samples(draw: st.DrawFn) -> Samples:
         status=draw(arrays.arrays(np.uint8, table, elements=st.sampled_from(list(map(int, ChannelStatus))))),
         scatter=draw(arrays.arrays(np.float64, table, elements=floats)),
         second=draw(arrays.arrays(np.float64, (count, 2 * channels), elements=floats)).view(np.complex128),
+        conditions=draw(arrays.arrays(np.float64, (count, conditions if count else 0), elements=floats)),
     )
 
 
@@ -66,7 +68,7 @@ def test_a_block_of_usual_samples_is_smaller_than_its_numbers() -> None:
         pytest.param(lambda data: data[:12], id="only a header"),
         pytest.param(lambda data: data[:-5], id="cut off"),
         pytest.param(lambda data: b"XXXX" + data[4:], id="another file"),
-        pytest.param(lambda data: data[:4] + struct.pack("<H", 3) + data[6:], id="format of the future"),
+        pytest.param(lambda data: data[:4] + struct.pack("<H", 4) + data[6:], id="format of the future"),
         pytest.param(lambda data: data[:12] + bytes(len(data) - 12), id="zeros"),
         pytest.param(lambda data: data[:12] + zlib.compress(b"short"), id="too little inside"),
         pytest.param(lambda data: data[:8] + struct.pack("<I", 2**32 - 1) + data[12:], id="count too large"),
@@ -97,6 +99,29 @@ def test_join_keeps_the_order_given() -> None:
     together = join([late, early], channels=4)
     assert together.time.tolist() == [*late.time.tolist(), *early.time.tolist()]
     assert together.phasor.shape == (5, 4)
+
+
+def test_a_block_without_conditions_is_written_as_an_older_release_reads_it() -> None:
+    held = samples(2)
+    assert struct.unpack_from("<4sH", encode(held)) == (b"RDSB", 2)
+    warm = replace(held, conditions=np.array([[60.0], [61.0]]))
+    assert struct.unpack_from("<4sH", encode(warm)) == (b"RDSB", 3)
+    assert_same_samples(decode(encode(warm)), warm)
+
+
+def test_joined_pieces_without_a_condition_did_not_measure_it() -> None:
+    warm = replace(samples(2), conditions=np.array([[60.0, 80.0], [61.0, 82.0]]))
+    together = join([samples(1), warm, join([], channels=4)], channels=4)
+    assert np.isnan(together.conditions[0]).all()
+    assert together.conditions[1:].tolist() == warm.conditions.tolist()
+    assert together.pick(slice(1, 2)).conditions.tolist() == [[60.0, 80.0]]
+
+
+def test_mean_conditions_are_of_what_was_measured() -> None:
+    warm = replace(samples(3), conditions=np.array([[60.0, np.nan], [np.nan, np.nan], [66.0, np.nan]]))
+    assert mean_conditions([warm, samples(4)], ["oil", "load"]) == {"oil": 63.0, "load": None}
+    assert mean_conditions([samples(4)], ["oil"]) == {"oil": None}
+    assert mean_conditions([], []) == {}
 
 
 def test_join_of_nothing_has_the_channels() -> None:

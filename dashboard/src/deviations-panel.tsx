@@ -1,0 +1,77 @@
+// The newest identification beside the baseline, element by element.
+import type { Deviations, Document } from "./answers";
+import { CHANGED, inWords, largest } from "./deviations";
+import { elementName, number } from "./format";
+import { Empty, Panel, Shown, Time } from "./parts";
+import type { Answer } from "./resource";
+import { link } from "./router";
+
+export function DeviationsPanel({ machine, answer, none }: { machine: Document; answer: Answer<Deviations>; none: boolean }) {
+  if (none) {
+    return (
+      <Panel title="Against the baseline">
+        <Empty>No identification was accepted yet.</Empty>
+      </Panel>
+    );
+  }
+  return (
+    <Panel title="Against the baseline" aside={answer.data && <About found={answer.data} />}>
+      <Shown answer={answer} lines={12}>
+        {(found) => (found.missing ? <Empty>{found.missing}</Empty> : <Table machine={machine.id} found={found} />)}
+      </Shown>
+    </Panel>
+  );
+}
+
+function About({ found }: { found: Deviations }) {
+  const { baseline } = found;
+  return (
+    <p class="muted">
+      <Time at={found.measured_at} /> {found.run_kind}, against {baseline.identifications.length} runs
+      {baseline.since && (
+        <>
+          {" "}
+          since <Time at={baseline.since} />
+        </>
+      )}
+    </p>
+  );
+}
+
+function Table({ machine, found }: { machine: string; found: Deviations }) {
+  const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Element</th>
+            <th>Largest of its parameters</th>
+            <th class="number" title="how far all of its parameters moved together, over what is usual">
+              Distance
+            </th>
+            <th class="number">By chance</th>
+          </tr>
+        </thead>
+        <tbody>
+          {order.map((one) => {
+            const most = largest(found, one.element);
+            return (
+              <tr key={one.element}>
+                <td>
+                  <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
+                </td>
+                <td>{most ? inWords(most) : "–"}</td>
+                <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
+                <td class="number">
+                  {one.probability < CHANGED && <span class="severity changed">● </span>}
+                  {one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}
+                </td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+    </div>
+  );
+}

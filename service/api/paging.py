@@ -1,0 +1,95 @@
+"""Long lists in parts: `?limit=` and an opaque `?cursor=`, with the address of the next part in the Link header (RFC 8288)."""
+
+import base64
+import binascii
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
+
+from fastapi import Depends, Query, Request, Response
+from fastapi.exceptions import RequestValidationError
+
+from storage.paging import Keys
+
+T = TypeVar("T")
+
+LARGEST_LIMIT = 1000
+LARGEST_INTEGER = 2**63 - 1
+
+
+@dataclass
+class Paging:
+    """How much of a list is wanted, and behind which row. Ask the store for `wanted` rows and pass them to `page`."""
+
+    limit: int
+    after: Keys | None
+    request: Request
+    response: Response
+
+    @property
+    def wanted(self) -> int:
+        """One more than is shown: it tells whether there is a next part."""
+        return self.limit + 1
+
+    def page(self, rows: Sequence[T], keys: Callable[[T], Keys]) -> Sequence[T]:
+        """The rows to show; where more follow, the answer says where."""
+        if len(rows) <= self.limit:
+            return rows
+        shown = rows[: self.limit]
+        cursor = _written(_kinds(keys(shown[-1])), keys(shown[-1]))
+        following = self.request.url.include_query_params(cursor=cursor, limit=self.limit)
+        self.response.headers["Link"] = f'<{following.path}?{following.query}>; rel="next"'
+        return shown
+
+
+def _written(kind: str, keys: Keys) -> str:
+    return base64.urlsafe_b64encode(json.dumps([kind, *keys]).encode()).decode().rstrip("=")
+
+
+def _kinds(keys: Keys) -> str:
+    return "".join("i" if isinstance(key, int) else "s" for key in keys)
+
+
+def _read(cursor: str, kind: str) -> Keys:
+    try:
+        found = json.loads(base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True))
+    except (binascii.Error, ValueError, RecursionError):
+        found = None
+    if isinstance(found, list) and found[:1] == [kind] and len(found) == 1 + len(kind):
+        keys = tuple(found[1:])
+        if _fits(keys, kind):
+            return keys
+    message = "this is no cursor of this list: take the one from the Link header of the part before, or none to begin"
+    raise RequestValidationError([{"type": "value_error", "loc": ("query", "cursor"), "msg": message, "input": cursor}])
+
+
+def _fits(keys: tuple[Any, ...], kind: str) -> bool:
+    return all(
+        (type(key) is int and abs(key) <= LARGEST_INTEGER) if one == "i" else (isinstance(key, str) and "\0" not in key)
+        for key, one in zip(keys, kind, strict=True)
+    )
+
+
+def _paging(kind: str, default: int) -> Any:
+    def paging(
+        request: Request,
+        response: Response,
+        limit: Annotated[int, Query(ge=1, le=LARGEST_LIMIT)] = default,
+        cursor: Annotated[
+            str | None, Query(min_length=1, max_length=200, description="from the Link header of the part before")
+        ] = None,
+    ) -> Paging:
+        return Paging(limit, None if cursor is None else _read(cursor, kind), request, response)
+
+    return Depends(paging)
+
+
+ByTime = Annotated[Paging, _paging("ii", 100)]
+"""Lists that are ordered by a time and an id."""
+ById = Annotated[Paging, _paging("i", 100)]
+"""Lists that are ordered by an id or a number."""
+BySource = Annotated[Paging, _paging("ssi", LARGEST_LIMIT)]
+"""The list of sources."""
+ByName = Annotated[Paging, _paging("s", LARGEST_LIMIT)]
+"""Lists that are ordered by a name."""
