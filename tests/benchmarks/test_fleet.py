@@ -217,10 +217,13 @@ def test_bounds_of_rates_and_parts_are_the_exact_ones() -> None:
 
 
 def test_the_short_report_prints_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
-    main(["--short", "--processes", "1"])
+    main(["--short", "--processes", "1", "--only", "unbalance step", "misalignment step"])
     page = capsys.readouterr().out
+    assert page.startswith("6 machines")
     for figure in ("rise of natural frequencies", "false misalignment alerts", "detected within 3 runs", "drift to A1"):
         assert figure in page
     rows = [line.split() for line in page.splitlines() if line.startswith("misalignment step") and "%" in line]
     # The last of the power's rows and of the names' rows is over all machines.
     assert [row[row.index("all") + 2] for row in rows if "all" in row] == ["100.0", "100.0"]
+    matrix = page[page.index("first alert after a") :].split()
+    assert matrix[4:] == ["misalignment", "unbalance", "unbalance", "step", "0", "2", "misalignment", "step", "4", "0"]
