@@ -40,6 +40,7 @@ class Base(DeclarativeBase):
         list[int]: JSON,
         list[str]: JSON,
         list[list[int]]: JSON,
+        list[list[str]]: JSON,
         list[dict[str, Any]]: JSON,
     }
 
@@ -157,6 +158,8 @@ class RunRow(Base):
         UniqueConstraint("machine_id", "time_first"),
         ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
         Index(None, "state"),
+        Index(None, "time_first"),
+        Index(None, "machine_id", "state"),
     )
 
     id: Mapped[int] = mapped_column(Key, primary_key=True)
@@ -207,6 +210,7 @@ class IdentificationRow(Base):
     __table_args__ = (
         ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
         Index(None, "machine_id", "measured_at"),
+        Index(None, "computed_at"),
     )
 
     id: Mapped[int] = mapped_column(Key, primary_key=True)
@@ -315,6 +319,8 @@ class AlertRow(Base):
             sqlite_where=text("closed_at IS NULL"),
             postgresql_where=text("closed_at IS NULL"),
         ),
+        Index(None, "opened_at"),
+        Index(None, "machine_id", "opened_at"),
     )
 
     id: Mapped[int] = mapped_column(Key, primary_key=True)
@@ -340,7 +346,7 @@ class AlertEventRow(Base):
     """One transition of an alert, or a comment on it: who, when, why. Only ever added to."""
 
     __tablename__ = "alert_events"
-    __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"))
+    __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"), Index(None, "at"))
 
     id: Mapped[int] = mapped_column(Key, primary_key=True)
     alert_id: Mapped[int] = mapped_column(ForeignKey("alerts.id"))
@@ -485,3 +491,17 @@ class QuarantineCountRow(Base):
 
     reason: Mapped[str] = mapped_column(String(32), primary_key=True)
     count: Mapped[int]
+
+
+class IdempotencyKeyRow(Base):
+    """A key under which a client asks for something once, and what it was answered; status is null until then."""
+
+    __tablename__ = "idempotency_keys"
+    __table_args__ = (Index(None, "created_at"),)
+
+    key: Mapped[str] = mapped_column(String(255), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(String(64))
+    created_at: Mapped[int]
+    status: Mapped[int | None]
+    headers: Mapped[list[list[str]] | None]
+    body: Mapped[bytes | None] = mapped_column(LargeBinary)

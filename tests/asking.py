@@ -39,7 +39,8 @@ class Api:
         self.database = database
         self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
         self.app: FastAPI = application(database, lambda: dict(self.parts), **application_parts)
-        self.http = httpx.Client(transport=InProcess(self.app), base_url="http://rundown")
+        # Whatever there is may be changed, where a test does not say otherwise.
+        self.http = httpx.Client(transport=InProcess(self.app), base_url="http://rundown", headers={"if-match": "*"})
 
     def ask(self, method: str, path: str, **arguments: Any) -> httpx.Response:
         """Any request; the whole path."""

@@ -1,9 +1,10 @@
 """Alerts, what people do to them, and what ever happened to them."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request
+from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy.orm import Session
 
 from service import alerting
@@ -13,6 +14,7 @@ from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Reading, database, instant
 from service.api.paging import ById, ByTime
+from service.api.preconditions import ANYTHING, IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from storage import alerts, machines
 from storage.paging import Keys
@@ -40,9 +42,9 @@ def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[
 
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
-def read_alert(session: Reading, alert_id: Number) -> schemas.AlertOut:
-    """One alert with its evidence."""
-    return rendering.alert(alerts.get(session, alert_id))
+def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
+    """One alert with its evidence, and the ETag with which it can be changed."""
+    return tagged(response, rendering.alert(alerts.get(session, alert_id)))
 
 
 @router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
@@ -64,42 +66,66 @@ def list_machine_alerts(
 
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", responses=CHANGES)
-def acknowledge_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+def acknowledge_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
     """A person has seen it."""
-    return _change(request, alert_id, lambda session, row: alerting.acknowledge(session, row, _person(said)))
+    change = Change(request, response, alert_id, if_match)
+    return change.made(lambda session, row: alerting.acknowledge(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", responses=CHANGES)
-def reset_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+def reset_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
     """Unlatch an acknowledged alert whose cause is gone."""
-    return _change(request, alert_id, lambda session, row: alerting.reset(session, row, _person(said)))
+    change = Change(request, response, alert_id, if_match)
+    return change.made(lambda session, row: alerting.reset(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", responses=CHANGES)
-def shelve_alert(request: Request, alert_id: Number, said: schemas.Shelving) -> schemas.AlertOut:
+def shelve_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
+) -> schemas.AlertOut:
     """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
     until = instant(said.until)
-    return _change(request, alert_id, lambda session, row: alerting.shelve(session, row, _person(said), until=until))
+    change = Change(request, response, alert_id, if_match)
+    return change.made(lambda session, row: alerting.shelve(session, row, _person(said), until=until))
 
 
 @router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", responses=CHANGES)
-def unshelve_alert(request: Request, alert_id: Number, said: schemas.By) -> schemas.AlertOut:
+def unshelve_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
     """End a shelving before its time."""
-    return _change(request, alert_id, lambda session, row: alerting.unshelve(session, row, _person(said)))
+    change = Change(request, response, alert_id, if_match)
+    return change.made(lambda session, row: alerting.unshelve(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/comments", operation_id="comment_alert")
-def comment_alert(request: Request, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
+def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
     """Note something on an alert, open or closed."""
     person = Person(said.by, said.comment)
-    return _change(request, alert_id, lambda session, row: alerting.comment(session, row, person))
+    change = Change(request, response, alert_id, ANYTHING)
+    return change.made(lambda session, row: alerting.comment(session, row, person))
 
 
-def _change(request: Request, alert_id: int, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
-    with database(request).transaction() as session:
-        row = alerts.get(session, alert_id, to_change=True)
-        change(session, row)
-        return rendering.alert(row)
+@dataclass
+class Change:
+    """A change of an alert, as it was read; comments change nothing that others decide on."""
+
+    request: Request
+    response: Response
+    alert_id: int
+    if_match: str | None
+
+    def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
+        """The alert afterwards. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
+        with database(self.request).transaction() as session:
+            row = alerts.get(session, self.alert_id, to_change=True)
+            require(self.if_match, rendering.alert(row))
+            change(session, row)
+            return tagged(self.response, rendering.alert(row))
 
 
 def _place(row: AlertRow) -> Keys:

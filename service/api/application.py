@@ -29,12 +29,16 @@ from service.api import (
     orbits,
     run_quality,
     slow_roll,
+    stages,
     subscriptions,
     suppressions,
     trends,
 )
+from service.api.body_size import BodySize
 from service.api.event_stream import Broadcaster
+from service.api.idempotency import Idempotency
 from service.api.kept_answers import KeptAnswers
+from service.api.openapi import described
 from service.api.operations import Parts
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
@@ -80,6 +84,8 @@ def application(
     app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
+    app.add_middleware(Idempotency, database=database)
+    app.add_middleware(BodySize)
     router = APIRouter(prefix=PREFIX)
     for part in (
         machines,
@@ -105,9 +111,11 @@ def application(
         limits,
         subscriptions,
         operations,
+        stages,
     ):
         router.include_router(part.router)
     app.include_router(router)
     app.include_router(metrics.router)
     app.include_router(dashboard.router)
+    app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app

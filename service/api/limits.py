@@ -1,13 +1,13 @@
 """Limits of machines: from where on a finding is an alert or a danger."""
 
 import re
-from typing import Annotated
 
-from fastapi import APIRouter, Header, Request, Response
+from fastapi import APIRouter, Request, Response
 
 from service.api.access import MachineId, Reading, database
 from service.api.limit_schemas import LimitsIn, LimitsOut
 from service.api.paging import ById
+from service.api.preconditions import ANYTHING, IfMatch, PreconditionMissing
 from service.api.problems import RESPONSES, STALE
 from service.limits import Limits
 from service.setting_limits import LimitsChanged, set_limits
@@ -16,8 +16,6 @@ from storage.clock import to_datetime
 from storage.tables import LimitsRow
 
 router = APIRouter(tags=["limits"], responses=RESPONSES)
-
-IfMatch = Annotated[str | None, Header(description="ETag of the limits that are replaced; without it whatever is in force")]
 
 
 @router.get("/machines/{machine_id}/limits", operation_id="read_limits")
@@ -52,7 +50,9 @@ def list_limits(session: Reading, machine_id: MachineId, paging: ById) -> list[L
 
 def _expected(if_match: str | None) -> int | None:
     """The version that a person has read; None for any."""
-    if if_match is None or if_match.strip() == "*":
+    if if_match is None:
+        raise PreconditionMissing("say with If-Match which limits are to be replaced: the ETag of those that were read, or *")
+    if if_match.strip() == ANYTHING:
         return None
     number = re.fullmatch(r'"([0-9]{1,18})"', if_match.strip())
     if number is None:

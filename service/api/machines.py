@@ -3,11 +3,13 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Body, Request, Response, status
+from sqlalchemy.orm import Session
 
 from estimator.machine import DocumentError, Machine
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
 from service.api.paging import ById, ByName
+from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import RESPONSES, Problem
 from storage import fleet, machines
 
@@ -29,23 +31,30 @@ def create_machine(request: Request, response: Response, document: Document) -> 
     with database(request).transaction() as session:
         row = machines.create(session, document)
     response.headers["Location"] = f"/api/v1/machines/{document.id}"
-    return rendering.revision(row)
+    return tagged(response, rendering.revision(row))
 
 
 @router.get("/{machine_id}", operation_id="read_machine")
-def read_machine(session: Reading, machine_id: MachineId) -> schemas.MachineRevision:
-    """The machine's document in force."""
-    return rendering.revision(machines.revision(session, machine_id, machines.get(session, machine_id).revision))
+def read_machine(session: Reading, response: Response, machine_id: MachineId) -> schemas.MachineRevision:
+    """The machine's document in force, and the ETag with which it can be revised."""
+    return tagged(response, _in_force(session, machine_id))
 
 
 @router.put("/{machine_id}", operation_id="revise_machine", responses={409: {"model": Problem}})
-def revise_machine(request: Request, machine_id: MachineId, document: Document) -> schemas.MachineRevision:
+def revise_machine(
+    request: Request, response: Response, machine_id: MachineId, document: Document, if_match: IfMatch = None
+) -> schemas.MachineRevision:
     """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
     if document.id != machine_id:
         raise DocumentError([("id", f"'{document.id}' must be '{machine_id}', the machine that is revised")])
     with database(request).transaction() as session:
+        require(if_match, _in_force(session, machine_id))
         row = machines.revise(session, document)
-    return rendering.revision(row)
+    return tagged(response, rendering.revision(row))
+
+
+def _in_force(session: Session, machine_id: str) -> schemas.MachineRevision:
+    return rendering.revision(machines.revision(session, machine_id, machines.get(session, machine_id).revision))
 
 
 @router.get("/{machine_id}/revisions", operation_id="list_revisions")

@@ -14,6 +14,7 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 from estimator.machine import DocumentError, problems_of
 from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
+from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused
 from service.delivery.addresses import TargetRefused
 from service.identified import NoModel
@@ -70,15 +71,20 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
     LimitsChanged: (HTTPStatus.PRECONDITION_FAILED, "{0}"),
+    PreconditionMissing: (HTTPStatus.PRECONDITION_REQUIRED, "{0}"),
+    Stale: (HTTPStatus.PRECONDITION_FAILED, "{0}"),
     MachineExists: (HTTPStatus.CONFLICT, "{0}"),
     PlantChanged: (HTTPStatus.CONFLICT, "{0}"),
     DatabaseUnusable: (HTTPStatus.SERVICE_UNAVAILABLE, "{0}"),
 }
 
 
-def _response(status: int, detail: str, errors: list[FieldProblem] | None = None) -> JSONResponse:
+def problem_response(
+    status: int, detail: str, headers: Mapping[str, str] | None = None, errors: list[FieldProblem] | None = None
+) -> JSONResponse:
+    """A problem detail as the answer to a request."""
     problem = Problem(title=HTTPStatus(status).phrase, status=status, detail=detail, errors=errors or [])
-    return JSONResponse(problem.model_dump(), status, media_type="application/problem+json")
+    return JSONResponse(problem.model_dump(), status, dict(headers or {}), media_type="application/problem+json")
 
 
 def add_handlers(app: FastAPI) -> None:
@@ -86,7 +92,7 @@ def add_handlers(app: FastAPI) -> None:
 
     async def known(_request: Request, error: Exception) -> JSONResponse:
         status, text = _STATUS[type(error)]
-        return _response(status, text.format(error.args[0] if error.args else error))
+        return problem_response(status, text.format(error.args[0] if error.args else error))
 
     for kind in _STATUS:
         app.add_exception_handler(kind, known)
@@ -94,32 +100,32 @@ def add_handlers(app: FastAPI) -> None:
     @app.exception_handler(DocumentError)
     async def document(_request: Request, error: DocumentError) -> JSONResponse:
         problems = [FieldProblem(field=field, message=message) for field, message in error.problems]
-        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the machine document is wrong", problems)
+        return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the machine document is wrong", errors=problems)
 
     @app.exception_handler(LimitsRefused)
     async def limits(_request: Request, error: LimitsRefused) -> JSONResponse:
         problems = [FieldProblem(field=f"limits.{field}", message=message) for field, message in error.problems]
-        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", problems)
+        return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", errors=problems)
 
     @app.exception_handler(RequestValidationError)
     async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
         errors = [item | {"loc": item["loc"][1:] if item["loc"][:1] == ("body",) else item["loc"]} for item in error.errors()]
         problems = [FieldProblem(field=field, message=message) for field, message in problems_of(errors)]
-        return _response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", problems)
+        return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(StarletteHTTPException)
     async def http(_request: Request, error: StarletteHTTPException) -> JSONResponse:
-        answer = _response(error.status_code, str(error.detail))
-        answer.headers.update(error.headers or {})
-        return answer
+        return problem_response(error.status_code, str(error.detail), error.headers)
 
     @app.exception_handler(DBAPIError)
     async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:
-        return _response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
+        return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
 
     @app.exception_handler(Exception)
     async def unexpected(_request: Request, error: Exception) -> JSONResponse:
-        return _response(HTTPStatus.INTERNAL_SERVER_ERROR, f"unexpected {type(error).__name__}; the log has the details")
+        return problem_response(
+            HTTPStatus.INTERNAL_SERVER_ERROR, f"unexpected {type(error).__name__}; the log has the details"
+        )
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {

@@ -2,13 +2,14 @@
 
 from collections.abc import Awaitable, Callable
 
-from fastapi import APIRouter, Request, status
+from fastapi import APIRouter, Request, Response, status
 
 from service.alert_life import Forbidden
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import Number, Reading, database
 from service.api.paging import ById
+from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
 from service.delivery.channel import Outcome
@@ -40,27 +41,33 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
 
 
 @router.get("/{subscription_id}", operation_id="read_subscription")
-def read_subscription(session: Reading, subscription_id: Number) -> schemas.SubscriptionOut:
-    """One subscription."""
-    return rendering.subscription(deliveries.get(session, subscription_id))
+def read_subscription(session: Reading, response: Response, subscription_id: Number) -> schemas.SubscriptionOut:
+    """One subscription, and the ETag with which it can be changed."""
+    return tagged(response, rendering.subscription(deliveries.get(session, subscription_id)))
 
 
 @router.post("/{subscription_id}/disable", operation_id="disable_subscription")
-def disable_subscription(request: Request, subscription_id: Number) -> schemas.SubscriptionOut:
+def disable_subscription(
+    request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
+) -> schemas.SubscriptionOut:
     """Send it nothing more; what was on its way is given up, and can be delivered again."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
+        require(if_match, rendering.subscription(row))
         deliveries.disable(session, row, "by request")
-        return rendering.subscription(row)
+        return tagged(response, rendering.subscription(row))
 
 
 @router.post("/{subscription_id}/enable", operation_id="enable_subscription")
-def enable_subscription(request: Request, subscription_id: Number) -> schemas.SubscriptionOut:
+def enable_subscription(
+    request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
+) -> schemas.SubscriptionOut:
     """Tell it of what happens from now on."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
+        require(if_match, rendering.subscription(row))
         deliveries.enable(row)
-        return rendering.subscription(row)
+        return tagged(response, rendering.subscription(row))
 
 
 @router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")

@@ -90,7 +90,7 @@ class Service:
         self._network = "--zenoh-connect" if router else "--zenoh-listen"
         self.log = folder / "serve.log"
         self._environment = {"RUNDOWN_SILENCE_S": "2"} | environment
-        self.client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=20.0)
+        self.client = httpx.Client(base_url=f"http://127.0.0.1:{self.port}/api/v1", timeout=20.0, headers={"if-match": "*"})
 
     def started(self) -> AbstractContextManager[subprocess.Popen[bytes]]:
         """The service, on its way to be ready."""

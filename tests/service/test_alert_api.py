@@ -27,7 +27,7 @@ ANNA = {"by": "anna", "comment": "looked at it"}
 @pytest.fixture
 def api(plant: Database) -> Iterator[httpx.Client]:
     """A client of a real server over the plant's database."""
-    with served(plant) as url, httpx.Client(base_url=url, trust_env=False, timeout=10.0) as client:
+    with served(plant) as url, httpx.Client(base_url=url, trust_env=False, timeout=10.0, headers={"if-match": "*"}) as client:
         yield client
 
 
@@ -178,7 +178,9 @@ class Listener:
         assert self.ready.wait(10.0)
 
     def _run(self, url: str, how: dict[str, Any]) -> None:
-        with httpx.stream("GET", f"{url}alert-events/stream", timeout=0.2, trust_env=False, **how) as answer:
+        with httpx.stream(
+            "GET", f"{url}alert-events/stream", timeout=httpx.Timeout(10.0, read=1.0), trust_env=False, **how
+        ) as answer:
             assert answer.headers["content-type"].startswith("text/event-stream")
             number = 0
             lines = answer.iter_lines()

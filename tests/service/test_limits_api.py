@@ -19,7 +19,7 @@ PATIENT = {"misalignment": {"on_delay": 3, "danger": {"force": 900}}}
 @pytest.fixture
 def api(plant: Database) -> Iterator[httpx.Client]:
     """A client of a real server over the plant's database."""
-    with served(plant) as url, httpx.Client(base_url=url, trust_env=False, timeout=10.0) as client:
+    with served(plant) as url, httpx.Client(base_url=url, trust_env=False, timeout=10.0, headers={"if-match": "*"}) as client:
         yield client
 
 

@@ -1,0 +1,140 @@
+"""`Idempotency-Key` on POST: what is asked twice under one key is done once, and answered the same.
+
+A key is taken in the store before the work begins and gets its answer afterwards, and is known for a day. Between two
+processes, or after a kill, a key without an answer means: it is not known whether the work was done; look before asking under
+a new key. Source: the IETF draft "The Idempotency-Key HTTP Header Field".
+"""
+
+import asyncio
+import hashlib
+from http import HTTPStatus
+
+from sqlalchemy.exc import IntegrityError
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.api.problems import problem_response
+from storage import idempotency
+from storage.database import Database
+from storage.idempotency import Answer
+
+LONGEST_KEY = 255
+KEPT_HEADERS = (b"content-type", b"location", b"etag")
+REPLAYED = "Idempotency-Replayed"
+
+
+class Idempotency:
+    """ASGI middleware over a database."""
+
+    def __init__(self, app: ASGIApp, database: Database) -> None:
+        self._app = app
+        self._database = database
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or answer it as it was answered before."""
+        key = None
+        if scope["type"] == "http" and scope["method"] == "POST":
+            key = dict(scope["headers"]).get(b"idempotency-key")
+        if key is None:
+            await self._app(scope, receive, send)
+            return
+        name = key.decode("latin-1").strip()
+        if not 0 < len(name) <= LONGEST_KEY or not name.isprintable():
+            detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable characters, such as a UUID"
+            await problem_response(HTTPStatus.BAD_REQUEST, detail)(scope, receive, send)
+            return
+        body = await _whole(receive)
+        if body is None:
+            return  # the client has gone
+        fingerprint = hashlib.sha256(_asked(scope) + body).hexdigest()
+        earlier = await asyncio.to_thread(self._earlier, name, fingerprint)
+        if earlier is not None:
+            await earlier(scope, receive, send)
+            return
+        await self._work(name, scope, body, receive, send)
+
+    def _earlier(self, name: str, fingerprint: str) -> Response | None:
+        """The answer to a key that was taken before; None where it is new, and taken now."""
+        try:
+            with self._database.transaction() as session:
+                row = idempotency.claim(session, name, fingerprint)
+        except IntegrityError:  # somebody else was a moment faster
+            return self._earlier(name, fingerprint)
+        if row is None:
+            return None
+        if row.fingerprint != fingerprint:
+            return problem_response(
+                HTTPStatus.UNPROCESSABLE_ENTITY,
+                f"Idempotency-Key '{name}' was used for another request: take a new key for each",
+            )
+        if row.status is None:
+            return problem_response(
+                HTTPStatus.CONFLICT,
+                f"the request under Idempotency-Key '{name}' is under way, or it is not known what became of it: "
+                "ask again in a moment, and look before asking under a new key",
+                {"Retry-After": "1"},
+            )
+        answer = Response(row.body, row.status)
+        for header, value in row.headers or []:
+            answer.headers[header] = value
+        answer.headers[REPLAYED] = "true"
+        return answer
+
+    async def _work(self, name: str, scope: Scope, body: bytes, receive: Receive, send: Send) -> None:
+        given = False
+
+        async def again() -> Message:
+            nonlocal given
+            if given:
+                return await receive()
+            given = True
+            return {"type": "http.request", "body": body, "more_body": False}
+
+        status, headers, parts = 0, [], list[bytes]()
+
+        async def noted(message: Message) -> None:
+            nonlocal status, headers
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                headers = [[n.decode(), v.decode("latin-1")] for n, v in message["headers"] if n.lower() in KEPT_HEADERS]
+            elif message["type"] == "http.response.body":
+                parts.append(message.get("body", b""))
+                if not message.get("more_body", False):
+                    # Kept before it is sent: a client that got it can rely on it.
+                    await asyncio.to_thread(self._keep, name, Answer(status, headers, b"".join(parts)))
+            await send(message)
+
+        try:
+            await self._app(scope, again, noted)
+        except BaseException:
+            await asyncio.to_thread(self._release, name)
+            raise
+
+    def _keep(self, name: str, answer: Answer) -> None:
+        with self._database.transaction() as session:
+            if answer.status >= HTTPStatus.INTERNAL_SERVER_ERROR or answer.status in _TO_TRY_AGAIN:
+                idempotency.release(session, name)  # nothing was done: the same key may be tried again
+            else:
+                idempotency.answered(session, name, answer)
+
+    def _release(self, name: str) -> None:
+        with self._database.transaction() as session:
+            idempotency.release(session, name)
+
+
+_TO_TRY_AGAIN = {HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.PRECONDITION_REQUIRED, HTTPStatus.UNPROCESSABLE_ENTITY}
+
+
+def _asked(scope: Scope) -> bytes:
+    return b"\n".join([scope["path"].encode(), scope["query_string"], b""])
+
+
+async def _whole(receive: Receive) -> bytes | None:
+    parts = []
+    while True:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            return None
+        parts.append(message.get("body", b""))
+        if not message.get("more_body", False):
+            return b"".join(parts)

@@ -1,0 +1,82 @@
+"""The OpenAPI document: what FastAPI makes of the endpoints, with every error as the problem detail that it is.
+
+`python -m service.api.openapi docs/openapi.json` writes the committed file; a test says when it is not up to date.
+"""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+
+PROBLEM = "#/components/schemas/Problem"
+VALIDATION = ("HTTPValidationError", "ValidationError")
+"""FastAPI's own shape of a 422, which this API does not use."""
+NEXT = {
+    "description": 'where the next part of the list is: `<address>; rel="next"`; not there on the last one (RFC 8288)',
+    "schema": {"type": "string"},
+}
+ETAG = {"description": "of this state, for If-Match", "schema": {"type": "string"}}
+IDEMPOTENCY_KEY = {
+    "name": "Idempotency-Key",
+    "in": "header",
+    "required": False,
+    "description": "a new one for each request, such as a UUID: asked twice under the same key within a day, it is done once",
+    "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": r"^[!-~]+$"},
+}
+
+
+def described(app: FastAPI) -> dict[str, Any]:
+    """The document of an application, made once."""
+    if app.openapi_schema is None:
+        document = get_openapi(
+            title=app.title, version=app.version, description=app.description, routes=app.routes, openapi_version="3.1.0"
+        )
+        for item in document["paths"].values():
+            for method, operation in item.items():
+                _describe(method, operation)
+        for name in VALIDATION:
+            document["components"]["schemas"].pop(name, None)
+        app.openapi_schema = document
+    return app.openapi_schema
+
+
+def _describe(method: str, operation: dict[str, Any]) -> None:
+    responses = operation["responses"]
+    for response in responses.values():
+        if any(_is_problem(content) for content in response.get("content", {}).values()):
+            response["content"] = {"application/problem+json": {"schema": {"$ref": PROBLEM}}}
+    responses["default"] = {
+        "description": "any other problem, in the same shape",
+        "content": {"application/problem+json": {"schema": {"$ref": PROBLEM}}},
+    }
+    names = {parameter["name"].lower() for parameter in operation.get("parameters", [])}
+    succeeded = next(response for code, response in responses.items() if code.startswith("2"))
+    if "cursor" in names:
+        succeeded.setdefault("headers", {})["Link"] = NEXT
+    if "if-match" in names:
+        succeeded.setdefault("headers", {})["ETag"] = ETAG
+    if method == "post":
+        operation.setdefault("parameters", []).append(IDEMPOTENCY_KEY)
+
+
+def _is_problem(content: dict[str, Any]) -> bool:
+    reference: str = content.get("schema", {}).get("$ref", "")
+    return reference == PROBLEM or reference.endswith(VALIDATION)
+
+
+def text() -> str:
+    """The document as the committed file holds it."""
+    from service.api.application import application
+    from storage.database import Database
+
+    app = application(Database("sqlite://"), dict)
+    document = app.openapi() | {}
+    document["info"] = document["info"] | {"version": "1"}  # of the API: a release of the service does not change it
+    return json.dumps(document, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1]).write_text(text(), encoding="utf-8")

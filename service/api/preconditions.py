@@ -1,0 +1,53 @@
+"""Changing only what one has read: strong ETags, and If-Match on changes (RFC 9110 §13, RFC 6585 §3).
+
+An ETag is a digest of the answer it comes with, so it changes exactly when what a client would read changes.
+"""
+
+import hashlib
+from typing import Annotated, TypeVar
+
+from fastapi import Header, Response
+from pydantic import BaseModel
+
+IfMatch = Annotated[
+    str | None,
+    Header(description="ETag of what was read, or * for whatever there is; without it a change is answered with 428"),
+]
+
+
+Answer = TypeVar("Answer", bound=BaseModel)
+
+
+ANYTHING = "*"
+"""If-Match for whatever there is."""
+
+
+class PreconditionMissing(Exception):
+    """A change without If-Match."""
+
+
+class Stale(Exception):
+    """What was read is no longer what is there."""
+
+
+def etag(answer: BaseModel) -> str:
+    """The strong ETag of an answer."""
+    return f'"{hashlib.sha256(answer.model_dump_json().encode()).hexdigest()[:32]}"'
+
+
+def tagged(response: Response, answer: Answer) -> Answer:
+    """The answer, with its ETag in the response's header."""
+    response.headers["ETag"] = etag(answer)
+    return answer
+
+
+def require(if_match: str | None, current: BaseModel) -> None:
+    """Raises PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
+    if if_match is None:
+        raise PreconditionMissing(
+            "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"
+        )
+    given = [one.strip() for one in if_match.split(",")]
+    # A weak tag, W/"…", never matches here.
+    if given != [ANYTHING] and etag(current) not in given:
+        raise Stale("it was changed since it was read: read it again, and decide again with the new ETag")

@@ -1,0 +1,42 @@
+"""Repository of idempotency keys: what a client already asked for under a key of its own, and what it was answered."""
+
+from dataclasses import dataclass
+
+from sqlalchemy import delete
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import IdempotencyKeyRow
+
+KEPT_NS = 24 * 3600 * 1_000_000_000
+"""A key is known for a day [ns]."""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What was answered. headers: those that belong to the answer itself."""
+
+    status: int
+    headers: list[list[str]]
+    body: bytes
+
+
+def claim(session: Session, key: str, fingerprint: str) -> IdempotencyKeyRow | None:
+    """Take a key; where it was taken before, its row, and nothing is changed. Keys older than a day are forgotten."""
+    moment = now()
+    session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.created_at < moment - KEPT_NS))
+    row = session.get(IdempotencyKeyRow, key)
+    if row is None:
+        session.add(IdempotencyKeyRow(key=key, fingerprint=fingerprint, created_at=moment))
+    return row
+
+
+def answered(session: Session, key: str, answer: Answer) -> None:
+    """Keep what was answered under a key that was taken."""
+    row = session.get_one(IdempotencyKeyRow, key)
+    row.status, row.headers, row.body = answer.status, answer.headers, answer.body
+
+
+def release(session: Session, key: str) -> None:
+    """Forget a key: nothing was changed under it."""
+    session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.key == key))
