@@ -74,15 +74,6 @@ def compared(
     return Compared(stored, began, wanted, first, after[-longest:])
 
 
-def baseline_of(
-    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
-) -> tuple[Sequence[IdentificationRow], int]:
-    """The identifications that make a baseline so far, oldest first, and how many it needs."""
-    if began is None or began.identification_ids is None:
-        return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
-    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
-
-
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
     """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
     known = identifications.points(session, rows)
@@ -97,6 +88,15 @@ def like_conditions(session: Session, found: Compared) -> Adjustment:
     known = identifications.points(session, found.baseline) if conditions else {}
     baseline = [one for one in found.baseline if one.id in known]
     return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
+
+
+def baseline_of(
+    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
+) -> tuple[Sequence[IdentificationRow], int]:
+    """The identifications that make a baseline so far, oldest first, and how many it needs."""
+    if began is None or began.identification_ids is None:
+        return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
+    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
 
 
 def readings(session: Session, found: Compared) -> list[Reading]:

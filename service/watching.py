@@ -45,7 +45,7 @@ class Comparison:
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
     """Diagnose a machine after an identification was stored; open, update or clear its alerts.
 
-    Alerts follow the newest run of a kind: a late one is diagnosed, and shows in alerts with the next.
+    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
     """
     if stored.scope != jobs.RUN:
         return
