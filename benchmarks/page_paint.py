@@ -15,7 +15,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, sync_playwright
 
-from tests.browser.story import MACHINE, installed, launch, tell
+from tests.browser.story import BASELINE_RUNS, MACHINE, installed, launch, tell
 from tests.end_to_end.processes import Service, until
 
 PAINT_ASKED_S = 1.0
@@ -65,7 +65,7 @@ def main(arguments: list[str] | None = None) -> None:
         print("page_paint: chromium is not installed: apt-get install chromium")
         return
     with tempfile.TemporaryDirectory() as folder:
-        service = Service(Path(folder))
+        service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
         with service.running(), sync_playwright() as playwright:
             tell(service)
             browser = launch(playwright, program)

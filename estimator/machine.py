@@ -374,9 +374,14 @@ class Machine(_Part):
         return self
 
     def describes_the_same_as(self, other: Machine) -> bool:
-        """Whether identifications under both documents can be compared: only name and rules of the service differ."""
+        """Whether identifications under both documents can be compared: only name and rules of the service differ.
+
+        Operating conditions may come and go, but not change their unit.
+        """
         said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
-        return self.model_dump(exclude=said) == other.model_dump(exclude=said)
+        units, others = ({condition.name: condition.unit for condition in one.conditions} for one in (self, other))
+        same_units = all(unit == others.get(name, unit) for name, unit in units.items())
+        return same_units and self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:
         """The shaft of that id. Raises KeyError."""

@@ -90,16 +90,17 @@ def trend_tests(
         return ()
     known = comparable(baseline, readings[-1].point)
     everything = Whitening.of(baseline, known)
+    places = [{name: i for i, name in enumerate(one.point.names)} for one in readings]
     found = []
     for name in known:
         if names is not None and name not in names:
             continue
         white = everything.part([name])
-        seen = [one for one in readings if name in one.point.names]
-        change = np.array([white.change(one.point)[0] for one in seen])
-        own = np.array([one.point.of([name]).covariance[0, 0] for one in seen]) / white.size[0] ** 2
-        deviation = change / np.sqrt(own + white.scatter[0])
-        found.append(_tested(name, np.array([one.time for one in seen]), change, deviation, white, both_ways=True))
+        seen = [(one, place[name]) for one, place in zip(readings, places, strict=True) if name in place]
+        time = np.array([one.time for one, _ in seen])
+        change = (np.array([one.point.value[i] for one, i in seen]) - white.centre) / white.size
+        own = np.array([one.point.covariance[i, i] for one, i in seen]) / white.size**2
+        found.append(_tested(name, time, change, change / np.sqrt(own + white.scatter), white, both_ways=True))
     return tuple(found)
 
 

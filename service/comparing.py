@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from estimator.baseline import Point
+from estimator.covariates import Adjustment, adjustment
 from estimator.trend_tests import Reading
 from storage import baselines, identifications, machines
 from storage.identifications import Like
@@ -73,6 +74,22 @@ def compared(
     return Compared(stored, began, wanted, first, after[-longest:])
 
 
+def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
+    """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
+    known = identifications.points(session, rows)
+    adjusted = like_conditions(session, found).adjusted
+    return [adjusted(known[row.id], row.conditions or {}) for row in rows]
+
+
+def like_conditions(session: Session, found: Compared) -> Adjustment:
+    """How parameters followed the operating conditions over the baseline; adjusts nothing where too little was measured."""
+    row = found.identification
+    conditions = machines.document(session, row.machine_id, row.revision).conditions
+    known = identifications.points(session, found.baseline) if conditions else {}
+    baseline = [one for one in found.baseline if one.id in known]
+    return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
+
+
 def baseline_of(
     session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
 ) -> tuple[Sequence[IdentificationRow], int]:
@@ -82,14 +99,7 @@ def baseline_of(
     return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
 
 
-def baseline_points(session: Session, found: Compared) -> list[Point]:
-    """All that the baseline's identifications determined."""
-    points = identifications.points(session, found.baseline)
-    return [points[row.id] for row in found.baseline]
-
-
 def readings(session: Session, found: Compared) -> list[Reading]:
     """The runs after the baseline at their times [weeks since 1970]. Of several measured at one time the last counts."""
-    points = identifications.points(session, found.after)
-    by_time = {row.measured_at: points[row.id] for row in found.after}
+    by_time = dict(zip([row.measured_at for row in found.after], points(session, found, found.after), strict=True))
     return [Reading(moment / WEEK, point) for moment, point in by_time.items()]

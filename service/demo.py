@@ -289,8 +289,9 @@ def _print_summary(outcomes: list[Outcome], base: str, seconds: float) -> None:
         print("  " + "  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)).rstrip())
     right = all(outcome.right for outcome in outcomes)
     print("\nThe story came out right." if right else "\nThe story did NOT come out as simulated.")
-    print("\nTo look at:")
     drifting = next(name for name, story in STORIES.items() if story == "misalignment")
+    page = base.split("/api/", 1)[0]
+    print(f"\nTo look at, in a browser:\n  {page}/\n  {page}/#/machines/{drifting}\n\nAnd through the API:")
     for path in (
         "/docs",
         "/machines",

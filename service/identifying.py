@@ -141,6 +141,8 @@ class Identifying:
             origin = replace(_origin(session, row, self._options, outcome.beginning), conditions=outcome.conditions or None)
             stored = identifications.add(session, origin, result)
             derived.add(session, stored, outcome.derived)
+            if outcome.underived is not None:
+                logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
             watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)

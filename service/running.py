@@ -65,7 +65,7 @@ def serve(settings: Settings) -> None:
         )
         config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5)
         host, port = listener.getsockname()[:2]
-        logger.info("ready: http://%s:%d/api/v1/docs, sources on %s", host, port, _endpoints(settings))
+        logger.info("ready: http://%s:%d/, sources on %s", host, port, _endpoints(settings))
         if not asked_to_stop.is_set():
             uvicorn.Server(config).run(sockets=[listener])
     finally:

@@ -49,14 +49,16 @@ class Task:
 class Outcome:
     """qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`.
 
-    derived: what follows from an accepted identification. conditions: mean of each operating condition over the runs by name,
-    None where it was not measured. beginning: id of the identification from which the fit started, if any.
+    derived: what follows from an accepted identification; underived: why nothing does after all. conditions: mean of each
+    operating condition over the runs by name, None where it was not measured. beginning: id of the identification from which
+    the fit started, if any.
     """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
     error: str | None = None
     derived: tuple[Derived, ...] = ()
+    underived: str | None = None
     conditions: dict[str, float | None] = field(default_factory=dict)
     beginning: int | None = None
 
@@ -88,18 +90,22 @@ def compute(task: Task) -> Outcome:
         result = found[0] if len(found) == 1 else combined(found)
         conditions = mean_conditions(runs, machine.condition_names)
         beginning = None if task.beginning is None else task.beginning[0]
-        derived = _derived(machine, result, runs)
-        return Outcome(qualities, result, derived=derived, conditions=conditions, beginning=beginning)
+        derived, why = _derived(machine, result, runs)
+        return Outcome(qualities, result, derived=derived, underived=why, conditions=conditions, beginning=beginning)
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
-def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[Derived, ...]:
+def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[tuple[Derived, ...], str | None]:
+    """What follows from an identification, or why it does not."""
     if not result.accepted:
-        return ()
+        return (), None
     orders = [Orders(one.speed, np.where(one.usable, one.phasor, np.nan), one.second) for one in runs]
     turned = sum(int(one.direction.sum(dtype=np.int64)) for one in runs)
-    return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1)
+    try:
+        return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1), None
+    except Exception as error:  # noqa: BLE001 - whatever is the matter here, the identification stands, out of time or not
+        return (), f"{type(error).__name__}: {error}"
 
 
 def _gated(machine: Machine, samples: Samples, task: Task) -> Gated:

@@ -298,15 +298,15 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
 def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
     """Per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else SI."""
     found: dict[int, dict[str, float]] = {row.id: {} for row in rows}
-    query = select(EstimateRow).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))
-    for one in session.scalars(query):
-        if one.value is None:
+    wanted = (EstimateRow.identification_id, EstimateRow.parameter, EstimateRow.value, EstimateRow.imaginary)
+    query = select(*wanted).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))
+    for number, parameter, value, imaginary in session.execute(query):
+        if value is None:
             continue
-        values = found[one.identification_id]
-        if one.imaginary is not None:
-            values[f"{one.parameter}.real"], values[f"{one.parameter}.imaginary"] = one.value, one.imaginary
+        if imaginary is not None:
+            found[number] |= {f"{parameter}.real": value, f"{parameter}.imaginary": imaginary}
         else:
-            values[one.parameter] = math.log(one.value) if is_direct(one.parameter) else one.value
+            found[number][parameter] = math.log(value) if is_direct(parameter) else value
     return {row.id: _point(row, found[row.id]) for row in rows}
 
 

@@ -7,9 +7,10 @@ import { Dialog } from "./dialog";
 import { keepName, keptName } from "./person";
 import { refresh } from "./resource";
 
+const SHIFT = 8;
 const HOURS: [number, string][] = [
   [1, "1 hour"],
-  [8, "8 hours, a shift"],
+  [SHIFT, "8 hours, a shift"],
   [24, "1 day"],
   [168, "1 week"],
   [719, "30 days, the longest"],
@@ -59,9 +60,11 @@ export function AlertDialog(props: { alert: Alert; deed: Deed; onClose: () => vo
         {deed === "shelve" && (
           <label>
             For
-            <select name="hours" defaultValue="8">
+            <select name="hours">
               {HOURS.map(([hours, words]) => (
-                <option value={hours}>{words}</option>
+                <option key={hours} value={hours} selected={hours === SHIFT}>
+                  {words}
+                </option>
               ))}
             </select>
           </label>

@@ -85,11 +85,15 @@ function Basis({ evidence }: { evidence: Partial<Evidence> }) {
       {others.length > 0 && (
         <>
           <dt>Else it would be</dt>
-          <dd>{others.map((one) => `${one.kind} of ${elementName(one.element)}`).join(", or ")}; explains it less well</dd>
+          <dd>{others.map(causeInWords).join(", or ")}; these explain it less well</dd>
         </>
       )}
     </dl>
   );
+}
+
+function causeInWords({ kind, element }: { kind: string; element: string }): string {
+  return element.startsWith(`${kind}.`) ? `${elementName(element)} by itself` : `${kind.replaceAll("_", " ")} of ${elementName(element)}`;
 }
 
 function History({ alert }: { alert: Alert }) {
@@ -101,8 +105,8 @@ function History({ alert }: { alert: Alert }) {
           {events.map((event) => (
             <li key={event.id}>
               <Time at={event.at} /> {event.kind.replaceAll("_", " ")}
-              {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
               {event.by && <> by {event.by}</>}
+              {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
               {event.comment && <q>{event.comment}</q>}
             </li>
           ))}

@@ -6,7 +6,7 @@ import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
 
-const MS = 3000;
+const MS = 5000;
 const SEVERITIES = ["danger", "alert"];
 
 type Order = "urgency" | "name" | "plant";

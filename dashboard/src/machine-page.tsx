@@ -1,12 +1,13 @@
 // One machine: what it does now, and the views of it.
 import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
 import type { Document, Job, MachineRevision, MachineState } from "./answers";
 import { rpm } from "./format";
 import { IdentifiedView } from "./identified-view";
 import { ModelView } from "./model-view";
-import { Overview } from "./overview";
+import { openAlerts, Overview } from "./overview";
 import { Empty, Mode, Shown, Time } from "./parts";
-import { useResource } from "./resource";
+import { foresee, useResource } from "./resource";
 import { ResponseView } from "./response-view";
 import { link } from "./router";
 import { ShapesView } from "./shapes-view";
@@ -17,6 +18,10 @@ const STATE_MS = 1000;
 const JOBS_MS = 2000;
 
 export function MachinePage({ id, tab }: { id: string; tab: string }) {
+  useState(() => {
+    // What is to be seen first is asked for together with the document, not behind it.
+    if (tab === "overview") foresee(`/machines/${id}/drawing`, openAlerts(id));
+  });
   const answer = useResource<MachineRevision>(`/machines/${id}`);
   return (
     <Shown answer={answer} lines={20}>

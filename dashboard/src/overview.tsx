@@ -13,8 +13,13 @@ import { go, link } from "./router";
 import { Timeline } from "./timeline";
 import { Train } from "./train";
 
+/** Where a machine's open alerts are asked for. */
+export function openAlerts(machine: string): string {
+  return `/machines/${machine}/alerts${query({ open: true })}`;
+}
+
 export function Overview({ machine }: { machine: Document }) {
-  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts${query({ open: true })}`, 10_000);
+  const alerts = useResource<Alert[]>(openAlerts(machine.id), 10_000);
   const newest = useNewestSummary(machine.id).data;
   const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);

@@ -133,8 +133,8 @@ export function Names({ curves }: { curves: Pick<Curve, "name" | "style" | "fain
       {curves
         .filter((one) => !one.faint && !one.aside)
         .map((one, index) => (
-          <span key={one.name} class={`curve s${(one.style ?? index) % STYLES}`}>
-            <svg width={24} height={8} aria-hidden="true">
+          <span key={one.name}>
+            <svg class={`curve s${(one.style ?? index) % STYLES}`} width={24} height={8} aria-hidden="true">
               <path d="M0 4h24" stroke-dasharray={dash(one.style ?? index).join(" ")} />
             </svg>{" "}
             {one.name}

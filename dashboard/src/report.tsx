@@ -121,7 +121,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
             to={to}
             scope="run"
             alerts={alerts.data ?? []}
-            height={130}
+            height={190}
           />
         ))}
       {newest && <Identified machine={machine} found={newest} />}
@@ -140,10 +140,15 @@ function Summary(props: { runs: Run[] | undefined; identified: IdentificationSum
   const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
   return (
     <p>
-      {runs ? runs.length : "…"} runs{speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {identified ? identified.length : "…"}{" "}
-      identifications, {accepted ?? "…"} of them accepted; {alerts.length} alerts, {alerts.filter((one) => !one.closed_at).length} still open.
+      {counted(runs?.length, "run")}
+      {speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {counted(identified?.length, "identification")}, of which {accepted ?? "…"}{" "}
+      accepted; {counted(alerts.length, "alert")}, of which {alerts.filter((one) => !one.closed_at).length} still open.
     </p>
   );
+}
+
+function counted(count: number | undefined, what: string): string {
+  return `${count ?? "…"} ${what}${count === 1 ? "" : "s"}`;
 }
 
 function AlertTable({ alerts }: { alerts: Alert[] }) {

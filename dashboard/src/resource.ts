@@ -11,6 +11,8 @@ export interface Answer<T> {
 
 /** So many answers that nobody follows are kept, for going back and forth. */
 const KEPT = 60;
+/** What was asked for so shortly before is not asked for again by another component [ms]. */
+const FRESH_MS = 1000;
 
 class Resource {
   readonly answer = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
@@ -19,6 +21,11 @@ class Resource {
   private asking = false;
 
   constructor(readonly path: string) {}
+
+  /** Ask unless that was done just now. */
+  want(): void {
+    if (Date.now() - this.asked > FRESH_MS) void this.refresh();
+  }
 
   async refresh(): Promise<void> {
     if (this.asking) return;
@@ -48,6 +55,11 @@ function resourceOf(path: string): Resource {
     if (one.followers === 0 && one !== made) resources.delete(name);
   }
   return made;
+}
+
+/** Ask for what will be shown in a moment. */
+export function foresee(...paths: string[]): void {
+  for (const path of paths) resourceOf(path).want();
 }
 
 /** Ask again for all that is shown and whose path holds the text. */
@@ -80,7 +92,7 @@ export function useResource<T>(path: string | null, everyMs = 0): Answer<T> {
     const resource = resourceOf(path);
     resource.followers += 1;
     const leave = resource.answer.follow(() => redraw((count) => count + 1));
-    void resource.refresh();
+    resource.want();
     const timer =
       everyMs > 0
         ? window.setInterval(() => {

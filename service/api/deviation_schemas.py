@@ -22,7 +22,10 @@ class ComparedOut(BaseModel):
     identification: int
     measured_at: datetime
     run_kind: str
-    conditions: dict[str, float | None] | None = Field(description="measured in the run; deviations are not corrected by them")
+    conditions: dict[str, float | None] | None = Field(description="operating conditions, means over the run")
+    adjusted_for: list[str] = Field(
+        description="conditions under whose baseline means all is compared; empty where the baseline has too few of them"
+    )
     baseline: BaselineUsed
     missing: str | None = Field(description="why nothing can be compared yet")
     left_out: dict[str, str] = Field(description="parameters that are not compared, and why")

@@ -16,7 +16,7 @@ from service.api import deviation_schemas as schemas
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import time_or_none
-from service.comparing import WEEK, Compared, baseline_points, compared, readings
+from service.comparing import WEEK, Compared, compared, like_conditions, points, readings
 from service.limits import Level, Limits, rule_of, severity_of
 from service.setting_limits import limits_in_force
 from storage import identifications, machines
@@ -38,13 +38,12 @@ def read_deviations(request: Request, session: Reading, machine_id: MachineId, w
     """How far every parameter, and every element as a whole, is from the baseline, in per cent and in standard deviations."""
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.DeviationsOut(**_about(found, {}), parameters=[], elements=[])
-    baseline = baseline_points(session, found)
-    now = identifications.points(session, [found.identification])[found.identification.id]
+        return schemas.DeviationsOut(**_about(session, found, {}), parameters=[], elements=[])
+    *baseline, now = points(session, found, [*found.baseline, found.identification])
     result = deviations(baseline, now)
     limits = limits_in_force(session, machine_id)
     return schemas.DeviationsOut(
-        **_about(found, _left_out(session, found, baseline, now)),
+        **_about(session, found, _left_out(session, found, baseline, now)),
         parameters=[_parameter(one, limits) for one in result.parameters],
         elements=[_element(one) for one in result.elements],
     )
@@ -65,8 +64,8 @@ def read_trend_tests(
     """
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.TrendTestsOut(**_about(found, {}), run_length=RUN_LENGTH, tests=[])
-    baseline, after = baseline_points(session, found), readings(session, found)
+        return schemas.TrendTestsOut(**_about(session, found, {}), run_length=RUN_LENGTH, tests=[])
+    baseline, after = points(session, found, found.baseline), readings(session, found)
     limits = limits_in_force(session, machine_id)
     everything = parameter is None and element is None
     tests: list[schemas.TrendTestOut] = []
@@ -80,7 +79,7 @@ def read_trend_tests(
     told = {name for one in tests for name in (one.name, parameter_of(one.name))}
     unknown = f"machine '{machine_id}' has nothing of that name"
     reasons = {name: left_out.get(name, unknown) for name in asked if name not in told}
-    return schemas.TrendTestsOut(**_about(found, reasons), run_length=RUN_LENGTH, tests=tests)
+    return schemas.TrendTestsOut(**_about(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
 
 
 def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None:
@@ -128,7 +127,7 @@ def _left_out(session: Session, found: Compared, baseline: list[Point], now: Poi
     return reasons
 
 
-def _about(found: Compared, left_out: dict[str, str]) -> dict[str, object]:
+def _about(session: Session, found: Compared, left_out: dict[str, str]) -> dict[str, object]:
     row, began = found.identification, found.began
     return {
         "machine": row.machine_id,
@@ -136,6 +135,7 @@ def _about(found: Compared, left_out: dict[str, str]) -> dict[str, object]:
         "measured_at": to_datetime(row.measured_at),
         "run_kind": row.run_kind,
         "conditions": row.conditions,
+        "adjusted_for": [] if found.missing else list(like_conditions(session, found).conditions),
         "baseline": schemas.BaselineUsed(
             identifications=[one.id for one in found.baseline],
             wanted=found.wanted,

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.browser.story import installed, launch, tell
+from tests.browser.story import BASELINE_RUNS, installed, launch, tell
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
@@ -39,7 +39,7 @@ class Seen:
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """Where the service runs."""
-    one = Service(tmp_path_factory.mktemp("dashboard"))
+    one = Service(tmp_path_factory.mktemp("dashboard"), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
     yield one
     one.client.close()
 

@@ -333,3 +333,16 @@ def test_schema_of_the_document_can_be_written_down() -> None:
     assert set(schema["required"]) == {
         "id", "plant", "name", "speed_range", "materials", "shafts", "discs", "bearings", "probes",
     }  # fmt: skip
+
+
+def test_conditions_may_come_and_go_but_not_change_their_unit() -> None:
+    def with_conditions(*units: str) -> Machine:
+        conditions = [{"name": f"c{i}", "unit": unit} for i, unit in enumerate(units)]
+        return parse_machine(chapter_3_document() | {"conditions": conditions})
+
+    one = with_conditions("degC", "%")
+    assert one.condition_names == ("c0", "c1")
+    for other in (chapter_3(), with_conditions("degC"), with_conditions("degC", "%", "bar")):
+        assert one.describes_the_same_as(other)
+        assert other.describes_the_same_as(one)
+    assert not one.describes_the_same_as(with_conditions("degF", "%"))

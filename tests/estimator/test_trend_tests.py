@@ -117,10 +117,9 @@ def test_a_long_history_is_tested_by_its_newest_part() -> None:
     assert flat.drift.slope == 0.0
 
 
-@pytest.mark.parametrize("runs", [3, 5, 20])
-def test_small_baselines_need_wider_limits(runs: int) -> None:
+def test_small_baselines_need_wider_limits() -> None:
     """With a baseline that is known exactly they are the textbook's."""
-    freedom = PRIOR_WEIGHT + runs - 1
+    runs, freedom = RUNS, PRIOR_WEIGHT + RUNS - 1
     assert step_limit(runs=runs, degrees_of_freedom=freedom) > step_limit(runs=4 * runs, degrees_of_freedom=4 * freedom)
     assert creep_limit(runs=runs, degrees_of_freedom=freedom) > creep_limit(runs=4 * runs, degrees_of_freedom=4 * freedom)
     exact = control_charts.cusum_limit(reference=CUSUM_REFERENCE, run_length=RUN_LENGTH)

@@ -34,6 +34,8 @@ LONGEST_LIFE_S = 1.5
 """The service is killed at a random moment of this time after it was ready …"""
 EARLY = 0.25
 """… and in this part of the cases while it is still starting."""
+READY_S = 90.0
+"""A service that starts while others keep the machine busy takes its time."""
 PAUSE_S = 0.03
 """Between two changes."""
 
@@ -105,7 +107,7 @@ class Following:
     def run(self, stop: threading.Event) -> None:
         """Until it is stopped."""
         with httpx.Client(trust_env=False, timeout=0.5) as client:
-            while not stop.wait(0.02):
+            while not stop.wait(0.1):
                 last = {"Last-Event-ID": str(self.seen[-1] if self.seen else 0)}
                 with (
                     contextlib.suppress(httpx.TransportError),
@@ -190,7 +192,7 @@ def _killed(service: Service, rng: random.Random) -> None:
     """One life of the service."""
     with service.started() as process:
         if rng.random() >= EARLY:
-            until(lambda: service._ready(process), within_s=30, what="the service is ready")
+            until(lambda: service._ready(process), within_s=READY_S, what="the service is ready")
         time.sleep(rng.uniform(0.0, LONGEST_LIFE_S))
         process.kill()
         process.wait()

@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 from benchmarks.serving import served
+from estimator.covariates import adjustment
 from estimator.deviation import deviations
+from estimator.machine import Condition
 from estimator.trend_tests import RUN_LENGTH
 from service import baselining
 from service.comparing import WEEK
 from service.limits import Limits
 from service.setting_limits import set_limits
-from storage import identifications, jobs
+from storage import identifications, jobs, machines
 from storage.database import Database
 from storage.tables import IdentificationRow
-from tests.plant import START, identification, store_identification
+from tests.plant import START, identification, machine, store_identification
 
 BASELINE = 5
 STIFFER = {f"coupling.C1.{name}": 1.3 for name in ("kxx", "kyy")}
@@ -46,6 +48,7 @@ class Weeks:
         times: int = 1,
         kind: str = "run-down",
         scope: str = jobs.RUN,
+        revision: int = 1,
         **outcome: Any,
     ) -> None:
         """Errors of 1 % and of 10 g mm; outcome: as `identification`."""
@@ -56,7 +59,15 @@ class Weeks:
                 self.count += 1
                 found = identification(factors, covariance=np.diag(errors**2), **outcome)
                 moment = START + self.count * WEEK
-                store_identification(session, found, run_id=self.count, measured_at=moment, run_kind=kind, scope=scope)
+                store_identification(
+                    session,
+                    found,
+                    run_id=self.count,
+                    measured_at=moment,
+                    run_kind=kind,
+                    scope=scope,
+                    revision=revision,
+                )
 
 
 def asked(api: httpx.Client, path: str, **parameters: Any) -> dict[str, Any]:
@@ -222,6 +233,36 @@ def test_without_a_choice_everything_is_tested(plant: Database, api: httpx.Clien
     assert [one["name"] for one in both["tests"]] == ["disc.D1.unbalance.real", "disc.D1.unbalance.imaginary"]
     assert both["left_out"]["bearing.B9.kxx"] == "machine 'pump-7' has nothing of that name"
     assert all(one["drift"] is None for one in both["tests"])
+
+
+def test_runs_are_compared_as_under_the_baselines_conditions(plant: Database, api: httpx.Client) -> None:
+    """A bearing that softens by 0.3 % per kelvin of its oil; five runs teach two thirds of that."""
+    oil = Condition(name="oil", unit="degC")
+    with plant.transaction() as session:
+        machines.revise(session, machine(conditions=[oil.model_dump()]))
+    weeks = Weeks(plant)
+    temperatures = [30.0, 40.0, 60.0, 70.0, 50.0, 80.0]
+    for temperature in temperatures:
+        weeks.file({"bearing.B2.kxx": float(np.exp(-0.003 * (temperature - 50.0)))}, revision=2)
+    plain = by("parameter", asked(api, "/deviations")["parameters"])["bearing.B2.kxx"]
+    with plant.transaction() as session:
+        for number, temperature in enumerate(temperatures, start=1):
+            identifications.get(session, number).conditions = {"oil": temperature}
+    found = asked(api, "/deviations")
+    told = by("parameter", found["parameters"])["bearing.B2.kxx"]
+    assert (found["adjusted_for"], found["conditions"]) == (["oil"], {"oil": 80.0})
+    assert plain["per_cent"] == pytest.approx(100 * np.expm1(-0.09))
+    assert abs(told["per_cent"]) < 0.4 * abs(plain["per_cent"])
+    assert abs(told["sigma"]) < 0.4 * abs(plain["sigma"])
+    with plant.reading() as session:
+        points = identifications.points(session, rows := [identifications.get(session, n) for n in range(1, BASELINE + 2)])
+    conditions = [row.conditions or {} for row in rows]
+    by_oil = adjustment([points[row.id] for row in rows[:BASELINE]], conditions[:BASELINE], [oil])
+    adjusted = [by_oil.adjusted(points[row.id], one) for row, one in zip(rows, conditions, strict=True)]
+    expected = next(one for one in deviations(adjusted[:BASELINE], adjusted[-1]).parameters if one.name == "bearing.B2.kxx")
+    assert told["sigma"] == pytest.approx(expected.sigma, rel=1e-12)
+    (test,) = asked(api, "/trend-tests", parameter="bearing.B2.kxx")["tests"]
+    assert test["newest"] == pytest.approx(told["per_cent"])
 
 
 def test_what_cannot_be_compared_is_refused(plant: Database, api: httpx.Client) -> None:

@@ -198,16 +198,34 @@ def test_a_sidecar_knows_its_defaults(recording: Path) -> None:
     assert (found.source, found.direction) == ("recording", "positive")
 
 
+def test_columns_may_be_operating_conditions(tmp_path: Path) -> None:
+    rows = [f"{row},{value}" for row, value in zip(ROWS, ("61.5", "", "61.0"), strict=True)]
+    path = write(tmp_path, rows=tuple(rows), header=f"{HEADER},warm", conditions={"oil": "warm"})
+    one = read_recording(path)
+    assert one.conditions == {"oil": [61.5, None, 61.0]}
+    found, _, _ = to_samples(one, machine(conditions=[{"name": "oil", "unit": "degC"}]), received_at=START + 10 * SECOND)
+    assert found.conditions[::2].tolist() == [[61.5], [61.0]]
+    (tmp_path / "run.yaml").write_text(yaml.safe_dump(sidecar(conditions={"oil": "cold"})), encoding="utf-8")
+    assert "has no column 'cold'" in refused(path)
+
+
 # --- pieces ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
     tables = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x")}
-    whole = batch(sweep_rpm(2990.0, 2900.0, 10), sequence=5, status=[["good"] * 4] * 10, **tables)
+    whole = batch(
+        sweep_rpm(2990.0, 2900.0, 10),
+        sequence=5,
+        status=[["good"] * 4] * 10,
+        conditions={"oil": list(map(float, range(10)))},
+        **tables,
+    )
     pieces = list(split(whole, size))
     assert [len(piece.time_ns) for piece in pieces] == [min(size, 10 - first) for first in range(0, 10, size)]
     assert [piece.sequence for piece in pieces] == [5 + first for first in range(0, 10, size)]
     for name in ("time_ns", "speed", "amplitude", "phase", "status", *tables):
         assert [value for piece in pieces for value in getattr(piece, name)] == getattr(whole, name)
+    assert [value for piece in pieces for value in (piece.conditions or {})["oil"]] == list(range(10))
     assert {piece.source for piece in pieces} == {"monitor"}
