@@ -2,6 +2,7 @@
 
 from benchmarks import (
     alert_life,
+    api_latency,
     capture,
     coast_down,
     delivery,
@@ -33,6 +34,7 @@ WITH_OPTIONS = (
     trend_tests,
     fleet,
     page_paint,
+    api_latency,
 )
 WITHOUT = (latency, throughput, many_sources)
 

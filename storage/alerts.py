@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import func, select
+from sqlalchemy import Row, func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
@@ -104,16 +104,20 @@ def get(session: Session, alert_id: int, *, to_change: bool = False) -> AlertRow
     return row
 
 
+ListedAlert = Row[Any]
+"""The columns of an alert, under the same names: a long list of them is read much faster than the rows themselves."""
+
+
 def find(
     session: Session, *, machine_id: str | None, only_open: bool, limit: int, after: Keys | None = None
-) -> Sequence[AlertRow]:
-    """Alerts, newest first; after: time of opening and id of the one before the first."""
-    query = ordered(select(AlertRow), (AlertRow.opened_at, AlertRow.id), after)
+) -> Sequence[ListedAlert]:
+    """Alerts to read, newest first; after: time of opening and id of the one before the first."""
+    query = ordered(select(*AlertRow.__table__.columns), (AlertRow.opened_at, AlertRow.id), after)
     if machine_id is not None:
         query = query.where(AlertRow.machine_id == machine_id)
     if only_open:
         query = query.where(AlertRow.closed_at.is_(None))
-    return session.scalars(query.limit(limit)).all()
+    return session.execute(query.limit(limit)).all()
 
 
 def history(

@@ -76,12 +76,18 @@ class ListedMachine:
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
-def page(session: Session, *, limit: int, after: Keys | None = None) -> list[ListedMachine]:
-    """Machines by id; after: the one before the first. Their documents are not read, but for the name."""
+def stamp(session: Session) -> tuple[int | None, ...]:
+    """Equal as long as no machine was created or revised."""
+    query = select(func.count(), func.sum(MachineRow.revision), func.max(MachineRow.created_at)).select_from(MachineRow)
+    return tuple(session.execute(query).one())
+
+
+def every(session: Session) -> list[ListedMachine]:
+    """All machines by id. Their documents are not read, but for the name."""
     query = select(
         MachineRow.id, MachineRow.plant, _document()["name"].as_string(), MachineRow.revision, MachineRow.created_at
     )
-    query = ordered(query.join(RevisionRow, _in_force()), (MachineRow.id,), after, descending=False).limit(limit)
+    query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id)
     return [ListedMachine(*row) for row in session.execute(query)]
 
 

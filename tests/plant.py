@@ -238,13 +238,14 @@ def store_identification(
     scope: str = jobs.RUN,
     run_kind: str = "run-down",
     revision: int = 1,
+    machine_id: str = KEY.machine,
 ) -> IdentificationRow:
     """Ask for an identification of a run, take the job and file this outcome."""
-    job = jobs.ask(session, KEY.machine, scope=scope, run_ids=[run_id])
+    job = jobs.ask(session, machine_id, scope=scope, run_ids=[run_id])
     assert job is not None
     jobs.finish(job, state=jobs.DONE)
     origin = Origin(
-        machine_id=KEY.machine,
+        machine_id=machine_id,
         revision=revision,
         job_id=job.id,
         scope=scope,

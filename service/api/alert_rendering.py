@@ -1,33 +1,41 @@
 """From rows about alerts to answers of the API."""
 
+from typing import Any
+
 from service.alert_life import Severity
 from service.api import alert_schemas as schemas
 from service.api.rendering import time_or_none
+from storage.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.deliveries import PENDING
 from storage.tables import AlertRow, BaselineRow, DeliveryRow, SubscriptionRow, SuppressionRow, TimelineRow
 
 
 def alert(row: AlertRow) -> schemas.AlertOut:
-    return schemas.AlertOut(
-        id=row.id,
-        machine=row.machine_id,
-        rule=row.rule,
-        element=row.element,
-        state=row.state,
-        condition=row.condition,
-        severity=Severity(row.severity).label,
-        latching=row.latching,
-        suppressions=row.suppressions,
-        message=row.message,
-        evidence=row.evidence,
-        identification=row.identification_id,
-        measured_at=to_datetime(row.measured_at),
-        opened_at=to_datetime(row.opened_at),
-        updated_at=to_datetime(row.updated_at),
-        closed_at=time_or_none(row.closed_at),
-        events=row.event_count,
-    )
+    return schemas.AlertOut(**alert_fields(row))
+
+
+def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
+    """Of `AlertOut`, for lists that are encoded without a model."""
+    return {
+        "id": row.id,
+        "machine": row.machine_id,
+        "rule": row.rule,
+        "element": row.element,
+        "state": row.state,
+        "condition": row.condition,
+        "severity": Severity(row.severity).label,
+        "latching": row.latching,
+        "suppressions": row.suppressions,
+        "message": row.message,
+        "evidence": row.evidence,
+        "identification": row.identification_id,
+        "measured_at": to_datetime(row.measured_at),
+        "opened_at": to_datetime(row.opened_at),
+        "updated_at": to_datetime(row.updated_at),
+        "closed_at": time_or_none(row.closed_at),
+        "events": row.event_count,
+    }
 
 
 def suppression(row: SuppressionRow) -> schemas.SuppressionOut:

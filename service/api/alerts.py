@@ -17,6 +17,7 @@ from service.api.paging import ById, ByTime
 from service.api.preconditions import ANYTHING, IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from storage import alerts, machines
+from storage.alerts import ListedAlert
 from storage.paging import Keys
 from storage.tables import AlertRow
 
@@ -26,11 +27,11 @@ OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are
 After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
 
 
-@router.get("/alerts", operation_id="list_alerts")
-def list_alerts(session: Reading, paging: ByTime, only_open: OnlyOpen = False) -> list[schemas.AlertOut]:
+@router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
+def list_alerts(session: Reading, paging: ByTime, only_open: OnlyOpen = False) -> Response:
     """Alerts of all machines, newest first."""
     rows = alerts.find(session, machine_id=None, only_open=only_open, limit=paging.wanted, after=paging.after)
-    return [rendering.alert(row) for row in paging.page(rows, _place)]
+    return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
@@ -55,14 +56,12 @@ def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> li
     return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
 
 
-@router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts")
-def list_machine_alerts(
-    session: Reading, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
-) -> list[schemas.AlertOut]:
+@router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
+def list_machine_alerts(session: Reading, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False) -> Response:
     """Alerts of one machine, newest first."""
     machines.get(session, machine_id)
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
-    return [rendering.alert(row) for row in paging.page(rows, _place)]
+    return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
 
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", responses=CHANGES)
@@ -128,7 +127,7 @@ class Change:
             return tagged(self.response, rendering.alert(row))
 
 
-def _place(row: AlertRow) -> Keys:
+def _place(row: ListedAlert) -> Keys:
     return row.opened_at, row.id
 
 

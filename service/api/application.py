@@ -38,6 +38,7 @@ from service.api.body_size import BodySize
 from service.api.event_stream import Broadcaster
 from service.api.idempotency import Idempotency
 from service.api.kept_answers import KeptAnswers
+from service.api.machine_list import MachineList
 from service.api.openapi import described
 from service.api.operations import Parts
 from service.api.problems import add_handlers
@@ -79,6 +80,7 @@ def application(
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.machine_list = MachineList()
     app.state.answers = KeptAnswers()
     app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs

@@ -8,21 +8,23 @@ from sqlalchemy.orm import Session
 from estimator.machine import DocumentError, Machine
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
+from service.api.machine_list import MachineList
 from service.api.paging import ById, ByName
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import RESPONSES, Problem
-from storage import fleet, machines
+from storage import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
 
 Document = Annotated[Machine, Body(description="the whole machine document")]
 
 
-@router.get("", operation_id="list_machines")
-def list_machines(session: Reading, paging: ByName) -> list[schemas.MachineSummary]:
+@router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
+def list_machines(request: Request, session: Reading, paging: ByName) -> Response:
     """All machines, by id."""
-    rows = fleet.page(session, limit=paging.wanted, after=paging.after)
-    return [rendering.machine_summary(one) for one in paging.page(rows, lambda row: (row.id,))]
+    known: MachineList = request.app.state.machine_list
+    rows = known.page(session, limit=paging.wanted, after=paging.after)
+    return paging.json(paging.page(rows, lambda one: (one["id"],)))
 
 
 @router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})

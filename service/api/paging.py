@@ -3,10 +3,11 @@
 import base64
 import binascii
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
+import msgspec
 from fastapi import Depends, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 
@@ -41,6 +42,10 @@ class Paging:
         following = self.request.url.include_query_params(cursor=cursor, limit=self.limit)
         self.response.headers["Link"] = f'<{following.path}?{following.query}>; rel="next"'
         return shown
+
+    def json(self, rows: Sequence[Mapping[str, Any]]) -> Response:
+        """An answer of many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
+        return Response(msgspec.json.encode(rows), media_type="application/json", headers=dict(self.response.headers))
 
 
 def _written(kind: str, keys: Keys) -> str:

@@ -10,7 +10,6 @@ from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
-from storage.fleet import ListedMachine
 from storage.tables import (
     DerivedRow,
     EstimateRow,
@@ -35,12 +34,6 @@ def time_or_none(nanoseconds: int | None) -> datetime | None:
 
 def _rpm(speed: float | None) -> float | None:
     return None if speed is None else rad_per_s_to_rpm(speed)
-
-
-def machine_summary(one: ListedMachine) -> schemas.MachineSummary:
-    return schemas.MachineSummary(
-        id=one.id, plant=one.plant, name=one.name, revision=one.revision, created_at=to_datetime(one.created_at)
-    )
 
 
 def revision(row: RevisionRow) -> schemas.MachineRevision:

@@ -130,7 +130,7 @@ def test_a_range_whose_ends_are_exchanged_is_refused(api: Api, path: str) -> Non
 
 def test_machines_are_listed_without_reading_their_documents(api: Api) -> None:
     with api.database.reading() as session:
-        (one,) = fleet.page(session, limit=10)
+        (one,) = fleet.every(session)
     assert (one.id, one.name, one.plant) == (KEY.machine, "Pump 7", KEY.plant)
 
 

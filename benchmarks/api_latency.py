@@ -1,0 +1,189 @@
+"""Latency of the REST API of a service process, one worker, asked by eight clients at once, each as soon as it is answered.
+
+The store holds a thousand machines, one with an identification a week for five years, one with 2,000, and two thousand alerts.
+
+    python -m benchmarks.api_latency [--requests 2000] [--clients 8] [--rate 2000]
+"""
+
+import argparse
+import asyncio
+import contextlib
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import aiohttp
+import numpy as np
+
+from benchmarks.chain import create_machines, publishing
+from storage import alerts, machines
+from storage.database import Database
+from tests.end_to_end.processes import Service, until
+from tests.plant import KEY, SECOND, START, identification, machine, sqlite_url, store_identification
+
+WEEK = 7 * 86_400 * SECOND
+FIVE_YEARS = 260
+LONG = 2000
+MACHINES = 1000
+ALERTS = 2000
+PARAMETERS = ("coupling.C1.kxx", "coupling.C1.kyy", "bearing.B2.kxx", "bearing.B3.kxx")
+AT_MOST_TWICE = 2.0
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What is asked of an address: p99 of its latency [s], with all clients at once."""
+
+    name: str
+    path: str
+    asked_s: float
+
+
+def several(count: int) -> str:
+    return "&".join(f"parameter={name}" for name in PARAMETERS[:count])
+
+
+FIGURES = (
+    Figure("trend of five years, weekly, 1 parameter", f"/machines/weekly/trends?{several(1)}", 0.050),
+    Figure("trend of five years, weekly, 4 parameters", f"/machines/weekly/trends?{several(4)}", 0.050),
+    Figure("trend of 2,000 points", f"/machines/{KEY.machine}/trends?{several(1)}", 0.050),
+    Figure("list of 100 alerts of 2,000", "/alerts", 0.030),
+    Figure("list of the open alerts", "/alerts?open=true", 0.030),
+    Figure("list of 1,000 machines", "/machines", 0.100),
+)
+
+
+def fill(file: Path, *, seed: int) -> None:
+    """A store as a plant has it after years."""
+    rng = np.random.default_rng(seed)
+    database = Database(sqlite_url(file))
+    with database.transaction() as session:
+        machines.create(session, machine())
+        for number in range(MACHINES - 1):
+            name = "weekly" if number == 0 else f"m{number:04d}"
+            machines.create(session, machine(id=name, name=f"Machine {number}"))
+        for number in range(LONG):
+            outcome = identification({name: 1.0 + 0.01 * rng.standard_normal() for name in PARAMETERS})
+            row = store_identification(session, outcome, run_id=number, measured_at=START + number * WEEK // 20)
+        for number in range(FIVE_YEARS):
+            outcome = identification({name: 1.0 + 0.01 * rng.standard_normal() for name in PARAMETERS})
+            when = {"run_id": LONG + number, "measured_at": START + number * WEEK}
+            store_identification(session, outcome, machine_id="weekly", **when)
+        for number in range(ALERTS):
+            one = alerts.add(
+                session,
+                f"m{1 + number % (MACHINES - 2):04d}",
+                rule="misalignment",
+                element=f"coupling.C{number // (MACHINES - 2)}",
+                message="Coupling C1 is going out of alignment: stiffness +12 % (6.1 σ) at the coupling",
+                evidence={"coupling": "C1", "shift": 0.12, "names": list(PARAMETERS)},
+                identification_id=row.id,
+                measured_at=START,
+                latching=False,
+            )
+            one.state = one.condition = "unacknowledged"
+            one.opened_at += number
+            if number % 10:
+                one.state, one.closed_at = "normal", one.opened_at
+    database.close()
+
+
+async def _client(http: aiohttp.ClientSession, url: str, count: int) -> list[float]:
+    found = []
+    for _ in range(count):
+        began = time.perf_counter()
+        async with http.get(url) as answer:
+            await answer.read()
+            assert answer.status == 200, await answer.text()
+        found.append(time.perf_counter() - began)
+    return found
+
+
+async def ask(base: str, figure: Figure, *, clients: int, requests: int) -> np.ndarray:
+    """Latencies [s] of all requests, after one that warms up: a histories' first reading is told apart."""
+    async with aiohttp.ClientSession(connector=aiohttp.TCPConnector(limit=0)) as http:
+        await _client(http, base + figure.path, 1)
+        each = max(1, requests // clients)
+        found = await asyncio.gather(*(_client(http, base + figure.path, each) for _ in range(clients)))
+    return np.concatenate([np.array(one) for one in found])
+
+
+def first(base: str, figure: Figure) -> float:
+    """Latency [s] of the very first request."""
+
+    async def once() -> float:
+        async with aiohttp.ClientSession() as http:
+            return (await _client(http, base + figure.path, 1))[0]
+
+    return asyncio.run(once())
+
+
+def table(base: str, options: argparse.Namespace) -> tuple[bool, dict[str, float]]:
+    """Print all figures; whether they are as asked, and p99 [s] by name."""
+    right, p99s = True, {}
+    print(f"  {'ms':42s} {'first':>7s} {'p50':>7s} {'p99':>7s} {'asked':>7s}")
+    for figure in FIGURES:
+        cold = first(base, figure)
+        latency = asyncio.run(ask(base, figure, clients=options.clients, requests=options.requests))
+        p50, p99 = np.percentile(latency, [50, 99])
+        p99s[figure.name] = float(p99)
+        right &= bool(p99 <= figure.asked_s)
+        row = "  ".join(f"{1e3 * value:5.1f}" for value in (cold, p50, p99, figure.asked_s))
+        print(f"  {figure.name:42s}   {row}")
+    return right, p99s
+
+
+def measure(folder: Path, options: argparse.Namespace) -> bool:
+    """Run the service and print its figures; whether all that was asked came out."""
+    fill(folder / "rundown.db", seed=options.seed)
+    service = Service(folder)
+    with service.running():
+        base = f"http://127.0.0.1:{service.port}/api/v1"
+        print(f"{options.clients} clients at once, {options.requests} requests each figure, seed {options.seed}")
+        right, quiet = table(base, options)
+        print(
+            f"While {options.rate:.0f} samples/s of 8 channels are stored; asked: p99 at most {AT_MOST_TWICE:g} times as long"
+        )
+        with _ingest(service, folder, options):
+            _, busy = table(base, options)
+            stored = sum(source["received"] for source in service.get("/sources", limit=1000))
+    service.client.close()
+    ratios = [busy[name] / quiet[name] for name in quiet]
+    print(f"  p99 while samples are stored over p99 before: median {np.median(ratios):.2f}, largest {max(ratios):.2f}")
+    print(f"  samples stored meanwhile: {stored}")
+    return right and float(np.median(ratios)) <= AT_MOST_TWICE
+
+
+@contextlib.contextmanager
+def _ingest(service: Service, folder: Path, options: argparse.Namespace) -> Iterator[None]:
+    """Sources that publish until the block ends."""
+    names = create_machines(service, 4)
+    arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(names), "--connect", service.endpoint]
+    arguments += ["--folder", str(folder), "--rate", str(options.rate), "--seconds", "600"]
+    with publishing(*arguments) as sources:
+
+        def flowing() -> bool:
+            return sum(one["received"] for one in service.get("/sources")) > options.rate
+
+        until(flowing, within_s=60, what="samples are stored")
+        yield
+        sources.kill()
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print the figures; status 1 when one is not as asked."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--requests", type=int, default=2000)
+    parser.add_argument("--clients", type=int, default=8)
+    parser.add_argument("--rate", type=float, default=2000.0, help="samples per second of all machines together")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args(arguments)
+    with tempfile.TemporaryDirectory() as folder:
+        if not measure(Path(folder), options):
+            raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
