@@ -16,14 +16,14 @@ from estimator.observation import Observation
 from estimator.parameters import SCALE_FACTORS, Coefficient, Quantity, Unknowns
 
 SHARED: dict[Quantity, float] = {
-    "stiffness": 0.02,
-    "angular stiffness": 0.02,
-    "coupled stiffness": 0.02,
+    "stiffness": 0.012,
+    "angular stiffness": 0.012,
+    "coupled stiffness": 0.012,
     "damping": 0.03,
     "angular damping": 0.03,
 }
 """Standard deviation of what the terms of one element share, between any two times of the year."""
-SEASON = 0.04
+SEASON = 0.02
 """Standard deviation of what all stiffnesses of the machine share."""
 SCALE_FACTOR = 5e-4
 """Run-to-run standard deviation of E and density: the steel stays the same."""

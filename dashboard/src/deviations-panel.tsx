@@ -59,12 +59,16 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
             return (
               <tr key={one.element}>
                 <td>
+                  {one.probability < CHANGED && (
+                    <span class="severity changed" title="changed">
+                      ●{" "}
+                    </span>
+                  )}
                   <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
                 </td>
                 <td>{most ? inWords(most) : "–"}</td>
                 <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
                 <td class="number">
-                  {one.probability < CHANGED && <span class="severity changed">● </span>}
                   {one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}
                 </td>
               </tr>

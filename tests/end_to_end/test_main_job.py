@@ -60,9 +60,9 @@ def check_alerts(service: Service) -> None:
     assert [(alert["machine"], alert["rule"], alert["element"]) for alert in alerts] == [
         (DRIFTING, "misalignment", "coupling.C1")
     ]
-    evidence = alerts[0]["evidence"]["together"]
-    assert evidence["shift"] > 0.02
-    assert evidence["probability"] < 1e-4
+    evidence = alerts[0]["evidence"]
+    assert (evidence["kind"], evidence["sigma"] > 3.0, evidence["per_cent"] > 3.0) == ("misalignment", True, True)
+    assert {"coupling.C1", "bearing.B2", "bearing.B3"} == {one["parameter"].rsplit(".", 1)[0] for one in evidence["moved"]}
     assert service.get(f"/identifications/{alerts[0]['identification']}")["machine"] == DRIFTING
 
 
