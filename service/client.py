@@ -1,0 +1,225 @@
+"""A typed client of the REST API: its answers are the models that the service answers with.
+
+with Rundown("http://localhost:8080") as rundown:
+    for alert in rundown.alerts(only_open=True):
+        rundown.acknowledge(alert, by="anna", comment="on it")
+"""
+
+import json
+import time
+import uuid
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import httpx
+from pydantic import BaseModel
+
+from estimator.machine import Machine
+from service.alert_messages import AlertEvent
+from service.api import alert_schemas, model_schemas, schemas
+from service.api.deviation_schemas import DeviationsOut
+from service.api.fleet import FleetMachine
+from service.api.machine_state import MachineState
+from service.api.problems import Problem
+from service.api.trends import Trends
+
+M = TypeVar("M", bound=BaseModel)
+
+PREFIX = "/api/v1"
+TRIES = 3
+"""So often a request that got no answer is sent, under one Idempotency-Key."""
+PAUSE_S = 0.5
+
+
+class Refused(Exception):
+    """The service refused; `problem` says what is wrong."""
+
+    def __init__(self, problem: Problem) -> None:
+        fields = "; ".join(f"{one.field}: {one.message}" for one in problem.errors)
+        super().__init__(f"{problem.status} {problem.title}: {problem.detail}{f' ({fields})' if fields else ''}")
+        self.problem = problem
+
+
+class ChangedMeanwhile(Exception):
+    """What is to be changed is no longer what was read."""
+
+
+class Rundown:
+    """The service at an address. http: another client to ask with, such as one with a proxy or a certificate."""
+
+    def __init__(self, url: str = "http://127.0.0.1:8080", *, http: httpx.Client | None = None) -> None:
+        self._http = http or httpx.Client(base_url=url, timeout=30.0)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._http.close()
+
+    # --- machines
+
+    def machines(self) -> Iterator[schemas.MachineSummary]:
+        """All machines, by id."""
+        return self._each(schemas.MachineSummary, "/machines")
+
+    def machine(self, machine: str) -> schemas.MachineRevision:
+        """A machine's document in force."""
+        return self._get(schemas.MachineRevision, f"/machines/{machine}")
+
+    def create_machine(self, document: Machine) -> schemas.MachineRevision:
+        """Create a machine from its document."""
+        return self._post(schemas.MachineRevision, "/machines", document.model_dump(mode="json"))
+
+    def revise_machine(self, read: schemas.MachineRevision, document: Machine) -> schemas.MachineRevision:
+        """Put a document in force instead of the one that was read. Raises ChangedMeanwhile."""
+        path = f"/machines/{read.id}"
+        headers = {"If-Match": self._tag(path, read)}
+        body = document.model_dump(mode="json")
+        return self._model(schemas.MachineRevision, self._ask("PUT", path, json=body, headers=headers))
+
+    def fleet(self, *, since: datetime | None = None) -> Iterator[FleetMachine]:
+        """Every machine at a glance, with what happened since a time, by default a day ago."""
+        for part in self._parts("/fleet", {} if since is None else {"since": since.isoformat()}):
+            yield from (FleetMachine.model_validate(one) for one in part["machines"])
+
+    def state(self, machine: str) -> MachineState:
+        """What a machine is doing."""
+        return self._get(MachineState, f"/machines/{machine}/state")
+
+    # --- runs and identifications
+
+    def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Iterator[schemas.Run]:
+        """Runs that began in a time range, newest first."""
+        return self._each(schemas.Run, f"/machines/{machine}/runs", _period(first, last))
+
+    def phasors(self, run: int) -> schemas.Phasors:
+        """A run's 1× phasors."""
+        return self._get(schemas.Phasors, f"/runs/{run}/phasors")
+
+    def identifications(
+        self, machine: str, *, first: datetime | None = None, last: datetime | None = None
+    ) -> Iterator[schemas.IdentificationSummary]:
+        """Identifications measured in a time range, newest first."""
+        return self._each(schemas.IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
+
+    def identification(self, number: int) -> schemas.IdentificationDetail:
+        """One identification with its estimates."""
+        return self._get(schemas.IdentificationDetail, f"/identifications/{number}")
+
+    def bode(self, identification: int, *, units: str = "rpm,um_pp,deg_lag") -> model_schemas.Bode:
+        """Fitted curve, measured points and residuals."""
+        return self._get(model_schemas.Bode, f"/identifications/{identification}/bode", {"units": units})
+
+    def critical_speeds(self, identification: int, *, units: str = "rpm") -> model_schemas.CriticalSpeeds:
+        """Critical speeds of the updated model."""
+        path = f"/identifications/{identification}/model/critical-speeds"
+        return self._get(model_schemas.CriticalSpeeds, path, {"units": units})
+
+    def trends(
+        self, machine: str, *parameters: str, first: datetime | None = None, last: datetime | None = None, most: int = 5000
+    ) -> Trends:
+        """Histories of parameters and derived quantities, each of at most so many points."""
+        asked = {"parameter": list(parameters), "max_points": most} | _period(first, last)
+        return self._get(Trends, f"/machines/{machine}/trends", asked)
+
+    def deviations(self, machine: str) -> DeviationsOut:
+        """How far the newest identification is from the baseline."""
+        return self._get(DeviationsOut, f"/machines/{machine}/deviations")
+
+    # --- alerts
+
+    def alerts(self, *, machine: str | None = None, only_open: bool = False) -> Iterator[alert_schemas.AlertOut]:
+        """Alerts, newest first."""
+        path = "/alerts" if machine is None else f"/machines/{machine}/alerts"
+        return self._each(alert_schemas.AlertOut, path, {"open": only_open})
+
+    def acknowledge(self, read: alert_schemas.AlertOut, *, by: str, comment: str = "") -> alert_schemas.AlertOut:
+        """A person has seen an alert, as it was read. Raises ChangedMeanwhile."""
+        path = f"/alerts/{read.id}"
+        headers = {"If-Match": self._tag(path, read)}
+        return self._post(alert_schemas.AlertOut, f"{path}/acknowledge", {"by": by, "comment": comment}, headers)
+
+    def note(self, machine: str, text: str, *, by: str, at: datetime, kind: str = "note") -> alert_schemas.TimelineOut:
+        """Put a note, a marker or a maintenance on a machine's timeline."""
+        body = {"text": text, "by": by, "at": at.isoformat(), "kind": kind}
+        return self._post(alert_schemas.TimelineOut, f"/machines/{machine}/timeline", body)
+
+    def events(self, *, after: int | None = None) -> Iterator[AlertEvent]:
+        """What happens to alerts, for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
+        while True:
+            try:
+                for event in self._stream(after):
+                    yield event
+                    after = event.id
+            except httpx.TransportError:
+                pass
+            time.sleep(PAUSE_S)
+
+    # --- asking
+
+    def _stream(self, after: int | None) -> Iterator[AlertEvent]:
+        headers = {} if after is None else {"Last-Event-ID": str(after)}
+        patience = httpx.Timeout(30.0, read=60.0)
+        with self._http.stream("GET", f"{PREFIX}/alert-events/stream", headers=headers, timeout=patience) as answer:
+            if answer.is_error:
+                answer.read()
+                raise _refused(answer)
+            for line in answer.iter_lines():
+                if line.startswith("data: "):
+                    yield AlertEvent.model_validate_json(line[6:])
+
+    def _tag(self, path: str, read: BaseModel) -> str:
+        answer = self._ask("GET", path)
+        if type(read).model_validate_json(answer.content) != read:
+            raise ChangedMeanwhile(f"{path} was changed since it was read: read it again")
+        return answer.headers["etag"]
+
+    def _get(self, model: type[M], path: str, asked: Mapping[str, Any] | None = None) -> M:
+        return self._model(model, self._ask("GET", path, params=asked))
+
+    def _post(self, model: type[M], path: str, body: Any, headers: Mapping[str, str] | None = None) -> M:
+        keyed = {"Idempotency-Key": str(uuid.uuid4())} | dict(headers or {})
+        return self._model(model, self._ask("POST", path, json=body, headers=keyed))
+
+    def _each(self, model: type[M], path: str, asked: Mapping[str, Any] | None = None) -> Iterator[M]:
+        for part in self._parts(path, asked or {}):
+            yield from (model.model_validate(one) for one in part)
+
+    def _parts(self, path: str, asked: Mapping[str, Any]) -> Iterator[Any]:
+        answer = self._ask("GET", path, params=asked)
+        while True:
+            yield json.loads(answer.content)
+            following = answer.links.get("next")
+            if following is None:
+                return
+            answer = self._ask("GET", following["url"].removeprefix(PREFIX))
+
+    def _model(self, model: type[M], answer: httpx.Response) -> M:
+        return model.model_validate_json(answer.content)
+
+    def _ask(self, method: str, path: str, **how: Any) -> httpx.Response:
+        for left in reversed(range(TRIES)):
+            try:
+                answer = self._http.request(method, PREFIX + path, **how)
+            except httpx.TransportError:
+                if not left:
+                    raise
+                time.sleep(PAUSE_S)
+                continue
+            if answer.is_error:
+                raise _refused(answer)
+            return answer
+        raise AssertionError("a try returns or raises")
+
+
+def _refused(answer: httpx.Response) -> Exception:
+    try:
+        return Refused(Problem.model_validate_json(answer.content))
+    except ValueError:  # not the service itself, perhaps a proxy
+        return httpx.HTTPStatusError(f"{answer.status_code} {answer.text[:200]}", request=answer.request, response=answer)
+
+
+def _period(first: datetime | None, last: datetime | None) -> dict[str, str]:
+    return {name: moment.isoformat() for name, moment in {"from": first, "to": last}.items() if moment is not None}
