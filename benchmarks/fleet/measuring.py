@@ -1,10 +1,12 @@
 """What the service would have of a simulated machine: each week's phasors, and the real estimator's fit of them."""
 
 import math
+import pickle
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -65,6 +67,20 @@ def watched(ordered: Ordered) -> Watched:
         beginning = found[0].point if found else None
         found.append(identify(history.machine, measured(history.machine, state, rng), beginning=beginning))
     return Watched(ordered, history, tuple(found))
+
+
+def kept(ordered: Ordered, folder: Path) -> Watched:
+    """The same from a folder, where it is put when it is not there: judging can be repeated without the fits."""
+    words = (ordered.scenario, ordered.machine, ordered.seasonality, ordered.seed, ordered.number, ordered.watched)
+    path = folder / ("_".join(map(str, words)).replace(" ", "-") + ".pickle")
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        part = path.with_suffix(".part")
+        part.write_bytes(pickle.dumps(watched(ordered)))
+        part.replace(path)
+    found = pickle.loads(path.read_bytes())
+    assert isinstance(found, Watched)
+    return found
 
 
 def each(function: Callable[[Ordered], Outcome], orders: Sequence[Ordered], *, processes: int = PROCESSES) -> list[Outcome]:

@@ -7,6 +7,8 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import scipy.stats
 
@@ -21,7 +23,7 @@ from benchmarks.fleet.amount import (
 )
 from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
 from benchmarks.fleet.judging import Named, Outcome, judged, service_rule
-from benchmarks.fleet.measuring import PROCESSES, Ordered, each, watched
+from benchmarks.fleet.measuring import PROCESSES, Ordered, each, kept, watched
 from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
 
 SEED = 5
@@ -91,9 +93,9 @@ class Result:
     refused: int
 
 
-def result(ordered: Ordered) -> Result:
-    """Simulate, identify and judge one machine's history as the service would."""
-    one = watched(ordered)
+def result(ordered: Ordered, *, keep: Path | None = None) -> Result:
+    """Simulate, identify and judge one machine's history as the service would. keep: folder for what was identified."""
+    one = watched(ordered) if keep is None else kept(ordered, keep)
     return Result(
         ordered,
         tuple((change.kind, change.element) for change in one.history.changes),
@@ -245,11 +247,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=SEED, help=f"default {SEED}")
     parser.add_argument("--only", nargs="*", help="these scenarios only")
     parser.add_argument("--processes", type=int, default=PROCESSES, help=f"default {PROCESSES}")
+    parser.add_argument("--keep", type=Path, help="folder that keeps what was identified, to judge it again")
     options = parser.parse_args(arguments)
     chosen = SHORT if options.short else fleets(options.scale)
     orders = [order for one in chosen if one.scenario in (options.only or SCENARIOS) for order in one.orders(options.seed)]
     began = time.monotonic()
-    found = each(result, orders, processes=options.processes)
+    found = each(partial(result, keep=options.keep), orders, processes=options.processes)
     years = sum(order.watched for order in orders) / WEEKS_A_YEAR
     print(f"{len(orders)} machines, {years:.0f} machine-years of real identifications; seed {options.seed},", end=" ")
     print(f"{time.monotonic() - began:.0f} s\n")
