@@ -149,8 +149,10 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     for _ in range(LARGEST_STEPS):
         within = deviation.given(chosen)
         left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
+        if not left or len(chosen) == MOST_CAUSES:
+            break
         best = max(left, key=within.evidence)
-        if len(chosen) == MOST_CAUSES or within.evidence(best) < least:
+        if within.evidence(best) < least:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
