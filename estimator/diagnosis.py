@@ -26,7 +26,9 @@ from estimator.rotor import assemble_rotor
 STRONG = 4.0
 """Evidence from which on something is said to have happened: a factor of 55, in runs that each speak for it."""
 BESIDE = 0.05
-"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact."""
+"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact …"""
+EXACT = frozenset({"unbalance"})
+"""… but for these, which enter the response linearly: however large, they hide nothing."""
 MOST_CAUSES = 4
 """More causes at once are not told apart."""
 LARGEST_STEPS = 10
@@ -156,7 +158,7 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
-        least = max(STRONG, BESIDE * max(deviation.evidence(one) for one in chosen))
+        least = max([STRONG, *(BESIDE * deviation.evidence(one) for one in chosen if one.kind not in EXACT)])
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
