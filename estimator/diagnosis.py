@@ -28,7 +28,9 @@ STRONG = 4.0
 BESIDE = 0.05
 """A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact …"""
 EXACT = frozenset({"unbalance"})
-"""… but for these, which enter the response linearly: however large, they hide nothing."""
+"""… but for these, which enter the response linearly …"""
+BESIDE_EXACT = 6.0
+"""… and however large ask for this evidence at most: what stands for months must not hide a misalignment."""
 MOST_CAUSES = 4
 """More causes at once are not told apart."""
 LARGEST_STEPS = 10
@@ -158,13 +160,18 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
-        least = max([STRONG, *(BESIDE * deviation.evidence(one) for one in chosen if one.kind not in EXACT)])
+        least = max([STRONG, *(_asked_beside(one, deviation.evidence(one)) for one in chosen)])
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
             break
         chosen = needed
     return chosen
+
+
+def _asked_beside(one: Hypothesis, evidence: float) -> float:
+    """Evidence that a further cause needs beside one with so much."""
+    return min(BESIDE * evidence, BESIDE_EXACT if one.kind in EXACT else math.inf)
 
 
 def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
