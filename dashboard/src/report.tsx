@@ -154,35 +154,37 @@ function counted(count: number | undefined, what: string): string {
 function AlertTable({ alerts }: { alerts: Alert[] }) {
   if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
   return (
-    <table>
-      <thead>
-        <tr>
-          <th>Severity</th>
-          <th>Element</th>
-          <th>State</th>
-          <th>Opened</th>
-          <th>Closed</th>
-          <th>What it says</th>
-        </tr>
-      </thead>
-      <tbody>
-        {alerts.map((one) => (
-          <tr key={one.id}>
-            <td>
-              <Severity severity={one.severity} />
-            </td>
-            <td>{elementName(one.element)}</td>
-            <td>{stateInWords(one.state)}</td>
-            <td>
-              <Time at={one.opened_at} />
-            </td>
-            <td>
-              <Time at={one.closed_at} />
-            </td>
-            <td>{one.message}</td>
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Severity</th>
+            <th>Element</th>
+            <th>State</th>
+            <th>Opened</th>
+            <th>Closed</th>
+            <th>What it says</th>
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {alerts.map((one) => (
+            <tr key={one.id}>
+              <td>
+                <Severity severity={one.severity} />
+              </td>
+              <td>{elementName(one.element)}</td>
+              <td>{stateInWords(one.state)}</td>
+              <td>
+                <Time at={one.opened_at} />
+              </td>
+              <td>
+                <Time at={one.closed_at} />
+              </td>
+              <td>{one.message}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
