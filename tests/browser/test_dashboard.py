@@ -6,7 +6,7 @@ import subprocess
 import threading
 
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
 from tests.browser.story import CYCLES, MACHINE, simulate
@@ -120,8 +120,9 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.get_by_text(f"{2 * CYCLES} runs")).to_be_visible()
     expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
-    seen.page.emulate_media(media="print")
+    seen.page.emulate_media(media="print", color_scheme="dark")
     expect(seen.page.locator(".bar")).to_be_hidden()
+    assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
     assert seen.errors == []
 
@@ -131,6 +132,7 @@ def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, s
     seen.page.set_viewport_size({"width": width, "height": height})
     seen.page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
     for place, sign in {
+        f"reports/{MACHINE}": ".elements table",
         "": "table.fleet",
         f"machines/{MACHINE}": ".element",
         f"machines/{MACHINE}/trends": ".plot canvas",
@@ -138,7 +140,6 @@ def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, s
         f"machines/{MACHINE}/shapes": ".shapes svg",
         f"machines/{MACHINE}/model": "table",
         f"machines/{MACHINE}/identified": ".elements table",
-        f"reports/{MACHINE}": ".elements table",
     }.items():
         seen.open(place)
         expect(seen.page.locator(sign).first).to_be_attached()
@@ -221,6 +222,22 @@ def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service
     alarm.get_by_role("button", name="event").click()
     expect(alarm.locator(".history")).to_contain_text("on it")
     assert seen.errors == []
+
+
+def test_an_older_run_is_shown_and_one_that_is_not_there_is_not_replaced(seen: Seen, service: Service) -> None:
+    runs = service.get(f"/machines/{MACHINE}/runs")
+
+    def newest_only(route: Route) -> None:  # as on a machine with more runs than the page lists
+        route.fulfill(json=runs[:2])
+
+    seen.page.route(re.compile(r"/runs\?limit="), newest_only)
+    oldest = runs[-1]["id"]
+    seen.open(f"machines/{MACHINE}/response?run={oldest}")
+    expect(seen.page.locator("select").first).to_have_value(str(oldest))
+    wait_drawn(seen.page, 3)
+    seen.open(f"machines/{MACHINE}/response?run=999999")
+    expect(seen.page.get_by_role("alert")).to_contain_text("no run 999999")
+    expect(seen.page.locator(".plot canvas")).to_have_count(0)
 
 
 def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
