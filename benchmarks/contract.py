@@ -220,9 +220,11 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--examples", type=int, default=ASKED, help="generated requests of each operation")
     parser.add_argument("--sequences", type=int, default=ASKED, help="chains of operations that follow one another")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--without-limits", action="store_true", help="only generated values, not the schemas' limits")
     parser.add_argument("--only", default="", help="operation ids, with commas between")
     options = parser.parse_args(arguments)
-    how = {"examples": options.examples, "sequences": options.sequences, "seed": options.seed, "limits": True}
+    how = {"examples": options.examples, "sequences": options.sequences, "seed": options.seed}
+    how["limits"] = not options.without_limits
     print(f"The API against its document: {options.examples} examples of each operation, seed {options.seed}")
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:

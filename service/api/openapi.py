@@ -11,6 +11,8 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from service.api.idempotency import KEY_PATTERN, LONGEST_KEY
+
 PROBLEM = "#/components/schemas/Problem"
 VALIDATION = ("HTTPValidationError", "ValidationError")
 """FastAPI's own shape of a 422, which this API does not use."""
@@ -24,7 +26,7 @@ IDEMPOTENCY_KEY = {
     "in": "header",
     "required": False,
     "description": "a new one for each request, such as a UUID: asked twice under the same key within a day, it is done once",
-    "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": r"^[!-~]+$"},
+    "schema": {"type": "string", "minLength": 1, "maxLength": LONGEST_KEY, "pattern": KEY_PATTERN},
 }
 
 
