@@ -1,6 +1,7 @@
 """Latency of the REST API of a service process, one worker, asked by eight clients at once, each as soon as it is answered.
 
-The store holds a thousand machines, one with an identification a week for five years, one with 2,000, and two thousand alerts.
+The store holds a thousand machines, each with a run that is being collected, one with an identification a week for five years,
+one with 2,000, and two thousand alerts.
 
     python -m benchmarks.api_latency [--requests 2000] [--clients 8] [--rate 2000]
 """
@@ -18,8 +19,10 @@ import aiohttp
 import numpy as np
 
 from benchmarks.chain import create_machines, publishing
-from storage import alerts, machines
+from service.collection import Standing
+from storage import alerts, machines, runs
 from storage.database import Database
+from storage.tables import CollectorRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, SECOND, START, identification, machine, sqlite_url, store_identification
 
@@ -52,6 +55,7 @@ FIGURES = (
     Figure("list of 100 alerts of 2,000", "/alerts", 0.030),
     Figure("list of the open alerts", "/alerts?open=true", 0.030),
     Figure("list of 1,000 machines", "/machines", 0.100),
+    Figure("overview of 1,000 machines", "/fleet", 0.100),
 )
 
 
@@ -64,6 +68,8 @@ def fill(file: Path, *, seed: int) -> None:
         for number in range(MACHINES - 1):
             name = "weekly" if number == 0 else f"m{number:04d}"
             machines.create(session, machine(id=name, name=f"Machine {number}"))
+            runs.open_run(session, name, revision=1, kind="run-up", direction=1, time_first=START + number)
+            session.add(CollectorRow(machine_id=name, state=Standing(revision=1, seen=START + WEEK).stored()))
         for number in range(LONG):
             outcome = identification({name: 1.0 + 0.01 * rng.standard_normal() for name in PARAMETERS})
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * WEEK // 20)

@@ -6,18 +6,26 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import uvicorn
+from fastapi import FastAPI
 
 from service.api.application import application
+from service.api.stuck_clients import PATIENCE_S, end_stuck_connections
 from storage.database import Database
 
 
 @contextmanager
 def served(database: Database) -> Iterator[str]:
     """URL of the API, until the block ends."""
+    with serving(application(database, dict)) as url:
+        yield url
+
+
+@contextmanager
+def serving(app: FastAPI, *, patience_s: float = PATIENCE_S) -> Iterator[str]:
+    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing."""
     listener = socket.create_server(("127.0.0.1", 0))
-    configuration = uvicorn.Config(
-        application(database, dict), log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=1
-    )
+    end_stuck_connections(listener, after_s=patience_s)
+    configuration = uvicorn.Config(app, log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=1)
     server = uvicorn.Server(configuration)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()

@@ -9,7 +9,7 @@ from speed: a trip is TRIP_RATIO times as fast as their median, and the first fe
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any, Literal
 
@@ -86,7 +86,7 @@ class OperatingState:
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "OperatingState":
         """From what `dataclasses.asdict` made of it, by way of JSON or not."""
-        known = {field.name: stored[field.name] for field in fields(cls) if field.name in stored}
+        known = {name: stored[name] for name in cls.__slots__ if name in stored}
         known["decelerations"] = tuple(known.get("decelerations", ()))
         known["sweep"] = SweepState.restored(known.get("sweep", {}))
         return cls(**known)

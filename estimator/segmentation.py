@@ -6,7 +6,7 @@ told from noise by hysteresis that grows with the noise of the speed readings (`
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from estimator.machine import Operation, SpeedRange
@@ -90,7 +90,7 @@ class SweepState:
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "SweepState":
         """From what `dataclasses.asdict` made of it; what an older release did not know of begins afresh."""
-        known = {field.name: stored[field.name] for field in fields(cls) if field.name in stored}
+        known = {name: stored[name] for name in cls.__slots__ if name in stored}
         if known.get("sweep") and "mark_time" not in known:
             extreme = "high" if known["sweep"] > 0 else "low"
             known |= {f"mark_{what}": known.get(f"{extreme}_{what}", 0) for what in ("time", "speed")}

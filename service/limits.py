@@ -98,9 +98,10 @@ class Level(BaseModel):
 class Rule(BaseModel):
     """Levels of one kind of finding, and how patient its alerts are. Delays count identifications of the same kind of run."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # A rule of a machine is completed from the defaults, so that none of its fields is needed.
+    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=lambda schema: schema.pop("required", None))
 
-    alert: Level
+    alert: Level = Field(description="needed in a rule of a single element; else by default as in the defaults")
     danger: Level | None = Field(default=None, description="null: it never becomes a danger")
     on_delay: int = Field(default=2, ge=1, le=LONGEST_DELAY, description="identifications in a row that must show it")
     off_delay: int = Field(

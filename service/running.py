@@ -8,6 +8,7 @@ import threading
 import uvicorn
 
 from service.api.application import application
+from service.api.stuck_clients import end_stuck_connections
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
@@ -110,6 +111,7 @@ def _listen(host: str, port: int) -> socket.socket:
     listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        end_stuck_connections(listener)
         listener.bind((host, port))
         listener.listen(128)
     except (OSError, UnicodeError, TypeError) as error:

@@ -1,8 +1,9 @@
 """The wall clock, as the store writes it."""
 
 import time
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
+BEGINNING = datetime(1970, 1, 1, tzinfo=UTC)
 TOLERANCE = 60_000_000_000
 """Clocks differ, and are set, by less than this [ns] without anybody's notice."""
 
@@ -14,12 +15,11 @@ def now() -> int:
 
 def to_datetime(nanoseconds: int) -> datetime:
     """An aware UTC datetime, to the microsecond."""
-    seconds, rest = divmod(nanoseconds, 1_000_000_000)
-    return datetime.fromtimestamp(seconds, UTC).replace(microsecond=rest // 1000)
+    return BEGINNING + timedelta(microseconds=nanoseconds // 1000)
 
 
 def from_datetime(moment: datetime) -> int:
     """Nanoseconds since 1970 of an aware datetime; a naive one counts as UTC."""
     aware = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-    since = aware - datetime(1970, 1, 1, tzinfo=UTC)
+    since = aware - BEGINNING
     return (since.days * 86_400 + since.seconds) * 1_000_000_000 + since.microseconds * 1000

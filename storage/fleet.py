@@ -7,7 +7,6 @@ from typing import Any
 from sqlalchemy import ColumnElement, ScalarSelect, func, select
 from sqlalchemy.orm import Session
 
-from storage.paging import Keys, ordered
 from storage.tables import (
     AlertEventRow,
     AlertRow,
@@ -42,8 +41,8 @@ class IdentificationGlance:
 
 
 @dataclass(frozen=True)
-class MachineGlance:
-    """One machine. minimum_rpm, maximum_rpm: its speed range. collector: where run collection stands, None before samples."""
+class ListedMachine:
+    """One machine in a list. minimum_rpm, maximum_rpm: its speed range."""
 
     id: str
     plant: str
@@ -52,6 +51,13 @@ class MachineGlance:
     created_at: int
     minimum_rpm: float
     maximum_rpm: float
+
+
+@dataclass(frozen=True)
+class MachineGlance:
+    """What is happening to one machine. collector: where run collection stands, None before samples."""
+
+    machine: ListedMachine
     collector: dict[str, Any] | None
     last_run: RunGlance | None
     last_identification: IdentificationGlance | None
@@ -60,17 +66,6 @@ class MachineGlance:
     unacknowledged: int
     since: dict[str, int]
     """What happened since the time asked for: counts by kind."""
-
-
-@dataclass(frozen=True)
-class ListedMachine:
-    """One machine in a list."""
-
-    id: str
-    plant: str
-    name: str
-    revision: int
-    created_at: int
 
 
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
@@ -83,68 +78,56 @@ def stamp(session: Session) -> tuple[int | None, ...]:
 
 
 def every(session: Session) -> list[ListedMachine]:
-    """All machines by id. Their documents are not read, but for the name."""
+    """All machines by id. Their documents are not read, but for what is listed."""
+    limits = RevisionRow.document["speed_range"]
     query = select(
-        MachineRow.id, MachineRow.plant, _document()["name"].as_string(), MachineRow.revision, MachineRow.created_at
+        MachineRow.id,
+        MachineRow.plant,
+        RevisionRow.document["name"].as_string(),
+        MachineRow.revision,
+        MachineRow.created_at,
+        limits["minimum_rpm"].as_float(),
+        limits["maximum_rpm"].as_float(),
     )
     query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id)
     return [ListedMachine(*row) for row in session.execute(query)]
 
 
-def glances(session: Session, *, since: int, limit: int, after: Keys | None = None) -> list[MachineGlance]:
-    """Machines by id with what happened since a time [ns]; after: the one before the first."""
-    limits = _document()["speed_range"]
-    query = (
-        select(
-            MachineRow.id,
-            MachineRow.plant,
-            _document()["name"].as_string(),
-            MachineRow.revision,
-            MachineRow.created_at,
-            limits["minimum_rpm"].as_float(),
-            limits["maximum_rpm"].as_float(),
-            CollectorRow.state,
-            _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
-            _newest(IdentificationRow.id, IdentificationRow.machine_id, IdentificationRow.measured_at),
-        )
-        .join(RevisionRow, _in_force())
-        .outerjoin(CollectorRow, CollectorRow.machine_id == MachineRow.id)
-    )
-    rows = session.execute(ordered(query, (MachineRow.id,), after, descending=False).limit(limit)).all()
+def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[MachineGlance]:
+    """What is happening to machines, and how much happened since a time [ns]."""
+    query = select(
+        MachineRow.id,
+        CollectorRow.state,
+        _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
+        _newest(IdentificationRow.id, IdentificationRow.machine_id, IdentificationRow.measured_at),
+    ).outerjoin(CollectorRow, CollectorRow.machine_id == MachineRow.id)
+    rows = {row[0]: row for row in session.execute(query.where(MachineRow.id.in_([one.id for one in machines])))}
     run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
-    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[8] for row in rows])}
+    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[2] for row in rows.values()])}
     identification = (
         IdentificationRow.id,
         IdentificationRow.measured_at,
         IdentificationRow.accepted,
         IdentificationRow.verdict,
     )
-    identifications = {one[0]: IdentificationGlance(*one) for one in _some(session, identification, [row[9] for row in rows])}
+    found = _some(session, identification, [row[3] for row in rows.values()])
+    identifications = {one[0]: IdentificationGlance(*one) for one in found}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
     happened = _happened(session, since)
     return [
         MachineGlance(
-            id=row[0],
-            plant=row[1],
-            name=row[2],
-            revision=row[3],
-            created_at=row[4],
-            minimum_rpm=row[5],
-            maximum_rpm=row[6],
-            collector=row[7],
-            last_run=runs.get(row[8]),
-            last_identification=identifications.get(row[9]),
-            open_alerts=severities.get(row[0], {}),
-            unacknowledged=waiting.get(row[0], 0),
-            since={kind: counts.get(row[0], 0) for kind, counts in happened.items()},
+            machine=one,
+            collector=rows[one.id][1],
+            last_run=runs.get(rows[one.id][2]),
+            last_identification=identifications.get(rows[one.id][3]),
+            open_alerts=severities.get(one.id, {}),
+            unacknowledged=waiting.get(one.id, 0),
+            since={kind: counts.get(one.id, 0) for kind, counts in happened.items()},
         )
-        for row in rows
+        for one in machines
+        if one.id in rows
     ]
-
-
-def _document() -> Any:
-    return RevisionRow.document
 
 
 def _in_force() -> ColumnElement[bool]:

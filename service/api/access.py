@@ -1,14 +1,18 @@
 """What the endpoints are given: the database, and reading or writing sessions of it."""
 
-from collections.abc import Iterator
+from collections.abc import AsyncIterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, cast
 
+from anyio import CancelScope
 from fastapi import Depends, Path, Query, Request
+from fastapi.concurrency import run_in_threadpool
 from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
+from service.api.times import Time
 from storage.clock import from_datetime
 from storage.database import Database
 
@@ -21,9 +25,13 @@ def database(request: Request) -> Database:
     return cast(Database, request.app.state.database)
 
 
-def _reading(request: Request) -> Iterator[Session]:
-    with database(request).reading() as session:
-        yield session
+async def _reading(request: Request) -> AsyncIterator[Session]:
+    # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
+    with ExitStack() as opened:
+        yield opened.enter_context(database(request).reading())
+        closing = opened.pop_all()
+        with CancelScope(shield=True):
+            await run_in_threadpool(closing.close)
 
 
 def moment(value: datetime | None) -> int | None:
@@ -39,8 +47,8 @@ def instant(value: datetime) -> int:
 Reading = Annotated[Session, Depends(_reading)]
 MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the machine")]
 Number = Annotated[int, Path(ge=0, le=2**62)]
-From = Annotated[datetime | None, Query(alias="from", description="RFC 3339; without a zone it counts as UTC")]
-To = Annotated[datetime | None, Query(alias="to", description="RFC 3339; without a zone it counts as UTC")]
+From = Annotated[Time | None, Query(alias="from", description="RFC 3339; without a zone it counts as UTC")]
+To = Annotated[Time | None, Query(alias="to", description="RFC 3339; without a zone it counts as UTC")]
 
 
 @dataclass(frozen=True)
@@ -51,7 +59,7 @@ class TimeRange:
     last: int | None
 
 
-def _period(first: From = None, last: To = None) -> TimeRange:
+async def _period(first: From = None, last: To = None) -> TimeRange:
     begin, end = moment(first), moment(last)
     if begin is not None and end is not None and begin > end:
         message = "from lies behind to: exchange them"

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
+from service.api.times import Time
+
 Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
 
@@ -16,7 +18,7 @@ def _aware(moment: datetime) -> datetime:
     return moment
 
 
-Moment = Annotated[datetime, AfterValidator(_aware)]
+Moment = Annotated[Time, AfterValidator(_aware)]
 
 
 class AlertOut(BaseModel):

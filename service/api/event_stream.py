@@ -28,6 +28,15 @@ RETRY_S = 1.0
 KEEP_ALIVE_S = 15.0
 """A comment as often as this tells proxies and clients that the stream lives."""
 QUEUE_SIZE = 256
+EVENT_SCHEMA = {
+    "type": "object",
+    "description": "each event",
+    "properties": {
+        "id": {"type": "string", "description": "for Last-Event-ID"},
+        "event": {"const": "alert"},
+        "data": {"type": "string", "description": "an AlertEvent", "contentMediaType": "application/json"},
+    },
+}
 PAGE = 500
 """Events read at once for a client that was away."""
 
@@ -133,7 +142,7 @@ async def stream(broadcaster: Broadcaster, after: int | None) -> AsyncIterator[s
     "/alert-events/stream",
     operation_id="stream_alert_events",
     response_class=StreamingResponse,
-    responses={200: {"content": {"text/event-stream": {"schema": {"type": "string"}}}}},
+    responses={200: {"content": {"text/event-stream": {"schema": EVENT_SCHEMA}}}},
 )
 async def stream_alert_events(
     request: Request,

@@ -7,6 +7,7 @@ a new key. Source: the IETF draft "The Idempotency-Key HTTP Header Field".
 
 import asyncio
 import hashlib
+import re
 from http import HTTPStatus
 
 from sqlalchemy.exc import IntegrityError
@@ -19,6 +20,7 @@ from storage.database import Database
 from storage.idempotency import Answer
 
 LONGEST_KEY = 255
+KEY_PATTERN = r"^[!-~]+$"
 KEPT_HEADERS = (b"content-type", b"location", b"etag")
 REPLAYED = "Idempotency-Replayed"
 
@@ -39,8 +41,8 @@ class Idempotency:
             await self._app(scope, receive, send)
             return
         name = key.decode("latin-1").strip()
-        if not 0 < len(name) <= LONGEST_KEY or not name.isprintable():
-            detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable characters, such as a UUID"
+        if not 0 < len(name) <= LONGEST_KEY or not re.fullmatch(KEY_PATTERN, name):
+            detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable ASCII characters without a space, such as a UUID"
             await problem_response(HTTPStatus.BAD_REQUEST, detail)(scope, receive, send)
             return
         body = await _whole(receive)

@@ -25,7 +25,7 @@ def list_machines(request: Request, session: Reading, paging: ByName) -> Respons
     """All machines, by id."""
     known: MachineList = request.app.state.machine_list
     rows = known.page(session, limit=paging.wanted, after=paging.after)
-    return paging.json(paging.page(rows, lambda one: (one["id"],)))
+    return paging.json([rendering.listed_machine(one) for one in paging.page(rows, lambda one: (one.id,))])
 
 
 @router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})

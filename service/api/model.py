@@ -39,7 +39,7 @@ HIGHEST_FREQUENCY = 2.0
 
 T = TypeVar("T")
 
-Rpm = Annotated[float | None, Query(gt=0, lt=1e6, allow_inf_nan=False)]
+Rpm = Annotated[float | None, Query(ge=0.1, lt=1e6, allow_inf_nan=False)]
 Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")]
 
 

@@ -11,6 +11,8 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
+from service.api.idempotency import KEY_PATTERN, LONGEST_KEY
+
 PROBLEM = "#/components/schemas/Problem"
 VALIDATION = ("HTTPValidationError", "ValidationError")
 """FastAPI's own shape of a 422, which this API does not use."""
@@ -24,7 +26,7 @@ IDEMPOTENCY_KEY = {
     "in": "header",
     "required": False,
     "description": "a new one for each request, such as a UUID: asked twice under the same key within a day, it is done once",
-    "schema": {"type": "string", "minLength": 1, "maxLength": 255, "pattern": r"^[!-~]+$"},
+    "schema": {"type": "string", "minLength": 1, "maxLength": LONGEST_KEY, "pattern": KEY_PATTERN},
 }
 
 
@@ -67,15 +69,19 @@ def _is_problem(content: dict[str, Any]) -> bool:
     return reference == PROBLEM or reference.endswith(VALIDATION)
 
 
-def text() -> str:
-    """The document as the committed file holds it."""
+def document() -> dict[str, Any]:
+    """The document as this release has it."""
     from service.api.application import application
     from storage.database import Database
 
-    app = application(Database("sqlite://"), dict)
-    document = app.openapi() | {}
-    document["info"] = document["info"] | {"version": "1"}  # of the API: a release of the service does not change it
-    return json.dumps(document, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
+    made = application(Database("sqlite://"), dict).openapi()
+    # The version is the API's: a release of the service does not change it.
+    return made | {"info": made["info"] | {"version": "1"}}
+
+
+def text() -> str:
+    """The same as the committed file holds it."""
+    return json.dumps(document(), indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
 if __name__ == "__main__":

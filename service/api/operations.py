@@ -1,7 +1,6 @@
 """How the service itself is doing: health, readiness, sources, quarantine."""
 
 from collections.abc import Callable
-from datetime import datetime
 from importlib.metadata import version
 from typing import Annotated
 
@@ -10,6 +9,7 @@ from fastapi import APIRouter, Query, Request, Response, status
 from service.api import rendering, schemas
 from service.api.access import Reading, database, moment
 from service.api.paging import ById, BySource
+from service.api.times import Time
 from service.wire import Reason
 from storage import jobs, quarantine, samples
 from storage.database import DatabaseUnusable
@@ -78,9 +78,7 @@ def read_quarantine(
 @router.delete("/quarantine", operation_id="purge_quarantine")
 def purge_quarantine(
     request: Request,
-    before: Annotated[
-        datetime | None, Query(description="only what was received before; RFC 3339, UTC without a zone")
-    ] = None,
+    before: Annotated[Time | None, Query(description="only what was received before; RFC 3339, UTC without a zone")] = None,
     reason: WhichReason = None,
 ) -> schemas.Purged:
     """Delete entries for good. What was counted stays counted."""

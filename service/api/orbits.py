@@ -70,7 +70,7 @@ class Orbits(BaseModel):
 def read_orbits(
     session: Reading,
     run_id: Number,
-    rpm: Annotated[float, Query(gt=0, lt=1e6, description="speed; the nearest sample with all it takes is used")],
+    rpm: Annotated[float, Query(ge=0.1, lt=1e6, description="speed; the nearest sample with all it takes is used")],
     slow_roll: SlowRollChoice = "none",
 ) -> Orbits:
     """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""

@@ -43,9 +43,9 @@ class Paging:
         self.response.headers["Link"] = f'<{following.path}?{following.query}>; rel="next"'
         return shown
 
-    def json(self, rows: Sequence[Mapping[str, Any]]) -> Response:
-        """An answer of many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
-        return Response(msgspec.json.encode(rows), media_type="application/json", headers=dict(self.response.headers))
+    def json(self, answer: Sequence[Mapping[str, Any]] | Mapping[str, Any]) -> Response:
+        """An answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
+        return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 
 
 def _written(kind: str, keys: Keys) -> str:
@@ -77,7 +77,7 @@ def _fits(keys: tuple[Any, ...], kind: str) -> bool:
 
 
 def _paging(kind: str, default: int) -> Any:
-    def paging(
+    async def paging(
         request: Request,
         response: Response,
         limit: Annotated[int, Query(ge=1, le=LARGEST_LIMIT)] = default,

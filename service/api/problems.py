@@ -1,5 +1,6 @@
 """Errors as problem details (RFC 9457): one shape for every error of the API."""
 
+import re
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
@@ -113,8 +114,11 @@ def add_handlers(app: FastAPI) -> None:
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(StarletteHTTPException)
-    async def http(_request: Request, error: StarletteHTTPException) -> JSONResponse:
-        return problem_response(error.status_code, str(error.detail), error.headers)
+    async def http(request: Request, error: StarletteHTTPException) -> JSONResponse:
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = ", ".join(_methods(app, request))
+        return problem_response(error.status_code, str(error.detail), headers)
 
     @app.exception_handler(DBAPIError)
     async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:
@@ -136,6 +140,16 @@ def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
             place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"
         found.append(item | {"loc": place[1:] if place[:1] == ("body",) and len(place) > 1 else place, "msg": message})
     return found
+
+
+def _methods(app: FastAPI, request: Request) -> list[str]:
+    """What a path can be asked for: each route knows only its own method (RFC 9110 §10.2.1)."""
+    found: set[str] = set()
+    for path, item in app.openapi()["paths"].items():
+        pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))
+        if re.fullmatch(pattern, request.url.path):
+            found |= {method.upper() for method in item}
+    return sorted(found) or ["GET"]
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {

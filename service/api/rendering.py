@@ -2,6 +2,7 @@
 
 import math
 from datetime import datetime
+from typing import Any
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.api import schemas
 from storage.blocks import Samples
 from storage.clock import to_datetime
+from storage.fleet import ListedMachine
 from storage.tables import (
     DerivedRow,
     EstimateRow,
@@ -34,6 +36,17 @@ def time_or_none(nanoseconds: int | None) -> datetime | None:
 
 def _rpm(speed: float | None) -> float | None:
     return None if speed is None else rad_per_s_to_rpm(speed)
+
+
+def listed_machine(one: ListedMachine) -> dict[str, Any]:
+    """Of `MachineSummary`, for lists that are encoded without a model."""
+    return {
+        "id": one.id,
+        "plant": one.plant,
+        "name": one.name,
+        "revision": one.revision,
+        "created_at": to_datetime(one.created_at),
+    }
 
 
 def revision(row: RevisionRow) -> schemas.MachineRevision:

@@ -18,6 +18,7 @@ from service import requesting
 from service.api.access import MachineId, Reading, database, moment
 from service.api.paging import ById
 from service.api.problems import RESPONSES, Unsuitable
+from service.api.times import Time
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
 from storage.clock import to_datetime
@@ -54,8 +55,8 @@ class SlowRollIn(BaseModel):
     )
     band_rpm: tuple[float, float] | None = Field(default=None, description="lowest and highest speed of the capture [r/min]")
     run: int | None = Field(default=None, ge=0, le=2**62)
-    first: datetime | None = Field(default=None, alias="from")
-    last: datetime | None = Field(default=None, alias="to")
+    first: Time | None = Field(default=None, alias="from")
+    last: Time | None = Field(default=None, alias="to")
     comment: str = Field(default="", max_length=2000)
 
     @model_validator(mode="after")

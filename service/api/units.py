@@ -58,7 +58,7 @@ def column(values: NDArray[Any]) -> Column:
     return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 
 
-def _units(
+async def _units(
     units: Annotated[
         str | None,
         Query(

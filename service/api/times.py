@@ -1,0 +1,21 @@
+"""Times as the API takes them: written as RFC 3339 has them; a mere number is no time, of whatever epoch it may be."""
+
+import re
+from datetime import datetime
+from typing import Annotated
+
+from pydantic import BeforeValidator
+
+_BEGINNING = re.compile(r"\d{4}-\d{2}-\d{2}[Tt ]\d{2}:\d{2}")
+
+
+def _written(value: object) -> object:
+    if isinstance(value, str) and not _BEGINNING.match(value):
+        raise ValueError("a time is written as in 2026-11-21T12:00:00Z")
+    if isinstance(value, int | float):
+        raise ValueError("a time is a text, as in 2026-11-21T12:00:00Z")
+    return value
+
+
+Time = Annotated[datetime, BeforeValidator(_written)]
+"""Without a zone it counts as UTC, unless its place says that it needs one."""
