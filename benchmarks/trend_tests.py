@@ -10,11 +10,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from estimator.baseline import Point
 from estimator.between_run_scatter import PRIOR_WEIGHT, expected_scatter
 from estimator.condensation import Floats
 from estimator.control_charts import cusum, ewma
 from estimator.deviation import Whitening, deviations
+from estimator.point import Point
 from estimator.rate_of_change import WINDOW
 from estimator.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, Reading, creep_limit, step_limit
 from service.alert_life import Severity

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.stats
 
-from estimator.baseline import Point
 from estimator.between_run_scatter import COMPONENTS, between_run_scatter
 from estimator.condensation import Complexes, Floats
 from estimator.parameters import is_direct
+from estimator.point import Point
 
 QUANTILE = 0.975
 

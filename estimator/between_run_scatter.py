@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.baseline import Point
 from estimator.condensation import Floats
 from estimator.parameters import is_direct
+from estimator.point import Point
 
 PRIOR_WEIGHT = 10.0
 """Degrees of freedom that the expected scatter counts for."""

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.baseline import PRIOR_SCATTER, Point
 from estimator.condensation import Floats
 from estimator.machine import Condition
 from estimator.parameters import is_direct
+from estimator.point import Point
 
+PRIOR_SCATTER = 0.02
+"""Run-to-run standard deviation of a logarithm beside the fits' errors."""
 PRIOR_EFFECT = 0.01
 """Standard deviation of what a usual change of one condition does to the logarithm of a parameter, before any run was seen."""
 USUAL_CHANGE = {"degC": 10.0, "K": 10.0, "%": 20.0}

@@ -17,10 +17,10 @@ from itertools import groupby
 import numpy as np
 import scipy.special
 
-from estimator.baseline import Point
 from estimator.between_run_scatter import COMPONENTS, between_run_scatter
 from estimator.condensation import Floats
 from estimator.parameters import is_direct
+from estimator.point import Point
 
 LARGEST_FREEDOM = 1e6
 """Degrees of freedom beyond which the scatter counts as known."""

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.baseline import Point
 from estimator.channel_effects import ChannelEffects
 from estimator.condensation import Floats
 from estimator.identification import Identification
+from estimator.point import Point
 
 
 @dataclass(frozen=True)

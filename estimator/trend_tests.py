@@ -16,9 +16,9 @@ import scipy.optimize
 import scipy.special
 
 from estimator import control_charts, slow_drift
-from estimator.baseline import Point
 from estimator.condensation import Floats
 from estimator.deviation import Whitening, comparable, element_distance, element_of
+from estimator.point import Point
 from estimator.slow_drift import Drift, TimeToLimit
 
 RUN_LENGTH = 520.0

@@ -1,17 +1,20 @@
 """What an identification is compared with: the baseline in force, and the runs between it and now."""
 
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.baseline import Point
 from estimator.covariates import Adjustment, adjustment
+from estimator.point import Point
 from estimator.trend_tests import Reading
 from storage import baselines, identifications, machines
 from storage.identifications import Like
 from storage.tables import BaselineRow, IdentificationRow
 
+ALIKE = 0.5
+"""Two runs are compared when the speeds that both cover are at least this part of those that either covers."""
 LONGEST_HISTORY = 520
 """Newest runs behind a baseline that trends are tested over: ten years of one a week."""
 WEEK = 7 * 86_400 * 1_000_000_000
@@ -41,7 +44,8 @@ class Compared:
         if number in {row.id for row in self.baseline}:
             return f"identification {number} is part of the baseline"
         if not self.after or self.after[-1].id != number:
-            return f"identification {number} does not count: not accepted, identified again, or dated in the future"
+            why = "not accepted, identified again, dated in the future, or of other speeds than the baseline"
+            return f"identification {number} does not count: {why}"
         return None
 
 
@@ -53,7 +57,7 @@ def compared(
     accepted: only such runs come after the baseline; otherwise the refused ones as well. longest: at most so many of them.
 
     Like is compared with like: under revisions of the document that describe the same machine, of the same kind of run, with
-    the same slow-roll vectors, behind the beginning of the baseline in force.
+    the same slow-roll vectors, over about the same speeds, behind the beginning of the baseline in force.
     """
     began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
     like = Like(
@@ -71,7 +75,19 @@ def compared(
     if began is None and first:
         # What was refused before the machine's first good run belongs to nothing.
         after = [row for row in after if row.measured_at >= first[0].measured_at]
+    after = [row for row in after if alike_speeds(row, first)]
     return Compared(stored, began, wanted, first, after[-longest:])
+
+
+def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
+    """Whether a run covers about the speeds of the baseline's: a sweep of a few speeds sees another part of the machine."""
+    if not baseline:
+        return True
+    lowest = statistics.median(one.speed_minimum for one in baseline)
+    highest = statistics.median(one.speed_maximum for one in baseline)
+    both = min(row.speed_maximum, highest) - max(row.speed_minimum, lowest)
+    either = max(row.speed_maximum, highest) - min(row.speed_minimum, lowest)
+    return either <= 0.0 or both >= ALIKE * either
 
 
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:

@@ -86,7 +86,8 @@ def _of_today(session: Session, stored: IdentificationRow) -> bool:
 def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Comparison | None:
     """The newest runs up to an identification, accepted or not, beside their baseline.
 
-    None while that is incomplete, nothing came after it, or an older release identified: that says nothing of the channels.
+    None while that is incomplete, where the run is part of it or covers other speeds, or where an older release identified:
+    that says nothing of the channels.
     """
     machine = machines.document(session, stored.machine_id, stored.revision)
     rows = compared(session, stored, baseline_runs=baseline_runs, accepted=False, longest=LOOKED_BACK)
@@ -99,7 +100,7 @@ def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: in
     # What was refused while the baseline was gathered is not the newest of anything.
     later = [row for row in rows.after if row.accepted or row.measured_at > complete]
     after = [(row, said) for row, said in _said(later, channels) if said.names == names]
-    if not after or any(said.names != names for _, said in baseline):
+    if not after or after[-1][0].id != stored.id or any(said.names != names for _, said in baseline):
         return None
     follows = adjustment(
         [said.point for _, said in baseline], [row.conditions or {} for row, _ in baseline], machine.conditions

@@ -9,10 +9,10 @@ import numpy as np
 from sqlalchemy import Select, Text, cast, func, select
 from sqlalchemy.orm import Session, undefer
 
-from estimator.baseline import Point
 from estimator.identification import Identification
 from estimator.observation import Observation, observation
 from estimator.parameters import is_direct
+from estimator.point import Point
 from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN

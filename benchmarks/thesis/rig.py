@@ -11,13 +11,13 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from estimator.baseline import Point
 from estimator.condensation import CondensedTrain, condense
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
 from estimator.parameters import is_direct
+from estimator.point import Point
 from estimator.response import response
 from estimator.sensitivity import sensitivity
 from estimator.simulation import noise

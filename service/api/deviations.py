@@ -7,9 +7,9 @@ from typing import Annotated, cast
 from fastapi import APIRouter, Query, Request
 from sqlalchemy.orm import Session
 
-from estimator.baseline import Point
 from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
 from estimator.parameters import is_direct
+from estimator.point import Point
 from estimator.slow_drift import Drift
 from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests
 from service.api import deviation_schemas as schemas

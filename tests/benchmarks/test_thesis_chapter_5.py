@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis.__main__ import main
+from benchmarks.thesis.chapter_5 import diagnosed, stiffnesses
 from benchmarks.thesis.rig import (
     BOTH_WAYS,
     DENSE,
@@ -15,13 +16,13 @@ from benchmarks.thesis.rig import (
     fitted,
     information_root,
     load,
-    logarithmic_point,
     regressed,
 )
 from benchmarks.thesis.rig_mode_shapes import nodes, plane_modes
 from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
-from estimator.misalignment import misalignment_evidence, watched
-from estimator.thesis.rig import shaft_factors
+from estimator.condensation import Floats
+from estimator.observation import observed
+from estimator.watch import Watch
 
 
 @pytest.fixture(scope="module")
@@ -65,18 +66,18 @@ def test_the_regression_is_exact_on_its_own_data_and_far_off_with_noise(rig: Rig
         assert np.median(np.abs(found / truth - 1.0)) > 1.0
 
 
-def test_a_run_up_finds_misalignment_and_nothing_else(rig: Rig) -> None:
-    coupling = rig.machine.couplings[0]
-    baseline = [logarithmic_point(fitted(rig, RUN_UP, seed=seed)) for seed in range(3)]
-    aligned, misaligned = (
-        misalignment_evidence(
-            rig.machine, coupling, baseline, logarithmic_point(fitted(rig, RUN_UP, seed=10, factors=factors))
-        )
-        for factors in (np.ones_like(rig.coefficients), shaft_factors(rig.machine, driver=1.0, driven=1.3))
-    )
-    assert not aligned.found
-    assert misaligned.found
-    assert len(misaligned.together.names) == len(watched(rig.machine, coupling))
+def test_run_ups_find_misalignment_and_nothing_else(rig: Rig) -> None:
+    runs = [fitted(rig, RUN_UP, seed=seed) for seed in range(3)]
+    watch = Watch.over(rig.machine, [observed(one, rig.machine.channels) for one in runs])
+
+    def said(factors: Floats) -> list[tuple[str, str]]:
+        after = [fitted(rig, RUN_UP, seed=seed, factors=factors) for seed in (10, 11)]
+        return [(one.kind, one.element) for one in diagnosed(rig, watch, after)]
+
+    assert said(np.ones_like(rig.coefficients)) == []
+    beside = [name.rsplit(".", 1)[0] for name in stiffnesses(rig)]
+    misaligned = np.array([1.2 if name.rsplit(".", 1)[0] in beside else 1.0 for name in rig.names])
+    assert said(misaligned) == [("misalignment", beside[0])]
 
 
 def test_one_experiment_prints_every_parameter(rig: Rig, capsys: pytest.CaptureFixture[str]) -> None:

@@ -248,7 +248,7 @@ def test_the_page_says_that_the_service_is_gone_and_comes_back_with_it(
     expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
     serving.send_signal(signal.SIGTERM)
     assert serving.wait(20) == 0
-    expect(seen.page.get_by_role("alert").filter(has_text="does not answer")).to_be_visible()
+    expect(seen.page.locator(".banner").filter(has_text="does not answer")).to_be_visible()
     expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
     seen.picture("service-gone")
     with service.running():

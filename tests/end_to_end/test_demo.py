@@ -50,7 +50,7 @@ def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None
             line.split()[0]: line for line in summary.splitlines() if line.startswith("  ") and line.split()[0] in demo.STORIES
         }
         assert lines["motor-pump"].endswith("misalignment of coupling.C1")
-        assert lines["thesis-chapter-3"].endswith("none")
+        assert lines["thesis-chapter-3"].endswith("unbalance of disc.D1")
         assert lines["turbine-compressor-generator"].endswith("none")
         for url in re.findall(r"^  (http\S+)$", summary, flags=re.MULTILINE):
             assert httpx.get(url).status_code == 200

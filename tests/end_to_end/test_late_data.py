@@ -68,13 +68,13 @@ def test_what_came_late_is_in_the_run_and_its_newest_identification_counts(tmp_p
         assert service.get(f"/machines/{MACHINE}/state")["state"] in ("slow roll", "stopped")
         (source,) = service.get("/sources")
         assert (source["received"], source["duplicates"], source["lost"]) == (180, 20, 60)
-        until(service.idle, within_s=60, what="the run is identified")
+        until(service.idle, within_s=150, what="the run is identified")
         for number in (6, 5, 7, 6):
             post(service, batches[number])
         (source,) = service.get("/sources")
         assert (source["received"], source["duplicates"], source["lost"]) == (240, 40, 0)
         until(lambda: service.get(f"/runs/{run['id']}")["reopened_at"], within_s=30, what="the run is reopened")
-        until(service.idle, within_s=60, what="it is identified again")
+        until(service.idle, within_s=150, what="it is identified again")
         again = service.get(f"/runs/{run['id']}")
         assert again["samples"] == run["samples"] + 60
         assert again["coverage"]["late_samples_left_out"] == 0

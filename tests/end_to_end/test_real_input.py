@@ -85,7 +85,7 @@ def test_ross_response_streamed_stored_identified(service: Service) -> None:
                 found = [one["id"] for one in service.get(f"/machines/{ROSS}/identifications") if one["accepted"]]
                 return found if len(found) == 3 else None
 
-            identifications = until(identified, within_s=60, what="three identifications")
+            identifications = until(identified, within_s=150, what="three identifications")
         for identification in identifications:
             errors = np.array(normalised_errors(service.get(f"/identifications/{identification}")["estimates"]))
             assert errors.size == 50
@@ -128,7 +128,7 @@ def test_measured_run_up_is_stored_as_one_run_equal_to_the_file(service: Service
             assert min(turn, 360 - turn) < 1e-9
         assert service.get("/quarantine")["counts"] == {}
         # One probe and a ringing rotor: whatever comes of the fit, it is an outcome, not a crash.
-        until(service.idle, within_s=60, what="its identification has ended")
+        until(service.idle, within_s=150, what="its identification has ended")
         quality = service.get(f"/runs/{runs[0]['id']}/quality")
         assert quality["judged"]
         assert any(words.startswith("sweep rate: V1 beats behind") for words in quality["findings"])

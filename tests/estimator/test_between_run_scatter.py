@@ -8,7 +8,6 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.baseline import Point
 from estimator.between_run_scatter import (
     DAMPING_SCATTER,
     EXCITATION_SCATTER,
@@ -18,6 +17,7 @@ from estimator.between_run_scatter import (
     expected_scatter,
     sizes,
 )
+from estimator.point import Point
 from tests.plant import few_examples
 
 NAMES = (

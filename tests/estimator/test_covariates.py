@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from estimator.baseline import Point
 from estimator.covariates import FEWEST_RUNS, Measured, adjustment
 from estimator.machine import Condition
+from estimator.point import Point
 
 Floats = NDArray[np.float64]
 NAMES = ("bearing.B1.kxx", "bearing.B1.kyy", "coupling.C1.kxx")

@@ -9,9 +9,9 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.baseline import Point
 from estimator.between_run_scatter import PRIOR_WEIGHT, expected_scatter, sizes
 from estimator.deviation import Deviations, chance_of_distance, deviations
+from estimator.point import Point
 from tests.plant import few_examples
 
 NAMES = (

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from estimator.baseline import Point
+from estimator.point import Point
 from estimator.rate_of_change import CHANCE, FEWEST, WINDOW, Rate, rates_of_change
 from estimator.trend_tests import Reading
 

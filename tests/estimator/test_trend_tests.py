@@ -7,9 +7,9 @@ import pytest
 import scipy.stats
 
 from estimator import control_charts
-from estimator.baseline import Point
 from estimator.between_run_scatter import PRIOR_WEIGHT, STIFFNESS_SCATTER
 from estimator.deviation import Whitening, deviations
+from estimator.point import Point
 from estimator.slow_drift import TimeToLimit
 from estimator.trend_tests import (
     CUSUM_REFERENCE,

@@ -91,7 +91,7 @@ class Changing:
         said = {"by": "anna", "comment": f"change {self.count}"}
         if action == "shelve":
             said["until"] = (datetime.now(UTC) + timedelta(seconds=self.rng.uniform(0.5, 5.0))).isoformat()
-        answer = client.post(f"/alerts/{number}/{action}", json=said)
+        answer = client.post(f"/alerts/{number}/{action}", json=said, headers={"if-match": "*"})
         assert answer.status_code in (200, 409), answer.text
         if action == "comments":
             self.confirmed.append(said["comment"])

@@ -26,5 +26,5 @@ def test_of_a_source_without_a_log_exactly_what_never_came_is_lost(tmp_path: Pat
 
 def test_alerts_are_told_though_the_service_is_killed(tmp_path: Path) -> None:
     told = telling.told_through_kills(tmp_path, seed=1, kills=2)
-    assert told.events > 50
+    assert told.events > 10
     assert told.heard > 10

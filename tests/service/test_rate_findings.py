@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.baseline import Point
+from estimator.point import Point
 from estimator.trend_tests import Reading
 from service.alert_life import Severity
 from service.limits import Limits

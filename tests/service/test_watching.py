@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from service import watching
 from service.watching import judge
-from storage import alerts
+from storage import alerts, diagnoses
 from storage.database import Database
 from storage.tables import AlertRow
 from tests.plant import KEY, SECOND, START, identification, store_identification
@@ -132,3 +132,44 @@ def test_an_unbalance_that_changes_is_no_misalignment(plant: Database) -> None:
         weeks.file(times=BASELINE)
         weeks.file({"disc.D1.unbalance": 5.0, "disc.D2.unbalance": 0.2}, times=4)
         assert {(row.rule, row.element) for row in weeks.alerts()} == {("unbalance", "disc.D1"), ("unbalance", "disc.D2")}
+
+
+def test_a_run_over_other_speeds_is_not_compared(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        for _ in range(3):
+            weeks.count += 1
+            slow = identification(STIFFER, speed_minimum=31.0, speed_maximum=60.0)
+            row = store_identification(session, slow, run_id=weeks.count, measured_at=START + weeks.count * WEEK)
+            judge(session, row, baseline_runs=BASELINE)
+            assert diagnoses.of_identification(session, row.id) is None
+        assert weeks.alerts() == []
+
+
+def test_a_diagnosis_is_kept_with_what_it_was_made_against(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        weeks.file(STIFFER, times=2)
+        kept = diagnoses.newest(session, KEY.machine)
+        assert kept is not None
+        assert (kept.identification_id, kept.baseline, kept.runs) == (BASELINE + 2, [1, 2, 3, 4, 5], 2)
+        (cause,) = kept.causes
+        assert (cause["kind"], cause["element"]) == ("misalignment", "coupling.C1")
+        assert cause["first_identification"] == BASELINE + 1
+        assert {"coupling.C1", "bearing.B2"} <= {one["parameter"].rsplit(".", 1)[0] for one in cause["moved"]}
+
+
+def test_data_that_no_fit_explains_are_called_that_and_forgotten_when_fits_are_good_again(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        for accepted in (False, False, True, True):
+            weeks.count += 1
+            outcome = identification(accepted=accepted, chi_square=125.0 if accepted else 900.0)
+            row = store_identification(session, outcome, run_id=weeks.count, measured_at=START + weeks.count * WEEK)
+            judge(session, row, baseline_runs=BASELINE)
+            if weeks.count == BASELINE + 2:
+                assert [(one.rule, one.state) for one in weeks.alerts()] == [("misfit", "unacknowledged")]
+        assert [(one.rule, one.state) for one in weeks.alerts()] == [("misfit", "returned")]
