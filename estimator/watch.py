@@ -1,7 +1,8 @@
 """What is to be said of a machine after its newest run: causes that its newest runs agree on, and those that have gone.
 
 A step shows in the newest runs at once, a creeping change only in the mean of several, in which the run-to-run variation
-averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides.
+averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides. A longer
+one adds to it only where what was found lasts through all of its runs: what stands for months must not hide what creeps.
 """
 
 from collections.abc import Callable, Sequence
@@ -41,12 +42,14 @@ class Watch:
             if length > len(after):
                 break
             found = self._diagnosis(after[-length:])
+            agreed = {}
             for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
                 needed = on_delay(cause.kind, cause.element)
                 if needed <= length and min(cause.agreement[-needed:]) > 0.0:
-                    causes.setdefault((cause.kind, cause.element), (cause, runners_up))
-            if causes:
+                    agreed[cause.kind, cause.element] = cause, runners_up
+            if not all(key in agreed and min(agreed[key][0].agreement) > 0.0 for key in causes):
                 break
+            causes = agreed | causes
         order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
         return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
 

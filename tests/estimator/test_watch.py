@@ -51,6 +51,14 @@ def test_a_creeping_change_shows_in_the_mean_of_several_runs() -> None:
     assert said(changed) == {MISALIGNED}
 
 
+def test_what_stands_for_long_does_not_hide_what_shows_in_the_mean_of_several_runs() -> None:
+    beside = dict.fromkeys(("coupling.C1", "bearing.B2", "bearing.B3"), 1.05)
+    runs = plant.after(plant.grown(beside, {0: 1.5}), count=6)[::-1]
+    unbalance = ("unbalance", "disc.core-1")
+    assert said(runs[-2:]) == {unbalance}
+    assert said(runs) == {unbalance, MISALIGNED}
+
+
 def test_a_lost_probe_is_called_lost_and_the_machine_is_watched_on_without_it() -> None:
     assert said(plant.after(plant.true_machine(), edit=plant.lost(1))) == {("sensor", "probe.B1R")}
     assert said(plant.after(plant.misaligned(0.2), edit=plant.lost(1))) == {("sensor", "probe.B1R"), MISALIGNED}
