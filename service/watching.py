@@ -135,15 +135,17 @@ def _statements(session: Session, found: Comparison, diagnosis: Diagnosis, store
 
 
 def _since(session: Session, found: Comparison, cause: Cause) -> tuple[int, int]:
-    """When the first run that shows a cause was measured [ns], and that run's identification."""
-    place = found.watch.began(cause, found.observations)
-    began, newest = found.after[place], found.after[-1]
-    known = alerts.open_alert(session, newest.machine_id, rule=rule_of(cause), element=cause.element)
-    if place > 0 or len(found.after) < LOOKED_BACK or known is None:
+    """When the first run that shows a cause was measured [ns], and that run's identification.
+
+    Never later than its open alert says: against a change that has grown, the runs with which it began look like healthy ones.
+    """
+    began = found.after[found.watch.began(cause, found.observations)]
+    known = alerts.open_alert(session, began.machine_id, rule=rule_of(cause), element=cause.element)
+    if known is None or known.evidence.get("kind") != cause.kind:
         return began.measured_at, began.id
-    # All that is looked at shows it: it began when its alert says.
     said = from_datetime(datetime.fromisoformat(known.evidence["since"]))
-    return min((said, int(known.evidence["first_identification"])), (began.measured_at, began.id))
+    first = int(known.evidence["first_identification"])
+    return min((began.measured_at, began.id), (said, first))
 
 
 def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: Limits) -> AlertRow | None:

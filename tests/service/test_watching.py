@@ -173,3 +173,16 @@ def test_data_that_no_fit_explains_are_called_that_and_forgotten_when_fits_are_g
             if weeks.count == BASELINE + 2:
                 assert [(one.rule, one.state) for one in weeks.alerts()] == [("misfit", "unacknowledged")]
         assert [(one.rule, one.state) for one in weeks.alerts()] == [("misfit", "returned")]
+
+
+def test_an_alert_began_when_it_was_first_seen_however_much_it_has_grown(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        weeks.file({name: 1.0 + 0.3 * (factor - 1.0) for name, factor in STIFFER.items()}, times=2)
+        (row,) = weeks.alerts()
+        assert row.evidence["first_identification"] == BASELINE + 1
+        weeks.file(STIFFER, times=3)
+        (row,) = weeks.alerts()
+        assert row.evidence["per_cent"] > 20.0
+        assert row.evidence["first_identification"] == BASELINE + 1
