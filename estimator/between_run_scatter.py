@@ -99,7 +99,8 @@ def _expected(name: str) -> float:
         return STIFFNESS_SCATTER
     if name.endswith(COMPONENTS):
         return EXCITATION_SCATTER
-    return DAMPING_SCATTER if name.rsplit(".", 1)[-1].startswith(("c", "m")) else STIFFNESS_SCATTER
+    term = name.partition("@")[0].rsplit(".", 1)[-1]
+    return DAMPING_SCATTER if term.startswith(("c", "m")) else STIFFNESS_SCATTER
 
 
 def _excitations(names: Sequence[str]) -> list[str]:
@@ -113,8 +114,8 @@ def _kind(stem: str) -> str:
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
     """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
-    element, term = name.rsplit(".", 1)
-    term, _, knot = term.partition("@")
+    coefficient, _, knot = name.partition("@")
+    element, term = coefficient.rsplit(".", 1)
     if term.startswith(("k_phi", "c_phi")):
         pair = (f"{term[:5]}x", f"{term[:5]}y")
     elif "_phi" in term:

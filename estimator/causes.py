@@ -73,16 +73,19 @@ class _Builder:
 
     def all(self) -> Iterator[Hypothesis]:
         for coupling in self.machine.couplings:
-            beside = [f"bearing.{bearing}" for bearing in neighbouring_bearings(self.machine, coupling)]
+            neighbours = [f"bearing.{bearing}" for bearing in neighbouring_bearings(self.machine, coupling)]
             own = f"coupling.{coupling.id}"
-            if beside:
+            beside = [element for element in neighbours if self._direct(element, "stiffness").any()]
+            if beside and self._direct(own, "stiffness").any():
                 yield self._misalignment(own, beside)
-            yield Hypothesis("coupling", own, self._variants([own]), self._none(), frozenset([own]))
-        for bearing in self.machine.bearings:
-            own = f"bearing.{bearing.id}"
-            yield Hypothesis("bearing", own, self._variants([own]), self._none(), frozenset([own]))
-        median = float(np.median([self._size(one.name) for one in self.unknowns.unbalances]))
-        for plane in self.unknowns.unbalances:
+            yield from self._alone("coupling", own)
+        for part in self.machine.bearings:
+            yield from self._alone("bearing", f"bearing.{part.id}")
+        for seal in self.machine.seals:
+            yield from self._alone("bearing", f"seal.{seal.id}")
+        planes = [one for one in self.unknowns.unbalances if f"{one.name}.real" in self.names]
+        median = float(np.median([self._size(one.name) for one in planes])) if planes else 0.0
+        for plane in planes:
             columns = self._pair(plane.name, UNBALANCE * max(median, self._size(plane.name)))
             yield Hypothesis("unbalance", plane.element, (columns,), self._none())
         yield from self._channels()
@@ -110,12 +113,16 @@ class _Builder:
         rising = np.stack([_mean(self._direct(element, "stiffness")) for element in elements])
         return Hypothesis("misalignment", own, variants, rising, frozenset(elements))
 
-    def _variants(self, elements: list[str]) -> tuple[Floats, ...]:
-        """Growth of elements as a whole; of stiffness and damping by themselves; of each coefficient."""
-        whole = [RISE * self._growth(element) for element in elements]
-        parts = [RISE * part for e in elements for w in ("stiffness", "damping") if (part := self._direct(e, w)).any()]
-        free = [column for element in elements for column in self._apart(element)]
-        return tuple(np.column_stack(columns) for columns in (whole, parts, [*parts, *free]))
+    def _alone(self, kind: Kind, element: str) -> Iterator[Hypothesis]:
+        """A change of one element, unless the document fixes all of its coefficients or ties them to another's."""
+        if next(self._of(element), None) is not None:
+            yield Hypothesis(kind, element, self._variants(element), self._none(), frozenset([element]))
+
+    def _variants(self, element: str) -> tuple[Floats, ...]:
+        """Growth of an element as a whole; of stiffness and damping by themselves; of each coefficient."""
+        whole = [RISE * self._growth(element)]
+        parts = [RISE * part for what in ("stiffness", "damping") if (part := self._direct(element, what)).any()]
+        return tuple(np.column_stack(columns) for columns in (whole, parts, [*parts, *self._apart(element)]) if columns)
 
     def _growth(self, element: str) -> Floats:
         """(N,) how all coefficients of an element change when they grow in proportion, as logarithms or in SI."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.condensation import Floats
+from estimator.deviation import element_of
 from estimator.diagnosis import Cause, Reference
 from estimator.parameters import is_direct
 
@@ -68,13 +69,10 @@ def misalignment_form(cause: Cause) -> str | None:
 def _of_coefficients(cause: Cause) -> ChangeSize:
     found: dict[str, float] = {}
     sizes = []
-    for element in dict.fromkeys(name.rsplit(".", 1)[0] for name in cause.names):
+    for element in dict.fromkeys(element_of(name) for name in cause.names):
         for what, first in (("stiffness", "k"), ("damping", "c")):
             which = _mean_of(
-                [
-                    name.rsplit(".", 1)[0] == element and is_direct(name.partition("@")[0]) and _term(name).startswith(first)
-                    for name in cause.names
-                ]
+                [element_of(name) == element and is_direct(name) and _term(name).startswith(first) for name in cause.names]
             )
             if not which.any():
                 continue

@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.diagnosis import Cause, Diagnosis
 from estimator.observation import Observation
-from estimator.verdict import accepted
+from estimator.verdict import LARGEST_OUTLIER_PART, accepted
 
 LOST = 0.1
 """A channel is lost when less than this part of the samples has a phasor of it …"""
@@ -15,6 +15,8 @@ PRESENT = 0.5
 """… and was there when more than this part had."""
 MANY_OUTLIERS = 0.02
 """Part of the phasors left out as outliers from which on they are worth a word."""
+REFUSED = 1.0
+"""Least evidence of a run that no fit explains, whose χ² need not be what it was refused for."""
 MOSTLY_LEFT_OUT = 0.3
 """A channel of which more than this part was left out does not count there: it is a cause by itself."""
 CHANNEL_KINDS = frozenset({"sensor", "run_out", "bow"})
@@ -50,7 +52,7 @@ def misfit(window: Sequence[Observation], explained: Diagnosis) -> tuple[Cause, 
     channels = explained_channels(explained)
     if any(fits(one, channels) for one in window):
         return ()
-    agreement = tuple(max(0.0, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window)
+    agreement = tuple(max(REFUSED, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window)
     return (_cause("misfit", "machine", agreement),)
 
 
@@ -66,15 +68,18 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
         return True
     others = {channel: count for channel, count in one.outliers.items() if channel not in channels}
     usable = sum(one.phasors.values()) + sum(one.outliers.values())
-    if sum(others.values()) > MOSTLY_LEFT_OUT * usable / 3.0:
+    if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
         return False
+    if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
+        return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
 
 
 def _explained(one: Observation, channels: frozenset[str]) -> float:
     """By how much χ² falls when these channels' gains and run-outs are fitted along."""
     left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
-    free = np.array([_channel(name) in channels - left_out for name in one.names])
+    known = np.diag(one.information) > 0.0  # of a channel without phasors nothing is
+    free = known & np.array([_channel(name) in channels - left_out for name in one.names])
     machine = np.array([_channel(name) is None for name in one.names])
     if not free.any():
         return 0.0

@@ -26,7 +26,11 @@ from estimator.rotor import assemble_rotor
 STRONG = 4.0
 """Evidence from which on something is said to have happened: a factor of 55, in runs that each speak for it."""
 BESIDE = 0.05
-"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact."""
+"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact …"""
+EXACT = frozenset({"unbalance"})
+"""… but for these, which enter the response linearly …"""
+BESIDE_EXACT = 6.0
+"""… and however large ask for this evidence at most: what stands for months must not hide a misalignment."""
 MOST_CAUSES = 4
 """More causes at once are not told apart."""
 LARGEST_STEPS = 10
@@ -149,18 +153,25 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     for _ in range(LARGEST_STEPS):
         within = deviation.given(chosen)
         left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
+        if not left or len(chosen) == MOST_CAUSES:
+            break
         best = max(left, key=within.evidence)
-        if len(chosen) == MOST_CAUSES or within.evidence(best) < least:
+        if within.evidence(best) < least:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
-        least = max(STRONG, BESIDE * max(deviation.evidence(one) for one in chosen))
+        least = max([STRONG, *(_asked_beside(one, deviation.evidence(one)) for one in chosen)])
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
             break
         chosen = needed
     return chosen
+
+
+def _asked_beside(one: Hypothesis, evidence: float) -> float:
+    """Evidence that a further cause needs beside one with so much."""
+    return min(BESIDE * evidence, BESIDE_EXACT if one.kind in EXACT else math.inf)
 
 
 def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:

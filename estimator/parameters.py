@@ -178,7 +178,7 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
 
 def is_direct(name: str) -> bool:
     """Whether a parameter's name, such as `bearing.B1.kxx@1500rpm`, is that of a direct term or a scale factor."""
-    return name.rsplit(".", 1)[-1].split("@", 1)[0] in DIRECT | SCALE_FACTORS
+    return name.partition("@")[0].rsplit(".", 1)[-1] in DIRECT | SCALE_FACTORS
 
 
 def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:

@@ -55,6 +55,8 @@ class Watch:
         if len(after) < off_delay:
             return False
         window = after[-off_delay:]
+        if any(self._shows_fault(one, kind, element) for one in window):
+            return False
         whole = self._diagnosis(window)
         if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
             return False
@@ -70,6 +72,11 @@ class Watch:
         spoken = [agreement(self.reference, cause, one) for one in after]
         sums = np.cumsum(spoken[::-1])[::-1]
         return int(np.argmax(sums))
+
+    def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
+        """Whether the data of a single run have this fault: one that comes and goes has not gone."""
+        faults = (*lost_channels(self.baseline, [one]), *many_outliers([one]))
+        return any((fault.kind, fault.element) == (kind, element) for fault in faults)
 
     def _window_lengths(self, on_delay: Delay) -> list[int]:
         delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}

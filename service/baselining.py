@@ -2,10 +2,10 @@
 
 from sqlalchemy.orm import Session
 
+from estimator.machine import Machine
 from service import alerting
-from service.statements import RULES
-from storage import alerts, baselines, identifications, timeline
-from storage.tables import BaselineRow, TimelineRow
+from storage import alerts, baselines, identifications, machines, timeline
+from storage.tables import BaselineRow, RevisionRow, TimelineRow
 
 MAINTENANCE = "maintenance"
 FEWEST_NAMED = 3
@@ -30,8 +30,22 @@ def begin(
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
     for alert in alerts.open_alerts(session, machine_id):
-        if alert.rule in RULES and alert.measured_at < since:
+        if alert.measured_at < since:
             alerting.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
+    return row
+
+
+def revise(session: Session, machine: Machine) -> RevisionRow:
+    """Put a document in force; where it describes the machine otherwise, clear the alerts that rested on the one before.
+
+    Raises MachineUnknown, PlantChanged.
+    """
+    before = machines.get(session, machine.id).revision
+    row = machines.revise(session, machine)
+    if before not in machines.comparable(session, machine.id, row.revision):
+        for alert in alerts.open_alerts(session, machine.id):
+            comment = f"a new baseline begins: revision {row.revision} describes the machine otherwise"
+            alerting.clear_alert(session, alert, comment=comment)
     return row
 
 

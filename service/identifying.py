@@ -20,7 +20,7 @@ from storage import derived, identifications, jobs, machines, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.identifications import Origin
-from storage.tables import JobRow
+from storage.tables import IdentificationRow, JobRow
 
 logger = logging.getLogger(__name__)
 
@@ -145,8 +145,18 @@ class Identifying:
                 logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
-            watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
+            self._judge(session, stored)
         logger.info("%s: identification %d %s", row.machine_id, stored.id, result.verdict)
+
+    def _judge(self, session: Session, stored: IdentificationRow) -> None:
+        """Draw the conclusions, all or none of them. A result is kept, and the next job taken, also where that fails."""
+        try:
+            with session.begin_nested():
+                watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
+        except DBAPIError:
+            raise  # of the database, which is tried again as a whole
+        except Exception:
+            logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
 
     def _put_back(self, job_id: int, error: str) -> None:
         with self._database.transaction() as session:

@@ -14,6 +14,8 @@ from service.alert_life import Severity
 
 RuleName = Literal["misalignment", "bearing", "coupling", "unbalance", "run_out", "sensor", "rate_of_change"]
 RULES: tuple[RuleName, ...] = get_args(RuleName)
+LONGEST_DELAY = 20
+"""Identifications in a row that a rule may wait for."""
 SIZES = ("per_cent", "force", "rate_per_cent_per_week")
 """Quantities of a level that are alternatives; `sigma` is needed beside them."""
 QUANTITIES: Mapping[str, tuple[str, ...]] = {
@@ -101,8 +103,10 @@ class Rule(BaseModel):
 
     alert: Level = Field(description="needed in a rule of a single element; else by default as in the defaults")
     danger: Level | None = Field(default=None, description="null: it never becomes a danger")
-    on_delay: int = Field(default=2, ge=1, le=20, description="identifications in a row that must show it")
-    off_delay: int = Field(default=2, ge=1, le=20, description="identifications in a row that must no longer show it")
+    on_delay: int = Field(default=2, ge=1, le=LONGEST_DELAY, description="identifications in a row that must show it")
+    off_delay: int = Field(
+        default=2, ge=1, le=LONGEST_DELAY, description="identifications in a row that must no longer show it"
+    )
     hysteresis: float = Field(
         default=0.2, ge=0, le=0.9, description="part of a limit by which a value must fall below it before the level is left"
     )

@@ -80,7 +80,7 @@ def _element(one: Statement) -> str:
     parts = [
         f"{name.rsplit('.', 1)[1].removesuffix('_per_cent')} {value:+.0f} %" for name, value in one.size.quantities.items()
     ]
-    return f"{one.cause.kind.capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
+    return f"{one.cause.element.split('.')[0].capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
 
 
 def _unbalance(one: Statement) -> str:

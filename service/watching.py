@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import datetime
 
 from sqlalchemy.orm import Session
 
@@ -20,7 +21,7 @@ from service.limits import Limits, severity_of
 from service.setting_limits import limits_in_force
 from service.statements import RULES, Statement, rule_of
 from storage import alerts, baselines, derived, diagnoses, identifications, jobs, machines
-from storage.clock import now
+from storage.clock import from_datetime, now
 from storage.tables import AlertRow, IdentificationRow
 
 LOOKED_BACK = 60
@@ -52,7 +53,8 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
     today = _of_today(session, stored)
     limits = limits_in_force(session, stored.machine_id)
     if stored.accepted and today:
-        watching_rates.judge(session, compared(session, stored, baseline_runs=baseline_runs), limits)
+        rows = compared(session, stored, baseline_runs=baseline_runs, longest=watching_rates.LOOKED_BACK)
+        watching_rates.judge(session, rows, limits)
     found = comparison(session, stored, baseline_runs=baseline_runs)
     if found is None:
         return
@@ -94,7 +96,10 @@ def comparison(session: Session, stored: IdentificationRow, *, baseline_runs: in
     if not len(baseline) == rows.wanted > 0:
         return None
     names = baseline[0][1].names
-    after = [(row, said) for row, said in _said(rows.after, channels) if said.names == names]
+    complete = rows.baseline[-1].measured_at
+    # What was refused while the baseline was gathered is not the newest of anything.
+    later = [row for row in rows.after if row.accepted or row.measured_at > complete]
+    after = [(row, said) for row, said in _said(later, channels) if said.names == names]
     if not after or after[-1][0].id != stored.id or any(said.names != names for _, said in baseline):
         return None
     follows = adjustment(
@@ -121,12 +126,24 @@ def _statements(session: Session, found: Comparison, diagnosis: Diagnosis, store
     statements = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
         size = change_size(cause, found.watch.reference, amplitude=amplitude)
-        began = found.after[found.watch.began(cause, found.observations)]
+        since, first = _since(session, found, cause)
         force = None
         if cause.kind == "misalignment":
             force = derived.value(session, stored.id, f"{cause.element}.misalignment_force")
-        statements.append(Statement(cause, runners_up, size, began.measured_at, began.id, force))
+        statements.append(Statement(cause, runners_up, size, since, first, force))
     return statements
+
+
+def _since(session: Session, found: Comparison, cause: Cause) -> tuple[int, int]:
+    """When the first run that shows a cause was measured [ns], and that run's identification."""
+    place = found.watch.began(cause, found.observations)
+    began, newest = found.after[place], found.after[-1]
+    known = alerts.open_alert(session, newest.machine_id, rule=rule_of(cause), element=cause.element)
+    if place > 0 or len(found.after) < LOOKED_BACK or known is None:
+        return began.measured_at, began.id
+    # All that is looked at shows it: it began when its alert says.
+    said = from_datetime(datetime.fromisoformat(known.evidence["since"]))
+    return min((said, int(known.evidence["first_identification"])), (began.measured_at, began.id))
 
 
 def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: Limits) -> AlertRow | None:

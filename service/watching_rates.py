@@ -4,15 +4,19 @@ from collections.abc import Mapping, Sequence
 
 from sqlalchemy.orm import Session
 
+from estimator.rate_of_change import WINDOW
 from estimator.trend_tests import Reading
 from service import alerting
 from service.alert_life import Severity
 from service.alerting import Finding
 from service.comparing import Compared, readings
-from service.limits import Limits
+from service.limits import LONGEST_DELAY, Limits
 from service.rate_of_change import RATE_OF_CHANGE, RateFinding, rate_findings
 from storage import alerts
 from storage.tables import IdentificationRow
+
+LOOKED_BACK = WINDOW + LONGEST_DELAY
+"""Newest runs that a rate and its delays look at."""
 
 
 def judge(session: Session, rows: Compared, limits: Limits) -> None:

@@ -11,6 +11,9 @@ from storage.blocks import Samples, decode, encode, join
 from storage.paging import Keys, ordered
 from storage.tables import SampleBlockRow, SourceRow
 
+EVER = -(2**63), 2**63 - 1
+"""Before and behind all times that a store can count [ns]."""
+
 
 @dataclass(frozen=True)
 class SourceKey:
@@ -108,21 +111,40 @@ def at(session: Session, machine_id: str, *, revision: int, channels: int = 0, t
     return _by_time(parts, channels)
 
 
-def latest(session: Session, machine_id: str, *, revision: int, channels: int = 0, count: int) -> Samples:
-    """The newest samples of one revision, by time; `channels` shapes the answer where there are none."""
+def latest(
+    session: Session,
+    machine_id: str,
+    *,
+    revision: int,
+    channels: int = 0,
+    count: int,
+    first: int | None = None,
+    last: int | None = None,
+) -> Samples:
+    """The newest samples of one revision, by time; `channels` shapes the answer where there are none.
+
+    first, last: only samples with first <= time <= last [ns]; None: without an end there.
+    """
     query = (
         select(SampleBlockRow.data, SampleBlockRow.time_last)
         .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
         .order_by(SampleBlockRow.time_last.desc(), SampleBlockRow.id.desc())
-        .limit(count)
+        .execution_options(yield_per=50)
     )
+    if first is not None:
+        query = query.where(SampleBlockRow.time_last >= first)
+    if last is not None:
+        query = query.where(SampleBlockRow.time_first <= last)
     newest = _by_time([], channels)
-    for data, time_last in session.execute(query):
-        # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
-        if len(newest) == count and time_last < newest.time[0]:
-            break
-        parts = [newest, decode(data)] if len(newest) else [decode(data)]
-        newest = _by_time(parts, channels).pick(slice(-count, None))
+    with session.execute(query) as blocks:
+        for data, time_last in blocks:
+            # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
+            if len(newest) == count and time_last < newest.time[0]:
+                break
+            block = decode(data).between(EVER[0] if first is None else first, EVER[1] if last is None else last)
+            if len(block):
+                parts = [newest, block] if len(newest) else [block]
+                newest = _by_time(parts, channels).pick(slice(-count, None))
     return newest
 
 

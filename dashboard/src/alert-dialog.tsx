@@ -22,6 +22,9 @@ async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>):
   if (deed !== "comments" && now.state !== alert.state) {
     throw new Failure(409, `It is ${now.state.replaceAll("_", " ")} meanwhile: somebody else was here. Look again.`);
   }
+  if (deed !== "comments" && now.severity !== alert.severity) {
+    throw new Failure(409, `It is of severity ${now.severity} meanwhile, no longer ${alert.severity}. Look again.`);
+  }
   await post(`/alerts/${alert.id}/${deed}`, said, etag);
 }
 

@@ -4,7 +4,12 @@ import { useEffect, useRef } from "preact/hooks";
 
 export function Dialog({ title, onClose, children }: { title: string; onClose: () => void; children: ComponentChildren }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  useEffect(() => dialog.current?.showModal(), []);
+  useEffect(() => {
+    const before = document.activeElement as HTMLElement | null;
+    dialog.current?.showModal();
+    // Who works with keys goes on where the window was opened, however it was closed.
+    return () => before?.focus();
+  }, []);
   return (
     <dialog ref={dialog} onClose={onClose} aria-label={title}>
       <h2>{title}</h2>

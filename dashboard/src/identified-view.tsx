@@ -146,13 +146,15 @@ function Element({ machine, element, estimates }: { machine: string; element: st
       <h3>
         <a href={link(["machines", machine, "trends"], { element })}>{elementName(element)}</a>
       </h3>
-      <table>
-        <tbody>
-          {estimates.map((one) => (
-            <Row key={one.parameter} one={one} />
-          ))}
-        </tbody>
-      </table>
+      <div class="scroll">
+        <table>
+          <tbody>
+            {estimates.map((one) => (
+              <Row key={one.parameter} one={one} />
+            ))}
+          </tbody>
+        </table>
+      </div>
     </section>
   );
 }

@@ -88,32 +88,34 @@ function Criticals({ machine, path }: { machine: Document; path: string }) {
           found.critical_speeds.length === 0 ? (
             <Empty>None up to {rpm(found.highest)}.</Empty>
           ) : (
-            <table>
-              <thead>
-                <tr>
-                  <th class="number">Speed</th>
-                  <th class="number">Interval</th>
-                  <th class="number">Damping ratio</th>
-                  <th class="number">Log. decrement</th>
-                  <th>Whirl</th>
-                  <th>Lies</th>
-                </tr>
-              </thead>
-              <tbody>
-                {found.critical_speeds.map((one) => (
-                  <tr key={one.speed}>
-                    <td class="number">{rpm(one.speed)}</td>
-                    <td class="number muted">
-                      {one.lower === null ? "–" : Math.round(one.lower)} … {one.upper === null ? "–" : Math.round(one.upper)}
-                    </td>
-                    <td class="number">{number(100 * one.damping_ratio)} %</td>
-                    <td class="number">{number(one.log_decrement)}</td>
-                    <td>{Math.abs(one.whirl) < 0.2 ? "straight" : one.whirl > 0 ? "forward" : "backward"}</td>
-                    <td>{one.speed < low ? "below the range" : one.speed > high ? "above the range" : "in the range"}</td>
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th class="number">Speed</th>
+                    <th class="number">Interval</th>
+                    <th class="number">Damping ratio</th>
+                    <th class="number">Log. decrement</th>
+                    <th>Whirl</th>
+                    <th>Lies</th>
                   </tr>
-                ))}
-              </tbody>
-            </table>
+                </thead>
+                <tbody>
+                  {found.critical_speeds.map((one) => (
+                    <tr key={one.speed}>
+                      <td class="number">{rpm(one.speed)}</td>
+                      <td class="number muted">
+                        {one.lower === null ? "–" : Math.round(one.lower)} … {one.upper === null ? "–" : Math.round(one.upper)}
+                      </td>
+                      <td class="number">{number(100 * one.damping_ratio)} %</td>
+                      <td class="number">{number(one.log_decrement)}</td>
+                      <td>{Math.abs(one.whirl) < 0.2 ? "straight" : one.whirl > 0 ? "forward" : "backward"}</td>
+                      <td>{one.speed < low ? "below the range" : one.speed > high ? "above the range" : "in the range"}</td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </div>
           )
         }
       </Shown>
@@ -176,42 +178,46 @@ function BalancingPanel({ path }: { path: string }) {
       <Shown answer={answer} lines={8}>
         {(found) => (
           <div class="columns">
-            <table>
-              <thead>
-                <tr>
-                  <th>Plane</th>
-                  <th class="number">To add</th>
-                  <th class="number">At, from the mark</th>
-                </tr>
-              </thead>
-              <tbody>
-                {found.corrections.map((one) => (
-                  <tr key={one.plane}>
-                    <td>{one.plane}</td>
-                    <td class="number">{number(one.unbalance_g_mm)} g·mm</td>
-                    <td class="number">{Math.round(one.angle_deg)}°</td>
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th>Plane</th>
+                    <th class="number">To add</th>
+                    <th class="number">At, from the mark</th>
                   </tr>
-                ))}
-              </tbody>
-            </table>
-            <table>
-              <thead>
-                <tr>
-                  <th>Channel</th>
-                  <th class="number">Largest now</th>
-                  <th class="number">Largest then, 95 %</th>
-                </tr>
-              </thead>
-              <tbody>
-                {found.before.map((one, at) => (
-                  <tr key={one.channel}>
-                    <td>{one.channel}</td>
-                    <td class="number">{number(largest(one.amplitude))} µm pp</td>
-                    <td class="number">below {number(largest(found.after[at]?.upper ?? []))} µm pp</td>
+                </thead>
+                <tbody>
+                  {found.corrections.map((one) => (
+                    <tr key={one.plane}>
+                      <td>{one.plane}</td>
+                      <td class="number">{number(one.unbalance_g_mm)} g·mm</td>
+                      <td class="number">{Math.round(one.angle_deg)}°</td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </div>
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th>Channel</th>
+                    <th class="number">Largest now</th>
+                    <th class="number">Largest then, 95 %</th>
                   </tr>
-                ))}
-              </tbody>
-            </table>
+                </thead>
+                <tbody>
+                  {found.before.map((one, at) => (
+                    <tr key={one.channel}>
+                      <td>{one.channel}</td>
+                      <td class="number">{number(largest(one.amplitude))} µm pp</td>
+                      <td class="number">below {number(largest(found.after[at]?.upper ?? []))} µm pp</td>
+                    </tr>
+                  ))}
+                </tbody>
+              </table>
+            </div>
           </div>
         )}
       </Shown>

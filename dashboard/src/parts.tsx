@@ -42,7 +42,8 @@ export function Trouble({ failure }: { failure: Failure }) {
 export function Shown<T>(props: { answer: Answer<T>; lines?: number; children: (data: T) => ComponentChildren }) {
   const { data, failure } = props.answer;
   if (data !== undefined) return <>{props.children(data)}</>;
-  if (failure) return <Trouble failure={failure} />;
+  // That nobody answers is said once, above everything; it is asked again as soon as somebody does.
+  if (failure && failure.status > 0) return <Trouble failure={failure} />;
   return <div class="waiting" aria-busy="true" aria-label="loading" style={{ minHeight: `${(props.lines ?? 3) * 1.6}em` }} />;
 }
 

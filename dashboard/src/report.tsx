@@ -1,4 +1,5 @@
 // A report of one machine and period, to be printed or kept as a file: what happened, how the parameters went, what is open.
+import { useLayoutEffect } from "preact/hooks";
 import type { Alert, Document, Drawing, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
 import { query } from "./api";
 import { stateInWords } from "./alert-words";
@@ -9,6 +10,7 @@ import { Empty, Panel, Severity, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
+import { onPaper } from "./theme";
 import { Train } from "./train";
 import { elementsOf, useNewest } from "./newest";
 import { Histories } from "./trends-view";
@@ -22,6 +24,10 @@ function day(at: Date): string {
 }
 
 export function Report({ id }: { id: string }) {
+  useLayoutEffect(() => {
+    onPaper(true);
+    return () => onPaper(false);
+  }, []);
   const answer = useResource<MachineRevision>(`/machines/${id}`);
   return (
     <Shown answer={answer} lines={20}>
@@ -154,35 +160,37 @@ function counted(count: number | undefined, what: string): string {
 function AlertTable({ alerts }: { alerts: Alert[] }) {
   if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
   return (
-    <table>
-      <thead>
-        <tr>
-          <th>Severity</th>
-          <th>Element</th>
-          <th>State</th>
-          <th>Opened</th>
-          <th>Closed</th>
-          <th>What it says</th>
-        </tr>
-      </thead>
-      <tbody>
-        {alerts.map((one) => (
-          <tr key={one.id}>
-            <td>
-              <Severity severity={one.severity} />
-            </td>
-            <td>{elementName(one.element)}</td>
-            <td>{stateInWords(one.state)}</td>
-            <td>
-              <Time at={one.opened_at} />
-            </td>
-            <td>
-              <Time at={one.closed_at} />
-            </td>
-            <td>{one.message}</td>
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Severity</th>
+            <th>Element</th>
+            <th>State</th>
+            <th>Opened</th>
+            <th>Closed</th>
+            <th>What it says</th>
           </tr>
-        ))}
-      </tbody>
-    </table>
+        </thead>
+        <tbody>
+          {alerts.map((one) => (
+            <tr key={one.id}>
+              <td>
+                <Severity severity={one.severity} />
+              </td>
+              <td>{elementName(one.element)}</td>
+              <td>{stateInWords(one.state)}</td>
+              <td>
+                <Time at={one.opened_at} />
+              </td>
+              <td>
+                <Time at={one.closed_at} />
+              </td>
+              <td>{one.message}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }

@@ -1,6 +1,7 @@
 // Choosing a run, one beside it, and channels, for the Bode and polar plots.
 import { useEffect } from "preact/hooks";
 import type { Bode, Document, IdentificationSummary, Phasors } from "./answers";
+import { query } from "./api";
 import { Response } from "./bode";
 import { Empty, Panel, Trouble } from "./parts";
 import { useResource } from "./resource";
@@ -16,16 +17,16 @@ const LIVE_MS = 1500;
 const FITTED_POINTS = 600;
 
 export function ResponseView({ machine }: { machine: Document }) {
-  const { query } = useStore(place);
+  const asked = useStore(place).query;
   const runs = useRuns(machine.id);
   const { run, reference } = runs;
-  const identifications = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications?limit=500`);
+  const identifications = useResource<IdentificationSummary[]>(run?.ended_at ? measuredIn(machine.id, run.started_at, run.ended_at) : null);
   const identified = identifications.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
   const measured = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, run?.state === "open" ? LIVE_MS : 0);
   const other = useResource<Phasors>(reference ? `/runs/${reference.id}/phasors` : null);
   const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
   useEffect(() => {
-    if (run && !query.get("run")) choose({ run: String(run.id) });
+    if (run && !asked.get("run")) choose({ run: String(run.id) });
   }, [run?.id]);
   if (runs.all?.length === 0) {
     return (
@@ -35,9 +36,9 @@ export function ResponseView({ machine }: { machine: Document }) {
     );
   }
   const channels = machine.probes.map((one) => one.id);
-  const asked = (query.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
-  const chosen = asked.length > 0 ? asked : channels.slice(0, FIRST_CHANNELS);
-  const waits = !measured.data || (identified && !fit.data && !fit.failure);
+  const named = (asked.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
+  const chosen = named.length > 0 ? named : channels.slice(0, FIRST_CHANNELS);
+  const waits = !measured.data || (run?.ended_at && !identifications.data && !identifications.failure) || (identified && !fit.data && !fit.failure);
   return (
     <>
       <Panel title="What is shown">
@@ -46,9 +47,10 @@ export function ResponseView({ machine }: { machine: Document }) {
           <Channels channels={channels} chosen={chosen} />
         </div>
       </Panel>
+      {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
       {measured.failure && <Trouble failure={measured.failure} />}
       {fit.failure && <Trouble failure={fit.failure} />}
-      {waits ? (
+      {!run && runs.failure ? null : waits ? (
         <div class="waiting" style={{ minHeight: "720px" }} />
       ) : (
         <Response
@@ -61,6 +63,12 @@ export function ResponseView({ machine }: { machine: Document }) {
       )}
     </>
   );
+}
+
+/** Where identifications of a run are asked for: they are measured when it ends. */
+function measuredIn(machine: string, begin: string, end: string): string {
+  const to = new Date(Date.parse(end) + 1000).toISOString();
+  return `/machines/${machine}/identifications${query({ from: begin, to, limit: 100 })}`;
 }
 
 function Channels({ channels, chosen }: { channels: string[]; chosen: string[] }) {

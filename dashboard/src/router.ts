@@ -8,7 +8,16 @@ export interface Place {
 
 function here(): Place {
   const [path = "", search = ""] = window.location.hash.replace(/^#/, "").split("?", 2);
-  return { parts: path.split("/").filter(Boolean).map(decodeURIComponent), query: new URLSearchParams(search) };
+  return { parts: path.split("/").filter(Boolean).map(decoded), query: new URLSearchParams(search) };
+}
+
+/** An address cut off in the middle of a sign is no reason to show nothing at all. */
+function decoded(part: string): string {
+  try {
+    return decodeURIComponent(part);
+  } catch {
+    return part;
+  }
 }
 
 export const place = new Store<Place>(here());

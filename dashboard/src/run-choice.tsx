@@ -5,6 +5,9 @@ import { useResource } from "./resource";
 import { choose, place } from "./router";
 import { useStore } from "./store";
 
+/** So many are offered. */
+const LISTED = 200;
+
 export interface Runs {
   all: Run[] | undefined;
   run: Run | undefined;
@@ -12,14 +15,26 @@ export interface Runs {
   failure: string | undefined;
 }
 
-/** Closed runs, newest first; the one chosen in the address, and the one it is laid over. */
+/** The newest runs, and those that the address names though they are older; the one chosen, and the one it is laid over. */
 export function useRuns(machine: string): Runs {
   const { query } = useStore(place);
-  const answer = useResource<Run[]>(`/machines/${machine}/runs?limit=200`, 15_000);
-  const all = answer.data?.filter((one) => one.state !== "discarded" && one.samples !== 0);
+  const answer = useResource<Run[]>(`/machines/${machine}/runs?limit=${LISTED}`, 15_000);
+  const older = [useOlder(answer.data, query.get("run")), useOlder(answer.data, query.get("reference"))];
+  const waits = older.some((one) => one.waits);
+  const found = older.map((one) => one.data).filter((one) => one?.machine === machine) as Run[];
+  const all = waits ? undefined : answer.data && [...answer.data.filter((one) => one.state !== "discarded" && one.samples !== 0), ...found];
   const named = (name: string) => all?.find((one) => String(one.id) === query.get(name));
-  const run = named("run") ?? all?.find((one) => one.state === "closed");
-  return { all, run, reference: named("reference"), failure: answer.failure?.message };
+  // A run that is named but not there is not quietly replaced by another one.
+  const run = query.get("run") ? named("run") : all?.find((one) => one.state === "closed");
+  const failure = query.get("run") && all && !run ? `This machine has no run ${query.get("run")} to show.` : answer.failure?.message;
+  return { all, run, reference: named("reference"), failure };
+}
+
+/** A run that the address names and the list has no longer. */
+function useOlder(listed: Run[] | undefined, id: string | null): { data: Run | undefined; waits: boolean } {
+  const wanted = listed && id && !listed.some((one) => String(one.id) === id) ? `/runs/${encodeURIComponent(id)}` : null;
+  const { data, failure } = useResource<Run>(wanted);
+  return { data, waits: wanted !== null && !data && !failure };
 }
 
 export function RunChoice({ all, run, reference }: Runs) {

@@ -56,6 +56,10 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
       </div>
       {runs.all?.length === 0 ? (
         <Empty>No run yet.</Empty>
+      ) : !run && runs.failure ? (
+        <p class="trouble" role="alert">
+          {runs.failure}
+        </p>
       ) : (
         <Shown answer={answer} lines={20}>
           {(found) => <OrbitPlots found={found} other={other} />}

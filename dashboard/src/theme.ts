@@ -15,8 +15,16 @@ export const choice = new Store<Choice>(chosen());
 /** What is shown now; plots are drawn again when it changes. */
 export const shown = new Store<"light" | "dark">("light");
 
+let paper = false;
+
+/** Paper is light, whatever the screen is: a report looks as it will be printed. */
+export function onPaper(is: boolean): void {
+  paper = is;
+  apply();
+}
+
 function apply(): void {
-  const now = choice.value === "system" ? (dark.matches ? "dark" : "light") : choice.value;
+  const now = paper ? "light" : choice.value === "system" ? (dark.matches ? "dark" : "light") : choice.value;
   document.documentElement.dataset.theme = now;
   shown.set(now);
 }

@@ -1,4 +1,5 @@
 // The train drawn to scale from its document: shafts, discs, bearings, seals, couplings, probes.
+import { useEffect, useRef } from "preact/hooks";
 import type { Drawing } from "./answers";
 import { elementName } from "./format";
 import { layout, type Layout } from "./layout";
@@ -12,6 +13,13 @@ export interface Mark {
 const WIDTH = 1000;
 const MARGIN = 24;
 const GLYPHS: Record<Mark["level"], string> = { normal: "", changed: "●", alert: "▲", danger: "◆", unknown: "" };
+
+function worstOf(marks: Map<string, Mark>): string | undefined {
+  for (const level of ["danger", "alert", "changed"]) {
+    for (const [element, mark] of marks) if (mark.level === level) return element;
+  }
+  return undefined;
+}
 
 interface Props {
   name: string;
@@ -52,8 +60,16 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
       </g>
     );
   };
+  const figure = useRef<HTMLElement>(null);
+  const worst = worstOf(marks);
+  // Where the train is longer than a phone is wide, what matters most is not left outside.
+  useEffect(() => {
+    const whole = figure.current!;
+    const box = worst && whole.querySelector(`[data-element="${worst}"]`)?.getBoundingClientRect();
+    if (box) whole.scrollLeft += box.left + box.width / 2 - whole.getBoundingClientRect().left - whole.clientWidth / 2;
+  }, [worst]);
   return (
-    <figure class="train">
+    <figure class="train" ref={figure}>
       <svg viewBox={`0 0 ${WIDTH} ${height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={axis} y2={axis} />
         {plan.sections.map((one) => (

@@ -17,6 +17,8 @@ const RANGES: [string, string, number][] = [
 ];
 const DAY_MS = 86_400_000;
 const MOST_POINTS = 2000;
+/** What is taken away as a file is not thinned out before the service must. */
+const MOST_IN_FILE = 20_000;
 /** Stands for an element in the choice: what follows from the parameters. */
 const DERIVED = "derived quantities";
 /** A drift that chance would make less often than this is told. */
@@ -99,19 +101,20 @@ interface HistoriesProps {
 
 export function Histories(props: HistoriesProps) {
   const { machine, element, names, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
-  const asked = query({ parameter: names, from, to, scope, max_points: MOST_POINTS });
+  const wanted = { parameter: names, from, to, scope };
+  const asked = query({ ...wanted, max_points: MOST_POINTS });
   const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
   const newest = useNewestSummary(machine).data;
   const judged = scope === "run" && element !== DERIVED && comparable(newest);
   const tests = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null).data;
   const xRange = windowOf(answer.data?.series ?? [], shownDays);
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline?limit=200`, 60_000).data ?? [];
-  const markers = markersOf(alerts.filter((one) => one.element === element), timeline);
+  const markers = markersOf(alerts.filter((one) => one.element === element), timeline).filter((one) => within(one, from, to));
   return (
     <Panel
       title={`${elementName(element)}: ${scope === "run" ? "of single runs" : "of the newest runs together"}, bands are 95 % intervals`}
       aside={
-        <a class="screen" href={`${PREFIX}/machines/${machine}/trends${asked}&format=csv`} download={`${machine}-${element}.csv`}>
+        <a class="screen" href={`${PREFIX}/machines/${machine}/trends${query({ ...wanted, max_points: MOST_IN_FILE, format: "csv" })}`} download={`${machine}-${element}.csv`}>
           CSV
         </a>
       }
@@ -121,7 +124,7 @@ export function Histories(props: HistoriesProps) {
           <>
             <p class="muted">
               <Names curves={kindsOf(series).map((name) => ({ name }))} />
-              {series.some((one) => one.baselines.length > 0) && " Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
+              {series.some((one) => one.baselines.length > 0) && " · Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
             </p>
             <div class="plots">
               {series.map((one) => (
@@ -157,6 +160,10 @@ function markersOf(alerts: Alert[], timeline: TimelineEntry[]): Marker[] {
     words: `${one.kind}: ${one.text}`,
   }));
   return [...raised, ...entered];
+}
+
+function within({ x }: Marker, from: string | null, to: string | null): boolean {
+  return (from === null || x >= Date.parse(from) / 1000) && (to === null || x <= Date.parse(to) / 1000);
 }
 
 function kindsOf(series: Series[]): string[] {

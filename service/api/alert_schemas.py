@@ -1,5 +1,6 @@
 """What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
 
+import re
 from datetime import datetime
 from typing import Annotated, Any, Literal
 
@@ -132,11 +133,14 @@ class BaselineOut(BaseModel):
     created_at: datetime
 
 
+_ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
+
+
 class SubscriptionIn(BaseModel):
     """Who is told of every alert event.
 
     webhook: target is an http or https URL; the answer gives its secret, once. alertmanager: the URL of a Prometheus
-    Alertmanager. email: `smtp://host:port/from@example.org/to@example.org`. zenoh: the plant's own network, no target.
+    Alertmanager. email: one address, or several with commas between. zenoh: the plant's own network, no target.
     """
 
     kind: Literal["webhook", "alertmanager", "email", "zenoh"]
@@ -147,6 +151,8 @@ class SubscriptionIn(BaseModel):
     def _target(self) -> "SubscriptionIn":
         if (self.kind == "zenoh") == bool(self.target):
             raise ValueError("target: zenoh needs none, every other kind needs one")
+        if self.kind == "email" and not all(_ADDRESS.fullmatch(one.strip(" ")) for one in self.target.split(",")):
+            raise ValueError("target: an e-mail address such as anna@plant.example, or several with commas between")
         return self
 
 

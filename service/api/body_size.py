@@ -54,4 +54,4 @@ class BodySize:
 
 
 def _words() -> str:
-    return f"a request's body may have {LARGEST_BODY} bytes at most: send it in parts"
+    return f"a request's body may have {LARGEST_BODY} bytes at most: make it smaller, or send it in parts"

@@ -4,7 +4,7 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from datetime import datetime
+from datetime import UTC, datetime, timedelta
 from typing import Any, Literal
 
 from fastapi import HTTPException, Request, status
@@ -15,6 +15,8 @@ JSON = "application/json"
 CSV = "text/csv"
 PARQUET = "application/vnd.apache.parquet"
 MEDIA_TYPES: Mapping[Format, str] = {"json": JSON, "csv": CSV, "parquet": PARQUET}
+
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 Column = Sequence[Any]
 
@@ -60,7 +62,7 @@ def parquet_bytes(columns: Mapping[str, Column], *, times: Sequence[str]) -> byt
     arrays: dict[str, Any] = {}
     for name, column in columns.items():
         if name in times:
-            moments = [int(datetime.fromisoformat(value).timestamp() * 1e6) for value in column]
+            moments = [(datetime.fromisoformat(value) - EPOCH) // timedelta(microseconds=1) for value in column]
             arrays[name] = Array(moments, type=DataType.int64()).cast(DataType.timestamp("us", tz="UTC"))
         else:
             kind = next((type(value) for value in column if value is not None), float)

@@ -114,17 +114,14 @@ class Idempotency:
 
     def _keep(self, name: str, answer: Answer) -> None:
         with self._database.transaction() as session:
-            if answer.status >= HTTPStatus.INTERNAL_SERVER_ERROR or answer.status in _TO_TRY_AGAIN:
-                idempotency.release(session, name)  # nothing was done: the same key may be tried again
+            if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT:
+                idempotency.release(session, name)  # nothing was done, and what was wrong can be mended: the key stays good
             else:
                 idempotency.answered(session, name, answer)
 
     def _release(self, name: str) -> None:
         with self._database.transaction() as session:
             idempotency.release(session, name)
-
-
-_TO_TRY_AGAIN = {HTTPStatus.TOO_MANY_REQUESTS, HTTPStatus.PRECONDITION_REQUIRED, HTTPStatus.UNPROCESSABLE_ENTITY}
 
 
 def _asked(scope: Scope) -> bytes:

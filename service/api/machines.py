@@ -6,6 +6,7 @@ from fastapi import APIRouter, Body, Request, Response, status
 from sqlalchemy.orm import Session
 
 from estimator.machine import DocumentError, Machine
+from service import baselining
 from service.api import rendering, schemas
 from service.api.access import MachineId, Reading, database
 from service.api.machine_list import MachineList
@@ -51,7 +52,7 @@ def revise_machine(
         raise DocumentError([("id", f"'{document.id}' must be '{machine_id}', the machine that is revised")])
     with database(request).transaction() as session:
         require(if_match, _in_force(session, machine_id))
-        row = machines.revise(session, document)
+        row = baselining.revise(session, document)
     return tagged(response, rendering.revision(row))
 
 

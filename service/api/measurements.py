@@ -20,14 +20,20 @@ LARGEST_SAMPLE_COUNT = 10_000
 def read_samples(
     session: Reading,
     machine_id: MachineId,
+    period: Period,
     limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
     slow_roll: SlowRollChoice = "none",
 ) -> schemas.Phasors:
-    """The newest samples, as they were received under the document in force, oldest of them first."""
+    """The newest samples of a time range, as they were received under the document in force, oldest of them first.
+
+    Where there are as many as `limit`, older ones follow: ask again with `to` before the first of them.
+    """
     revision = machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, revision)
     channels = len(machine.probes)
-    newest = samples.latest(session, machine_id, revision=revision, channels=channels, count=limit)
+    newest = samples.latest(
+        session, machine_id, revision=revision, channels=channels, count=limit, first=period.first, last=period.last
+    )
     return corrected_phasors(session, machine, newest, slow_roll)
 
 

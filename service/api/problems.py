@@ -110,15 +110,14 @@ def add_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(RequestValidationError)
     async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
-        errors = [item | {"loc": item["loc"][1:] if item["loc"][:1] == ("body",) else item["loc"]} for item in error.errors()]
-        problems = [FieldProblem(field=field, message=message) for field, message in problems_of(errors)]
+        problems = [FieldProblem(field=field, message=message) for field, message in problems_of(_worded(error))]
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(StarletteHTTPException)
     async def http(request: Request, error: StarletteHTTPException) -> JSONResponse:
         headers = dict(error.headers or {})
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            headers["Allow"] = ", ".join(_methods(app, request))
+            headers["Allow"] = ", ".join(_methods(app, request)) or headers.get("Allow", "GET")
         return problem_response(error.status_code, str(error.detail), headers)
 
     @app.exception_handler(DBAPIError)
@@ -139,7 +138,18 @@ def _methods(app: FastAPI, request: Request) -> list[str]:
         pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))
         if re.fullmatch(pattern, request.url.path):
             found |= {method.upper() for method in item}
-    return sorted(found) or ["GET"]
+    return sorted(found)
+
+
+def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
+    """The errors with fields of the body by their own names, and in words without pydantic's own."""
+    found = []
+    for item in error.errors():
+        place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
+        if item["type"] == "json_invalid":
+            place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"
+        found.append(item | {"loc": place[1:] if place[:1] == ("body",) and len(place) > 1 else place, "msg": message})
+    return found
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {

@@ -122,6 +122,21 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
     return {"real": history.value[at].tolist(), "imaginary": history.imaginary[at].tolist()}
 
 
+def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
+    """The baseline's band that each chosen point is compared with; NaN where there is none."""
+    history, at = columns.history, chosen.index
+    band = np.full((3, len(at)), np.nan)
+    time, kind = history.measured_at[at], history.run_kind[at]
+    for one in columns.baselines:
+        until = np.inf if one.until is None else one.until
+        band[:, (kind == one.run_kind) & (time >= one.since) & (time < until)] = [
+            [one.band.centre],
+            [one.band.lower],
+            [one.band.upper],
+        ]
+    return dict(zip(("baseline_centre", "baseline_lower", "baseline_upper"), band.tolist(), strict=True))
+
+
 def _columns(history: History, bands: list[BaselineBand]) -> Columns:
     is_complex = bool(np.isfinite(history.imaginary).any())
     value = np.hypot(history.value, history.imaginary) if is_complex else history.value

@@ -11,7 +11,7 @@ from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
 from service.api.problems import RESPONSES
-from service.api.trend_columns import Columns, KeptHistories, cut, parts, table, text
+from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table, text
 from service.trend_baselines import BaselineBand
 
 router = APIRouter(tags=["trends"], responses=RESPONSES)
@@ -112,7 +112,8 @@ def read_trends(
 ) -> Response:
     """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
-    The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`.
+    The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
+    baseline's band beside it and each row says how its series was thinned out.
     """
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories
@@ -151,10 +152,11 @@ def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[st
     """All series below each other."""
     whole: dict[str, list[Any]] = {}
     for name, columns in found.items():
-        count = len(points[name].index)
-        shown = parts(columns, points[name])
-        beside = {part: [None] * count if values is None else values for part, values in shown.items()}
+        chosen = points[name]
+        count = len(chosen.index)
+        components = {part: [None] * count if values is None else values for part, values in parts(columns, chosen).items()}
         rows: dict[str, list[Any]] = {"parameter": [name] * count, "unit": [columns.history.unit] * count}
-        for column, values in (rows | table(columns, points[name]) | beside).items():
+        thinned: dict[str, list[Any]] = {"down_sampling": [chosen.method] * count, "points": [chosen.points] * count}
+        for column, values in (rows | table(columns, chosen) | components | beside(columns, chosen) | thinned).items():
             whole.setdefault(column, []).extend(values)
     return whole

@@ -6,7 +6,7 @@ import subprocess
 import threading
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
 from tests.browser.story import CYCLES, MACHINE, simulate
@@ -120,8 +120,9 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.get_by_text(f"{2 * CYCLES} runs")).to_be_visible()
     expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
-    seen.page.emulate_media(media="print")
+    seen.page.emulate_media(media="print", color_scheme="dark")
     expect(seen.page.locator(".bar")).to_be_hidden()
+    assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
     assert seen.errors == []
 
@@ -131,17 +132,45 @@ def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, s
     seen.page.set_viewport_size({"width": width, "height": height})
     seen.page.emulate_media(color_scheme="dark" if scheme == "dark" else "light")
     for place, sign in {
+        f"reports/{MACHINE}": ".elements table",
         "": "table.fleet",
         f"machines/{MACHINE}": ".element",
         f"machines/{MACHINE}/trends": ".plot canvas",
         f"machines/{MACHINE}/response": ".polar svg",
+        f"machines/{MACHINE}/shapes": ".shapes svg",
+        f"machines/{MACHINE}/model": "table",
+        f"machines/{MACHINE}/identified": ".elements table",
     }.items():
         seen.open(place)
         expect(seen.page.locator(sign).first).to_be_attached()
+        expect(seen.page.locator(".waiting")).to_have_count(0)
         assert seen.page.evaluate("document.documentElement.scrollWidth") <= width, place
         seen.picture(f"{scheme}-{width}-{place.replace('/', '-') or 'fleet'}")
     assert seen.page.evaluate("document.documentElement.dataset.theme") == scheme
     assert seen.errors == []
+
+
+def test_on_a_phone_what_stands_out_is_in_sight(seen: Seen) -> None:
+    width = 390
+    seen.page.set_viewport_size({"width": width, "height": 844})
+    seen.open(f"machines/{MACHINE}")
+    coupling = seen.page.locator(".element.danger, .element.alert").first
+    expect(coupling).to_be_attached()
+    until(lambda: abs(middle(coupling) - width / 2) < width / 4, within_s=10, what="the coupling is in the middle")
+
+
+def middle(element: Locator) -> float:
+    """Of an element, across the window [px]."""
+    box = element.bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2
+
+
+def test_an_address_that_was_cut_off_still_leads_somewhere(seen: Seen) -> None:
+    seen.open("machines/%E0%A4%A")
+    expect(seen.page.get_by_role("alert")).to_be_visible()
+    seen.page.get_by_role("link", name="Fleet").click()
+    expect(seen.page.locator("table.fleet")).to_be_visible()
 
 
 def test_keys_alone_lead_through_the_page(seen: Seen) -> None:
@@ -193,6 +222,37 @@ def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service
     alarm.get_by_role("button", name="event").click()
     expect(alarm.locator(".history")).to_contain_text("on it")
     assert seen.errors == []
+
+
+def test_an_older_run_is_shown_and_one_that_is_not_there_is_not_replaced(seen: Seen, service: Service) -> None:
+    runs = service.get(f"/machines/{MACHINE}/runs")
+
+    def newest_only(route: Route) -> None:  # as on a machine with more runs than the page lists
+        route.fulfill(json=runs[:2])
+
+    seen.page.route(re.compile(r"/runs\?limit="), newest_only)
+    oldest = runs[-1]["id"]
+    seen.open(f"machines/{MACHINE}/response?run={oldest}")
+    expect(seen.page.locator("select").first).to_have_value(str(oldest))
+    wait_drawn(seen.page, 3)
+    seen.open(f"machines/{MACHINE}/response?run=999999")
+    expect(seen.page.get_by_role("alert")).to_contain_text("no run 999999")
+    expect(seen.page.locator(".plot canvas")).to_have_count(0)
+
+
+def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}")
+    comment = seen.page.locator(".alarm").get_by_role("button", name="Comment")
+    for leave in ("Escape", "Cancel"):
+        comment.focus()
+        seen.page.keyboard.press("Enter")
+        expect(seen.page.get_by_role("dialog")).to_be_visible()
+        if leave == "Escape":
+            seen.page.keyboard.press("Escape")
+        else:
+            seen.page.get_by_role("button", name="Cancel").click()
+        expect(seen.page.get_by_role("dialog")).to_have_count(0)
+        expect(comment).to_be_focused()
 
 
 def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -> None:
@@ -248,7 +308,8 @@ def test_the_page_says_that_the_service_is_gone_and_comes_back_with_it(
     expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
     serving.send_signal(signal.SIGTERM)
     assert serving.wait(20) == 0
-    expect(seen.page.locator(".banner").filter(has_text="does not answer")).to_be_visible()
+    expect(seen.page.locator(".banner")).to_contain_text("does not answer")
+    expect(seen.page.get_by_role("alert")).to_have_count(1)  # said once, not by every panel
     expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
     seen.picture("service-gone")
     with service.running():

@@ -41,6 +41,14 @@ def test_two_causes_at_once_are_both_named() -> None:
     assert named(plant.after(both)) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
 
 
+def test_a_large_unbalance_hides_no_misalignment() -> None:
+    beside = dict.fromkeys(("coupling.C1", "bearing.B2", "bearing.B3"), 1.084)
+    for times in (2.0, 3.0):
+        runs = plant.after(plant.grown(beside, {0: times}))
+        assert named(runs) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
+        assert named(plant.after(plant.grown({}, {0: times}))) == {("unbalance", "disc.core-1")}
+
+
 def test_what_a_cause_has_moved_and_by_how_much() -> None:
     found = diagnose(plant.watch().reference, plant.after(plant.grown({}, {1: 1.5}), count=3))
     (cause,) = found.causes

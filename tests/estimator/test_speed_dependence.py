@@ -10,10 +10,12 @@ import pytest
 from full_train import deviations, elements, full_response, node_of, true_values
 from trains import Complexes, Document, Floats, chapter_3_document, noisy, perturbed
 
+from estimator.between_run_scatter import DAMPING_SCATTER, STIFFNESS_SCATTER, expected_scatter, sizes
 from estimator.coordinates import knot_weights
 from estimator.identification import Identification, Options, identify
 from estimator.machine import DocumentError, Machine, SpeedDependence, parse_machine
 from estimator.measurement import Measurement
+from estimator.parameters import is_direct
 
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 KNOTS = [300.0, 1200.0, 2600.0]
@@ -180,3 +182,10 @@ def test_optional_coupling_term_that_is_not_given_cannot_follow() -> None:
         parse_machine(document)
     document["couplings"][0]["kx_phiy"] = 1e3
     assert parse_machine(document).couplings[0].speed_dependence is not None
+
+
+def test_a_knot_between_two_whole_speeds_leaves_a_parameter_what_it_is() -> None:
+    names = ("bearing.B1.kxx@1500.5rpm", "bearing.B1.kyy@1500.5rpm", "bearing.B1.kxy@1500.5rpm", "bearing.B1.cxx@1500.5rpm")
+    assert [is_direct(name) for name in names] == [True, True, False, True]
+    assert expected_scatter(names).tolist() == [STIFFNESS_SCATTER, STIFFNESS_SCATTER, STIFFNESS_SCATTER, DAMPING_SCATTER]
+    assert sizes(names, np.array([np.log(4.0), np.log(9.0), 0.5, 0.0])) == pytest.approx([1.0, 1.0, 6.0, 1.0])

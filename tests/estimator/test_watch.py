@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.change_size import change_size, misalignment_form
+from estimator.data_faults import fits
 from estimator.healthy_variation import typical_amplitude
 from estimator.observation import Observation
 from tests.estimator import watched_machine as plant
@@ -64,6 +65,32 @@ def test_where_no_fit_explains_the_runs_nothing_is_said_of_the_machine() -> None
         replace(one, accepted=False, chi_square=3.0 * one.degrees_of_freedom) for one in plant.after(plant.misaligned(0.2))
     )
     assert said(refused) == {("misfit", "machine")}
+
+
+def test_a_fault_that_comes_and_goes_has_not_gone() -> None:
+    quiet = plant.healthy(2)
+    faulty = {
+        ("sensor", "probe.B1R"): plant.after(plant.true_machine(), edit=plant.lost(1)),
+        ("outliers", "machine"): plant.after(plant.true_machine(), edit=plant.scattered(0.05)),
+    }
+    for cause, runs in faulty.items():
+        assert not plant.watch().gone((*runs, quiet[0]), *cause, off_delay=2)
+        assert not plant.watch().gone((*runs, quiet[0], runs[0]), *cause, off_delay=2)
+        assert plant.watch().gone((*runs, *quiet), *cause, off_delay=2)
+
+
+def test_a_fit_that_is_refused_for_another_reason_than_its_misfit_explains_nothing_either() -> None:
+    """Not converged, or an estimated noise with a pattern: χ² is as it should be."""
+    refused = tuple(replace(one, accepted=False) for one in plant.after(plant.misaligned(0.2)))
+    assert said(refused) == {("misfit", "machine")}
+    assert not plant.watch().gone(refused, "misfit", "machine", off_delay=2)
+
+
+def test_a_refused_fit_is_judged_beside_a_lost_probe_as_without_it() -> None:
+    (without,) = plant.after(plant.true_machine(), count=1, edit=plant.lost(1))
+    refused = replace(without, accepted=False, chi_square=3.0 * without.degrees_of_freedom)
+    assert not fits(refused, frozenset({"B1L"}))
+    assert not fits(refused, frozenset({"B1L", "B1R"}))  # as a bow has it, of which the lost one says nothing
 
 
 def test_a_fit_that_is_refused_for_one_channel_names_that_channel() -> None:

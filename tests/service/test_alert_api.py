@@ -150,6 +150,10 @@ def test_subscriptions_and_their_secrets(plant: Database, api: httpx.Client) -> 
     refused(api.post("/subscriptions", json=wanted), 409)
     refused(api.post("/subscriptions", json=wanted | {"name": "b", "target": "ftp://historian.example/"}), 422)
     refused(api.post("/subscriptions", json={"kind": "zenoh", "name": "c", "target": "x"}), 422)
+    for target in ("anna", "anna@plant.example, ", "anna@plant.example\nBcc: eve@example.org", "smtp://h/a@b.c/d@e.f"):
+        refused(api.post("/subscriptions", json={"kind": "email", "name": "d", "target": target}), 422)
+    people = {"kind": "email", "name": "d", "target": "anna@plant.example, ben@plant.example"}
+    assert api.post("/subscriptions", json=people).status_code == 201
     raised(plant)
     (one,) = api.get(f"/subscriptions/{number}/deliveries").json()
     assert (one["state"], one["attempts"]) == ("pending", 0)

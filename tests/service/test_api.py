@@ -207,6 +207,16 @@ def test_newest_samples(told: Api) -> None:
     assert datetime.fromisoformat(body["time"][-1]) == MOMENT + timedelta(seconds=80)
 
 
+def test_samples_before_those_that_were_read(told: Api) -> None:
+    whole = told.value("/machines/pump-7/samples", limit=10_000)["time"]
+    newest = told.value("/machines/pump-7/samples", limit=5)["time"]
+    before = datetime.fromisoformat(newest[0]) - timedelta(microseconds=1)
+    older = told.value("/machines/pump-7/samples", limit=7, to=before.isoformat())["time"]
+    assert older + newest == whole[-12:]
+    asked = {"from": whole[3], "to": whole[8]}
+    assert told.value("/machines/pump-7/samples", **asked)["time"] == whole[3:9]
+
+
 def test_of_a_machine_without_samples_there_are_none(api: Api) -> None:
     body = api.value("/machines/pump-7/samples")
     assert (body["time"], body["speed_rpm"]) == ([], [])

@@ -33,6 +33,17 @@ def test_after_a_maintenance_the_machine_is_compared_with_its_new_self(plant: Da
         assert (kept.reason, kept.by, kept.identification_ids) == ("coupling re-shimmed", "anna", None)
 
 
+def test_a_maintenance_ends_a_rate_of_change_too(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        for week in range(14):
+            weeks.file({"bearing.B1.kxx": 1.01**week})
+        assert [row.rule for row in weeks.alerts() if row.condition == "unacknowledged"].count("rate_of_change") == 1
+        baselining.note(session, "pump-7", at=after(weeks), kind="maintenance", text="new shells", by="anna")
+        assert {row.state for row in weeks.alerts()} == {"returned"}
+
+
 def test_a_note_begins_no_baseline(plant: Database) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
@@ -94,6 +105,19 @@ def test_a_revision_keeps_the_baseline_when_it_describes_the_same(
         for _ in range(2):
             filed_under(weeks, 2, STIFFER)
         assert weeks.open() == found
+
+
+def test_a_revision_that_describes_another_machine_ends_what_was_said_of_the_one_before(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        weeks.file(STIFFER, times=2)
+        baselining.revise(session, machine(name="Feed pump 7"))
+        assert [row.state for row in weeks.alerts()] == ["unacknowledged"]
+        baselining.revise(session, machine(element_length=0.01))
+        (alert,) = weeks.alerts()
+        assert alert.state == "returned"
+        assert "revision 3 describes the machine otherwise" in alerts.history(session, alert.id)[-1].comment
 
 
 def test_comparable_revisions_are_those_without_a_break_between(plant: Database) -> None:

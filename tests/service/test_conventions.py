@@ -120,7 +120,7 @@ def test_a_cursor_of_another_list_is_refused(api: Api) -> None:
     assert fields(api.get("/machines", cursor=cursor)) == ["query.cursor"]
 
 
-@pytest.mark.parametrize("path", ["runs", "identifications", "states", "timeline", "trends"])
+@pytest.mark.parametrize("path", ["runs", "identifications", "samples", "states", "timeline", "trends"])
 def test_a_range_whose_ends_are_exchanged_is_refused(api: Api, path: str) -> None:
     asked = {"from": "2026-02-01T00:00:00Z", "to": "2026-01-01T00:00:00Z", "parameter": "x"}
     answer = api.get(f"/machines/{KEY.machine}/{path}", **asked)
@@ -132,6 +132,20 @@ def test_machines_are_listed_without_reading_their_documents(api: Api) -> None:
     with api.database.reading() as session:
         (one,) = fleet.every(session)
     assert (one.id, one.name, one.plant) == (KEY.machine, "Pump 7", KEY.plant)
+
+
+def test_a_method_that_is_not_there_is_answered_with_those_that_are(api: Api) -> None:
+    for path, known in ((f"/machines/{KEY.machine}", "GET, PUT"), ("/machines", "GET, POST"), ("/quarantine", "DELETE, GET")):
+        answer = api.ask("PATCH", PREFIX + path)
+        problem(answer, 405)
+        assert answer.headers["allow"] == known
+
+
+@pytest.mark.parametrize("moment", ["0.5", "1700000000", "2026-01-01", "yesterday"])
+def test_a_time_is_written_as_one(api: Api, moment: str) -> None:
+    assert fields(api.get("/fleet", since=moment)) == ["query.since"]
+    assert fields(api.ask("POST", TIMELINE, json=NOTE | {"at": moment})) == ["at"]
+    assert fields(api.ask("POST", TIMELINE, json=NOTE | {"at": 1_700_000_000})) == ["at"]
 
 
 # --- changing what was read -----------------------------------------------------------------------------------------
@@ -238,6 +252,20 @@ def test_a_refusal_is_kept_too_and_a_mistake_may_be_mended(api: Api) -> None:
     assert api.ask("POST", TIMELINE, json=NOTE, headers=mended).status_code == 201
 
 
+def test_a_key_stays_good_after_a_refusal_that_can_be_mended(api: Api) -> None:
+    without_if_match(api)
+    headers = {"Idempotency-Key": "0b5c"}
+    path = f"{PREFIX}/machines/fan-2/timeline"
+    problem(api.ask("POST", path, json=NOTE, headers=headers), 404)
+    api.ask("POST", f"{PREFIX}/machines", json=document(id="fan-2"))
+    assert api.ask("POST", path, json=NOTE, headers=headers).status_code == 201
+    headers = {"Idempotency-Key": "seen"}
+    problem(api.ask("POST", f"{ALERT}/acknowledge", json=ANNA, headers=headers | {"if-match": '"old"'}), 412)
+    tag = api.ask("GET", ALERT).headers["etag"]
+    answer = api.ask("POST", f"{ALERT}/acknowledge", json=ANNA, headers=headers | {"if-match": tag})
+    assert answer.json()["state"] == "acknowledged"
+
+
 def test_a_key_under_way_is_a_conflict(api: Api) -> None:
     with api.database.transaction() as session:
         idempotency.claim(session, "0b5c", "of something else")
@@ -285,6 +313,22 @@ def test_an_error_inside_leaves_no_key(api: Api, monkeypatch: pytest.MonkeyPatch
         broken.setattr("service.baselining.note", None)
         problem(api.ask("POST", TIMELINE, json=NOTE, headers=headers), 500)
     assert api.ask("POST", TIMELINE, json=NOTE, headers=headers).status_code == 201
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "field", "words"),
+    [
+        (f"{PREFIX}/machines", b'{"id": fan}', "body", "no JSON from character 7 on: Expecting value"),
+        (f"{PREFIX}/machines", b"[]", "body", "Input should be"),
+        (f"{PREFIX}/subscriptions", b'{"kind": "zenoh", "name": "a", "target": "x"}', "body", "target: zenoh needs none"),
+        (TIMELINE, b'{"at": "2026-01-01T00:00:00", "by": "anna", "text": "x"}', "at", "a moment needs its zone"),
+    ],
+)
+def test_what_is_wrong_with_a_body_is_said_in_words(api: Api, path: str, content: bytes, field: str, words: str) -> None:
+    answer = api.ask("POST", path, content=content, headers={"content-type": "application/json"})
+    (one,) = problem(answer, 422)["errors"]
+    assert one["field"] == field
+    assert one["message"].startswith(words)
 
 
 # --- sizes ----------------------------------------------------------------------------------------------------------

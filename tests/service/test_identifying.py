@@ -18,7 +18,7 @@ from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
 from service.identifying import Identifying
 from service.settings import Settings
-from storage import derived, identifications, jobs, machines, runs
+from storage import derived, identifications, jobs, limits, machines, runs
 from storage.blocks import Samples
 from storage.database import Database
 from tests.plant import wait_until
@@ -115,6 +115,20 @@ def test_conditions_and_derived_quantities_of_a_run_are_kept(database: Database,
         assert (speed.lower or 0.0) < (speed.value or 0.0) < (speed.upper or 0.0)
         for one in found.values():
             assert (one.value is None) == (one.reason is not None)
+
+
+def test_a_result_is_kept_and_the_next_one_computed_when_nothing_can_be_concluded_from_it(
+    database: Database, train: Machine
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+        limits.add(session, train.id, document={"misalignment": "damaged"}, by="nobody", comment="")
+    for number in (1, 2):
+        close_run(database, train, seed=1, start_s=1_700_000_000 + 3600 * number)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 2})
+    with database.reading() as session:
+        assert [row.accepted for row in identifications.of_machine(session, train.id)] == [True, True]
 
 
 def test_interrupted_job_is_computed_after_the_next_start(database: Database, train: Machine) -> None:

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from service.api.downsampling import min_max
-from service.api.formats import CSV, JSON, PARQUET
+from service.api.formats import CSV, JSON, PARQUET, parquet_bytes
 from storage import baselines, jobs, runs
 from storage.database import Database
 from tests.asking import Api, fields, problem
@@ -227,6 +227,8 @@ def test_csv_and_parquet_hold_what_json_holds(api: Api) -> None:
         {"parameter": one["parameter"], "unit": one["unit"]}
         | {column: one[column][number] for column in COLUMNS}
         | {part: one[part][number] if one[part] else None for part in ("real", "imaginary")}
+        | dict.fromkeys(("baseline_centre", "baseline_lower", "baseline_upper"))
+        | {"down_sampling": "none", "points": 3}
         for one in whole
         for number in range(3)
     ]
@@ -241,6 +243,30 @@ def test_csv_and_parquet_hold_what_json_holds(api: Api) -> None:
             assert column == [datetime.fromisoformat(row[name]) for row in expected]
         else:
             assert column == [row[name] for row in expected]
+
+
+def test_each_row_of_a_table_says_how_it_was_thinned_out_and_what_it_is_compared_with(plant: Database) -> None:
+    store(plant, [1.0 + 0.001 * math.sin(number) for number in range(60)])
+    with plant.transaction() as session:
+        baselines.begin(session, KEY.machine, since=START + 30 * HOUR, identification_ids=None, reason="why", by="anna")
+        odd = identification({"coupling.C1.kxx": 1.0})
+        store_identification(session, odd, run_id=300, run_kind="run-up", measured_at=START + 45 * HOUR)
+    one = trend(Api(plant), "coupling.C1.kxx", max_points=12)[0]
+    text = Api(plant).get(PATH, parameter="coupling.C1.kxx", max_points=12, format="csv").text
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert [float(row["value"]) for row in rows] == one["value"]
+    assert {(row["down_sampling"], row["points"]) for row in rows} == {("min-max-per-bucket", "61")}
+    first, second = one["baselines"]
+    for row in rows:
+        band = second if row["measured_at"] >= second["since"] else first
+        expected = [str(band[name]) for name in ("centre", "lower", "upper")] if row["run_kind"] != "run-up" else [""] * 3
+        assert [row[f"baseline_{name}"] for name in ("centre", "lower", "upper")] == expected
+
+
+def test_times_in_parquet_are_exact_to_the_microsecond() -> None:
+    texts = [f"2026-11-21T12:34:56.{number:06d}Z" for number in range(0, 1_000_000, 997)]
+    table = Table(read_parquet(io.BytesIO(parquet_bytes({"at": texts}, times=("at",)))))
+    assert table["at"].to_pylist() == [datetime.fromisoformat(text) for text in texts]
 
 
 @pytest.mark.parametrize(

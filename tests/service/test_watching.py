@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping
 
+import pytest
 from sqlalchemy.orm import Session
 
+from service import watching
 from service.watching import judge
 from storage import alerts, diagnoses
 from storage.database import Database
@@ -34,11 +36,12 @@ class Weeks:
         times: int = 1,
         unknown: tuple[str, ...] = (),
         kind: str = "run-down",
+        accepted: bool = True,
     ) -> None:
         for _ in range(times):
             self.count += 1
             moment = START + self.count * WEEK
-            outcome = identification(factors, unknown=unknown)
+            outcome = identification(factors, unknown=unknown, accepted=accepted)
             row = store_identification(
                 self.session, outcome, run_id=self.count, measured_at=moment, run_kind=kind, revision=self.revision
             )
@@ -97,6 +100,30 @@ def test_another_kind_of_run_does_not_take_an_alert_back(plant: Database) -> Non
             weeks.file(kind="run-up")
         assert weeks.open() == ["coupling.C1"]
         assert len(weeks.alerts()) == 1
+
+
+def test_what_was_refused_before_the_baseline_was_complete_is_not_the_newest(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=2)
+        weeks.file(times=2, accepted=False)
+        weeks.file(times=BASELINE)
+        assert weeks.alerts() == []
+        weeks.file(times=2, accepted=False)
+        assert [row.rule for row in weeks.alerts()] == ["misfit"]
+
+
+def test_since_when_is_remembered_longer_than_runs_are_looked_at(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(watching, "LOOKED_BACK", 6)
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE + 1)
+        weeks.file(STIFFER, times=3)
+        (alert,) = weeks.alerts()
+        since, first = alert.evidence["since"], alert.evidence["first_identification"]
+        weeks.file(STIFFER, times=6)
+        (alert,) = weeks.alerts()
+        assert (alert.evidence["since"], alert.evidence["first_identification"]) == (since, first)
 
 
 def test_an_unbalance_that_changes_is_no_misalignment(plant: Database) -> None:

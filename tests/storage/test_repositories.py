@@ -159,6 +159,28 @@ def test_latest_of_two_sources_at_once_takes_the_newest_of_both(plant: Database)
     assert times(found) == [85, 90, 95, 100]
 
 
+@pytest.mark.parametrize(
+    ("first", "last", "count", "expected"),
+    [
+        (None, 60, 3, [40, 50, 60]),
+        (20, 55, 10, [20, 30, 40, 50]),
+        (90, None, 10, [90]),
+        (41, 49, 10, []),
+        (60, 50, 10, []),
+        (None, -1, 10, []),
+    ],
+)
+def test_latest_within_a_time_range(
+    plant: Database, first: int | None, last: int | None, count: int, expected: list[int]
+) -> None:
+    begin, end = (None if moment is None else START + moment for moment in (first, last))
+    with plant.transaction() as session:
+        add_blocks(session, samples(5, step=10), samples(5, start=START + 50, step=10))
+    with plant.reading() as session:
+        found = sample_store.latest(session, "pump-7", revision=1, channels=2, count=count, first=begin, last=end)
+    assert times(found) == expected
+
+
 def test_the_same_samples_cannot_be_stored_twice(plant: Database) -> None:
     def twice() -> None:
         with plant.transaction() as session:
