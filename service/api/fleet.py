@@ -24,6 +24,7 @@ from storage.runs import OPEN
 
 router = APIRouter(tags=["machines"], responses=RESPONSES)
 
+LABELS = [(severity, severity.label) for severity in Severity]
 A_DAY = int(timedelta(days=1).total_seconds()) * 1_000_000_000
 
 
@@ -115,7 +116,7 @@ def _machine(one: MachineGlance) -> dict[str, Any]:
         "open_run": _open_run(one, standing),
         "last_run": _last_run(one.last_run),
         "last_identification": _last_identification(one.last_identification),
-        "open_alerts": {severity.label: one.open_alerts.get(severity, 0) for severity in Severity},
+        "open_alerts": {label: one.open_alerts.get(severity, 0) for severity, label in LABELS},
         "unacknowledged": one.unacknowledged,
         "happened": one.since,
     }

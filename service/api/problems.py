@@ -117,7 +117,7 @@ def add_handlers(app: FastAPI) -> None:
     async def http(request: Request, error: StarletteHTTPException) -> JSONResponse:
         headers = dict(error.headers or {})
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            headers["Allow"] = ", ".join(_methods(app, request))
+            headers["Allow"] = ", ".join(_methods(app, request)) or headers.get("Allow", "GET")
         return problem_response(error.status_code, str(error.detail), headers)
 
     @app.exception_handler(DBAPIError)

@@ -134,6 +134,20 @@ def test_machines_are_listed_without_reading_their_documents(api: Api) -> None:
     assert (one.id, one.name, one.plant) == (KEY.machine, "Pump 7", KEY.plant)
 
 
+def test_a_method_that_is_not_there_is_answered_with_those_that_are(api: Api) -> None:
+    for path, known in ((f"/machines/{KEY.machine}", "GET, PUT"), ("/machines", "GET, POST"), ("/quarantine", "DELETE, GET")):
+        answer = api.ask("PATCH", PREFIX + path)
+        problem(answer, 405)
+        assert answer.headers["allow"] == known
+
+
+@pytest.mark.parametrize("moment", ["0.5", "1700000000", "2026-01-01", "yesterday"])
+def test_a_time_is_written_as_one(api: Api, moment: str) -> None:
+    assert fields(api.get("/fleet", since=moment)) == ["query.since"]
+    assert fields(api.ask("POST", TIMELINE, json=NOTE | {"at": moment})) == ["at"]
+    assert fields(api.ask("POST", TIMELINE, json=NOTE | {"at": 1_700_000_000})) == ["at"]
+
+
 # --- changing what was read -----------------------------------------------------------------------------------------
 
 CHANGES = [

@@ -286,6 +286,7 @@ def test_what_cannot_be_made_is_refused_in_words(api: Api, path: str, word: str)
         ("model/modes?rpm=NaN", "query.rpm"),
         ("model/campbell?points=1000", "query.points"),
         ("model/misalignment-force?from_rpm=-1", "query.from_rpm"),
+        ("model/misalignment-force?from_rpm=5e-324", "query.from_rpm"),
         ("bode?points=1", "query.points"),
     ],
 )
