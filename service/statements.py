@@ -1,5 +1,6 @@
 """A cause in words, and as the evidence that an alert and a diagnosis carry."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
@@ -14,8 +15,8 @@ from storage.clock import to_datetime
 DataRule = Literal["misfit", "outliers"]
 RULES = frozenset({*get_args(RuleName), *get_args(DataRule)}) - {"rate_of_change"}
 """Rules that a diagnosis speaks by."""
-LARGEST_MOVES = 8
-"""Parameters that are named as moved, those that moved most."""
+LARGEST_MOVES = 4
+"""Parameters of each element that are named as moved: those that moved most surely."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +66,14 @@ def rule_of(cause: Cause | str) -> Any:
 def _moved(cause: Cause) -> list[dict[str, Any]]:
     certainty = np.divide(cause.change, cause.error, out=np.zeros_like(cause.change), where=cause.error > 0.0)
     order = np.argsort(-np.abs(certainty))
-    found = [{"parameter": cause.names[i], "change": float(cause.change[i]), "sigma": float(certainty[i])} for i in order]
-    return found[:LARGEST_MOVES]
+    found = []
+    named: Counter[str] = Counter()
+    for i in order:
+        element = cause.names[i].rsplit(".", 1)[0]
+        named[element] += 1
+        if named[element] <= LARGEST_MOVES:
+            found.append({"parameter": cause.names[i], "change": float(cause.change[i]), "sigma": float(certainty[i])})
+    return found
 
 
 def _misalignment(one: Statement) -> str:

@@ -69,7 +69,8 @@ def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) ->
     )
     if not today:
         return
-    raised = {alert.id for one in statements if (alert := _raise(session, one, stored, limits)) is not None}
+    baseline = [row.id for row in found.baseline]
+    raised = {alert.id for one in statements if (alert := _raise(session, one, stored, limits, baseline)) is not None}
     for alert in alerts.open_alerts(session, stored.machine_id):
         if alert.rule in RULES and alert.id not in raised and _may_clear(alert, stored):
             _clear_if_gone(session, alert, found, statements, limits)
@@ -148,8 +149,10 @@ def _since(session: Session, found: Comparison, cause: Cause) -> tuple[int, int]
     return min((began.measured_at, began.id), (said, first))
 
 
-def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: Limits) -> AlertRow | None:
-    """Open an alert or bring it up to date, where a limit is reached."""
+def _raise(
+    session: Session, one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int]
+) -> AlertRow | None:
+    """Open an alert or bring it up to date, where a limit is reached. baseline: ids of what it was compared with."""
     rule, element = rule_of(one.cause), one.cause.element
     present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
     held = None if present is None else Severity(present.severity)
@@ -158,7 +161,7 @@ def _raise(session: Session, one: Statement, stored: IdentificationRow, limits: 
         return None
     finding = Finding(
         message=one.words(),
-        evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind},
+        evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind, "baseline": baseline},
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=severity,
