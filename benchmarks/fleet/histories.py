@@ -5,6 +5,7 @@ year the stiffnesses rise and fall by up to 2 %, all elements together, or each 
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -42,7 +43,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Change:
+class Change(ABC):
     """Something that befalls one element of a machine from a week on.
 
     element: named as in identifications, such as coupling.C1 or probe.B1L. onset: week. ramp: weeks until it has its full
@@ -62,9 +63,9 @@ class Change:
             return 0.0
         return 1.0 if self.ramp == 0 else min(1.0, (week - self.onset + 1) / self.ramp)
 
+    @abstractmethod
     def on(self, state: State, part: float) -> State:
         """The state with this part of the change."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
