@@ -6,7 +6,7 @@ DEMO_ARGS ?=
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: demo test lint benchmarks dashboard clean
+.PHONY: demo compiled test test-long test-postgresql lint audit benchmarks dashboard clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -21,8 +21,22 @@ lint: $(VENV)/.installed
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-test: lint
-	$(BIN)/pytest -n 2 --dist loadfile
+# As an installed package is: where Python may not write its caches, each service started would compile all of it anew.
+compiled: $(VENV)/.installed
+	$(BIN)/python -m compileall -q estimator service storage tests benchmarks
+
+test: lint compiled
+	$(BIN)/pytest -n 2 --dist loadfile -m 'not long'
+
+test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
+	$(BIN)/pytest -n 2 --dist loadfile -m long
+
+# tests/storage is run on both kinds of database by `make test` already.
+test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
+	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n 2 --dist loadfile -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
+
+audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so where the advisories cannot be had
+	$(BIN)/python -m benchmarks.dependency_audit
 
 benchmarks: $(VENV)/.installed
 	$(BIN)/python -m benchmarks

@@ -5,8 +5,10 @@ from benchmarks import (
     api_latency,
     capture,
     coast_down,
+    cold_start,
     delivery,
     derived,
+    disk,
     estimator,
     latency,
     many_sources,
@@ -36,7 +38,7 @@ WITH_OPTIONS = (
     page_paint,
     api_latency,
 )
-WITHOUT = (latency, throughput, many_sources)
+WITHOUT = (latency, throughput, many_sources, disk, cold_start)
 
 if __name__ == "__main__":
     for benchmark in WITH_OPTIONS:

@@ -7,18 +7,17 @@ one with 2,000, and two thousand alerts.
 """
 
 import argparse
-import asyncio
 import contextlib
 import tempfile
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
-import aiohttp
 import numpy as np
 
 from benchmarks.chain import create_machines, publishing
+from benchmarks.closed_loop import latencies
 from service.collection import Standing
 from storage import alerts, machines, runs
 from storage.database import Database
@@ -37,10 +36,10 @@ AT_MOST_TWICE = 2.0
 
 @dataclass(frozen=True)
 class Figure:
-    """What is asked of an address: p99 of its latency [s], with all clients at once."""
+    """What is asked of addresses, one after the other: p99 of their latency [s], with all clients at once."""
 
     name: str
-    path: str
+    paths: list[str]
     asked_s: float
 
 
@@ -48,15 +47,28 @@ def several(count: int) -> str:
     return "&".join(f"parameter={name}" for name in PARAMETERS[:count])
 
 
-FIGURES = (
-    Figure("trend of five years, weekly, 1 parameter", f"/machines/weekly/trends?{several(1)}", 0.050),
-    Figure("trend of five years, weekly, 4 parameters", f"/machines/weekly/trends?{several(4)}", 0.050),
-    Figure("trend of 2,000 points", f"/machines/{KEY.machine}/trends?{several(1)}", 0.050),
-    Figure("list of 100 alerts of 2,000", "/alerts", 0.030),
-    Figure("list of the open alerts", "/alerts?open=true", 0.030),
-    Figure("list of 1,000 machines", "/machines", 0.100),
-    Figure("overview of 1,000 machines", "/fleet", 0.100),
-)
+def starts(count: int) -> list[str]:
+    """Questions of which each is asked once: whatever is kept in memory, none was asked before."""
+    begin = datetime.fromtimestamp(START / SECOND, UTC)
+    return [f"&from={(begin + timedelta(seconds=second)).strftime('%Y-%m-%dT%H:%M:%SZ')}" for second in range(count)]
+
+
+def figures(requests: int) -> tuple[Figure, ...]:
+    """What is measured."""
+    weekly, long = f"/machines/weekly/trends?{several(4)}", f"/machines/{KEY.machine}/trends?{several(1)}"
+    limits = [f"/alerts?limit={number}" for number in range(50, 151)]
+    return (
+        Figure("trend of five years, weekly, 1 parameter", [f"/machines/weekly/trends?{several(1)}"], 0.050),
+        Figure("trend of five years, weekly, 4 parameters", [weekly], 0.050),
+        Figure("  each from another time on", [weekly + one for one in starts(requests)], 0.050),
+        Figure("trend of 2,000 points", [long], 0.050),
+        Figure("  each from another time on", [long + one for one in starts(requests)], 0.050),
+        Figure("list of 100 alerts of 2,000", ["/alerts"], 0.030),
+        Figure("  50 to 150 of them", limits, 0.030),
+        Figure("list of the open alerts", ["/alerts?open=true"], 0.030),
+        Figure("list of 1,000 machines", ["/machines"], 0.100),
+        Figure("overview of 1,000 machines", ["/fleet"], 0.100),
+    )
 
 
 def fill(file: Path, *, seed: int) -> None:
@@ -96,48 +108,18 @@ def fill(file: Path, *, seed: int) -> None:
     database.close()
 
 
-async def _client(http: aiohttp.ClientSession, url: str, count: int) -> list[float]:
-    found = []
-    for _ in range(count):
-        began = time.perf_counter()
-        async with http.get(url) as answer:
-            await answer.read()
-            assert answer.status == 200, await answer.text()
-        found.append(time.perf_counter() - began)
-    return found
-
-
-async def ask(base: str, figure: Figure, *, clients: int, requests: int) -> np.ndarray:
-    """Latencies [s] of all requests, after one that warms up: a histories' first reading is told apart."""
-    async with aiohttp.ClientSession(connector=aiohttp.TCPConnector(limit=0)) as http:
-        await _client(http, base + figure.path, 1)
-        each = max(1, requests // clients)
-        found = await asyncio.gather(*(_client(http, base + figure.path, each) for _ in range(clients)))
-    return np.concatenate([np.array(one) for one in found])
-
-
-def first(base: str, figure: Figure) -> float:
-    """Latency [s] of the very first request."""
-
-    async def once() -> float:
-        async with aiohttp.ClientSession() as http:
-            return (await _client(http, base + figure.path, 1))[0]
-
-    return asyncio.run(once())
-
-
-def table(base: str, options: argparse.Namespace) -> tuple[bool, dict[str, float]]:
-    """Print all figures; whether they are as asked, and p99 [s] by name."""
-    right, p99s = True, {}
+def table(base: str, options: argparse.Namespace) -> tuple[bool, list[float]]:
+    """Print all figures; whether they are as asked, and their p99 [s]."""
+    right, p99s = True, []
     print(f"  {'ms':42s} {'first':>7s} {'p50':>7s} {'p99':>7s} {'asked':>7s}")
-    for figure in FIGURES:
-        cold = first(base, figure)
-        latency = asyncio.run(ask(base, figure, clients=options.clients, requests=options.requests))
+    for figure in figures(options.requests):
+        cold = latencies(base, figure.paths, clients=1, requests=1)[0]
+        latency = latencies(base, figure.paths, clients=options.clients, requests=options.requests)
         p50, p99 = np.percentile(latency, [50, 99])
-        p99s[figure.name] = float(p99)
+        p99s.append(float(p99))
         right &= bool(p99 <= figure.asked_s)
         row = "  ".join(f"{1e3 * value:5.1f}" for value in (cold, p50, p99, figure.asked_s))
-        print(f"  {figure.name:42s}   {row}")
+        print(f"  {figure.name:42s}   {row}", flush=True)
     return right, p99s
 
 
@@ -156,7 +138,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
             _, busy = table(base, options)
             stored = sum(source["received"] for source in service.get("/sources", limit=1000))
     service.client.close()
-    ratios = [busy[name] / quiet[name] for name in quiet]
+    ratios = [after / before for before, after in zip(quiet, busy, strict=True)]
     print(f"  p99 while samples are stored over p99 before: median {np.median(ratios):.2f}, largest {max(ratios):.2f}")
     print(f"  samples stored meanwhile: {stored}")
     return right and float(np.median(ratios)) <= AT_MOST_TWICE
@@ -167,7 +149,7 @@ def _ingest(service: Service, folder: Path, options: argparse.Namespace) -> Iter
     """Sources that publish until the block ends."""
     names = create_machines(service, 4)
     arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(names), "--connect", service.endpoint]
-    arguments += ["--folder", str(folder), "--rate", str(options.rate), "--seconds", "600"]
+    arguments += ["--folder", str(folder), "--rate", str(options.rate), "--channels", "8", "--seconds", "600"]
     with publishing(*arguments) as sources:
 
         def flowing() -> bool:

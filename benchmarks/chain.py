@@ -1,10 +1,9 @@
 """The measurement chain as separate processes, for benchmarks: sources, a router, the service; and what became durable when.
 
-The durable moment of a block of samples is when a second connection to the service's SQLite file first sees it committed.
+The durable moment of a block is when a connection of this process to the service's database first sees it committed.
 """
 
 import contextlib
-import sqlite3
 import subprocess
 import sys
 import threading
@@ -15,8 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import psutil
+from sqlalchemy import bindparam, select
 
 from storage.blocks import decode
+from storage.database import engine_of
+from storage.tables import SampleBlockRow
 from tests.end_to_end.processes import Service, example, process, until
 
 POLL_S = 0.005
@@ -26,15 +28,15 @@ PLANT = "examples"
 
 @dataclass
 class Ledger:
-    """When each stored block was first seen, as a reader of the database file sees it."""
+    """When each stored block was first seen, as another reader of the database sees it."""
 
-    file: Path
+    database: str
     seen: dict[int, int] = field(default_factory=dict)
     _stop: threading.Event = field(default_factory=threading.Event)
 
     @contextlib.contextmanager
     def watching(self) -> Iterator[None]:
-        """Look at the file every POLL_S until the end."""
+        """Look into it every POLL_S until the end."""
         thread = threading.Thread(target=self._watch)
         thread.start()
         try:
@@ -44,16 +46,19 @@ class Ledger:
             thread.join()
 
     def _watch(self) -> None:
-        connection = sqlite3.connect(f"file:{self.file}?mode=ro", uri=True, isolation_level=None)
+        engine = engine_of(self.database)
         newest = 0
-        while not self._stop.is_set():
-            rows = connection.execute("SELECT id FROM sample_blocks WHERE id > ? ORDER BY id", (newest,)).fetchall()
-            moment = time.time_ns()
-            for (number,) in rows:
-                self.seen[number] = moment
-                newest = number
-            self._stop.wait(POLL_S)
-        connection.close()
+        query = select(SampleBlockRow.id).where(SampleBlockRow.id > bindparam("newest")).order_by(SampleBlockRow.id)
+        with engine.connect() as connection:
+            while not self._stop.is_set():
+                numbers = connection.scalars(query, {"newest": newest}).all()
+                moment = time.time_ns()
+                connection.rollback()  # the next look sees what is committed then
+                for number in numbers:
+                    self.seen[number] = moment
+                    newest = number
+                self._stop.wait(POLL_S)
+        engine.dispose()
 
 
 @dataclass(frozen=True)
@@ -65,13 +70,16 @@ class Journal:
     latency: np.ndarray
 
     @classmethod
-    def read(cls, file: Path, ledger: Ledger | None = None) -> "Journal":
-        """All of it, from the service's database file."""
+    def read(cls, database: str, ledger: Ledger | None = None) -> "Journal":
+        """All of it, from the service's database."""
         numbers: dict[str, list[np.ndarray]] = {}
         times: dict[str, list[np.ndarray]] = {}
         latency: list[np.ndarray] = []
-        with contextlib.closing(sqlite3.connect(f"file:{file}?mode=ro", uri=True)) as connection:
-            query = "SELECT id, machine_id, first_sequence, count, data FROM sample_blocks ORDER BY machine_id, first_sequence"
+        row = SampleBlockRow
+        query = select(row.id, row.machine_id, row.first_sequence, row.count, row.data)
+        query = query.order_by(row.machine_id, row.first_sequence)
+        engine = engine_of(database)
+        with engine.connect() as connection:
             for number, machine, first, count, data in connection.execute(query):
                 held = decode(data)
                 assert len(held) == count
@@ -79,6 +87,7 @@ class Journal:
                 times.setdefault(machine, []).append(held.time)
                 if ledger is not None:
                     latency.append((ledger.seen[number] - held.time) / 1e9)
+        engine.dispose()
         return cls(
             {name: np.concatenate(parts) for name, parts in numbers.items()},
             {name: np.concatenate(parts) for name, parts in times.items()},
@@ -96,13 +105,21 @@ class Journal:
         return lost, twice
 
 
-def create_machines(service: Service, count: int) -> list[str]:
-    """So many machines of 8 channels, alike but for their ids."""
+def create_machines(service: Service, count: int, *, channels: int = 8) -> list[str]:
+    """So many machines of 8 or 16 channels, alike but for their ids."""
     names = [f"m{number:03d}" for number in range(count)]
+    document = example(MACHINE)
+    turned = [probe | {"id": further(probe["id"]), "angle_deg": probe["angle_deg"] + 45} for probe in document["probes"]]
+    document["probes"] = [*document["probes"], *turned][:channels]
     for name in names:
-        answer = service.client.post("/machines", json=example(MACHINE) | {"id": name})
+        answer = service.client.post("/machines", json=document | {"id": name})
         assert answer.status_code == 201, answer.text
     return names
+
+
+def further(channel: str) -> str:
+    """The second probe beside one of the example's."""
+    return f"{channel}2"
 
 
 @contextlib.contextmanager

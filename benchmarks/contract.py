@@ -130,8 +130,8 @@ def _sweep(begin: int) -> Samples:
     return samples(RUN_SAMPLES, start=begin, rpm=sweep_rpm(2900.0, 400.0, RUN_SAMPLES))
 
 
-def configuration(*, examples: int, sequences: int, seed: int, limits: bool) -> dict[str, Any]:
-    """What schemathesis is told. limits: whether each schema's limits are asked for one by one."""
+def configuration(*, examples: int, sequences: int, seed: int, limits: bool, only: Sequence[str] = ()) -> dict[str, Any]:
+    """What schemathesis is told. limits: whether each schema's limits are asked for one by one. only: these operations."""
     names = {name: name.replace(".", "_").replace("-", "_") for name in KNOWN}
     return {
         "seed": seed,
@@ -142,20 +142,23 @@ def configuration(*, examples: int, sequences: int, seed: int, limits: bool) -> 
         "phases": {"coverage": {"enabled": limits}, "stateful": {"generation": {"max-examples": sequences}}},
         "dictionaries": {names[name]: {"values": values} for name, values in KNOWN.items()},
         "parameters": {name: {"dictionary": names[name], "probability": 0.5} for name in KNOWN},
-        "operations": [{"include-operation-id": "stream_alert_events", "request-timeout": STREAM_S}],
+        "operations": [
+            {"include-operation-id": "stream_alert_events", "request-timeout": STREAM_S},
+            *([{"exclude-operation-id": list(only), "enabled": False}] if only else []),
+        ],
     }
 
 
-def ask(url: str, *, only: Sequence[str] = (), **how: Any) -> Outcome:
-    """Ask a service everything that its document offers."""
-    configured = schemathesis.Config.from_dict(configuration(**how))
+def ask(url: str, *, only: Sequence[str] = (), told: bool = False, **how: Any) -> Outcome:
+    """Ask a service everything that its document offers. told: each operation is printed when it has been asked."""
+    configured = schemathesis.Config.from_dict(configuration(only=only, **how))
     schema = schemathesis.openapi.from_url(f"{url}/api/v1/openapi.json", config=configured)
-    if only:
-        schema = schema.include(operation_id=list(only))
     outcome = Outcome()
     for event in from_schema(schema).execute():
         if isinstance(event, events.ScenarioFinished):
             _count(outcome, event)
+            if told and event.label is not None:
+                print(f"  {event.phase.value}: {event.label}: {len(event.recorder.cases)}", flush=True)
         elif isinstance(event, events.NonFatalError):
             outcome.errors.append(f"{event.label}: {event.value}")
         elif isinstance(event, events.FatalError):
@@ -228,7 +231,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     print(f"The API against its document: {options.examples} examples of each operation, seed {options.seed}")
     began = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
-        outcome = against_service(Path(folder), only=[one for one in options.only.split(",") if one], **how)
+        only = [one for one in options.only.split(",") if one]
+        outcome = against_service(Path(folder), only=only, told=True, **how)
     report(outcome, examples=options.examples, seconds=time.monotonic() - began)
     if outcome.failures or outcome.errors:
         raise SystemExit(1)

@@ -3,7 +3,7 @@
 Every line is one scenario after which the store was compared with what was measured, sample by sample, to the bit; of alerts,
 what was told with what happened, event by event.
 
-    python -m benchmarks.faults [--rounds 1] [--only killed]
+    python -m benchmarks.faults [--rounds 1] [--kills 200] [--only killed]
 """
 
 import argparse
@@ -12,11 +12,16 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from tests.faults import scenarios, telling
+from tests import postgresql
+from tests.faults import disorder, gaps, parting, roles, scenarios, storage_faults, telling
 from tests.faults.chain import PARTS, every_order
 
+KILLS = 200
+ROUTER_RESTARTS = 20
+PARTITIONS, PARTITION_S = 5, 30.0
 
-def every_scenario(rounds: int) -> Iterator[tuple[str, Callable[[Path], object]]]:
+
+def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Path], object]]]:
     """Their names, and what to call."""
     for order in every_order():
         name = "killed " + ", ".join(order)
@@ -25,7 +30,32 @@ def every_scenario(rounds: int) -> Iterator[tuple[str, Callable[[Path], object]]
         name = f"frozen for 15 s: {part}"
         yield name, lambda folder, part=part: scenarios.frozen(folder, part, seconds=15.0, samples=2500)
     yield "wire held for 15 s, then broken", lambda folder: scenarios.parted(folder, seconds=15.0, samples=2500)
+    yield "store locked for 30 s, read-only for 30 s", _file_in_the_way
+    yield "store on a full disk for 30 s", _full_disk
+    yield "store's server stopped for 60 s", _server_away
+    yield (
+        f"router started again {ROUTER_RESTARTS} times",
+        lambda folder: parting.router_restarted(folder, times=ROUTER_RESTARTS, seed=0),
+    )
+    yield f"parted for {PARTITION_S:.0f} s", lambda folder: parting.parted(folder, times=PARTITIONS, seconds=PARTITION_S)
+    yield (
+        "plant parted from centre for an hour",
+        lambda folder: parting.plant_parted_from_centre(folder, samples=parting.HOUR_SAMPLES, seconds=parting.HOUR_S),
+    )
     for seed in range(rounds):
+        name = f"parted in the middle of runs, seed {seed}"
+        yield name, lambda folder, seed=seed: gaps.runs_with_gaps(folder, gaps=6, seconds=1.5, seed=seed)
+        name = f"disorder, seed {seed}"
+        yield name, lambda folder, seed=seed: disorder.spoiled_stream(folder, rate=10.0, sweeps=4, seed=seed)
+        name = f"roles killed on PostgreSQL, seed {seed}"
+        yield name, lambda folder, seed=seed: roles_on_postgresql(folder, seed=seed, kills=kills)
+        name = f"roles killed, one process, seed {seed}"
+        yield (
+            name,
+            lambda folder, seed=seed: roles.killed_at_random(
+                folder, database=f"sqlite:///{folder / 'rundown.db'}", names=roles.ALONE, seed=seed, kills=kills
+            ),
+        )
         name = f"killed at random eight times, seed {seed}"
         yield name, lambda folder, seed=seed: scenarios.killed_at_random(folder, seed=seed, kills=8, samples=3000)
         name = f"mangled, with a log, seed {seed}"
@@ -36,21 +66,45 @@ def every_scenario(rounds: int) -> Iterator[tuple[str, Callable[[Path], object]]
         yield name, lambda folder, seed=seed: telling.told_through_kills(folder, seed=seed, kills=20)
 
 
+def _file_in_the_way(folder: Path) -> None:
+    hindrances = {"locked": storage_faults.locked, "read-only": storage_faults.read_only}
+    print(storage_faults.hindered(folder, hindrances, seconds=30.0, samples=9000))
+
+
+def _full_disk(folder: Path) -> None:
+    with storage_faults.own_disk(folder / "disk") as disk:
+        database = f"sqlite:///{disk / 'rundown.db'}"
+        print(storage_faults.hindered(folder, {"full": storage_faults.full}, seconds=30.0, samples=5000, database=database))
+
+
+def _server_away(folder: Path) -> None:
+    with storage_faults.own_server() as (server, database):
+        away = {"stopped": storage_faults.stopped(server)}
+        print(storage_faults.hindered(folder, away, seconds=60.0, samples=8000, database=database))
+
+
+def roles_on_postgresql(folder: Path, *, seed: int, kills: int) -> roles.Killed:
+    """On a server of its own."""
+    with postgresql.server() as server:
+        return roles.killed_at_random(folder, database=server.url, names=roles.ROLES, seed=seed, kills=kills)
+
+
 def main() -> None:
     """Print a line a scenario; status 1 when a store was not exact."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--rounds", type=int, default=1, help="seeds of the random ones")
     parser.add_argument("--only", default="", help="scenarios whose name contains this")
+    parser.add_argument("--kills", type=int, default=KILLS, help="of replicas")
     options = parser.parse_args()
     wrong = 0
-    for name, act in every_scenario(options.rounds):
+    for name, act in every_scenario(options.rounds, options.kills):
         if options.only not in name:
             continue
         began = time.perf_counter()
         with tempfile.TemporaryDirectory() as folder:
             try:
-                act(Path(folder))
-                outcome = "exact"
+                said = act(Path(folder))
+                outcome = "exact" if said is None else f"exact; {said}"
             except AssertionError as error:
                 outcome, wrong = f"NOT exact: {str(error)[:300]}", wrong + 1
         print(f"{name:42s} {time.perf_counter() - began:5.1f} s  {outcome}", flush=True)

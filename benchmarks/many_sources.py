@@ -42,7 +42,7 @@ def publishing_process(options: argparse.Namespace) -> None:
     for stream in streams:
         wait_connected(stream, [options.connect], give_up=patiently)
     sources = [Source(stream, Key(PLANT, name), name="edge") for stream, name in zip(streams, machines, strict=True)]
-    batches = [template(name, 1) for name in machines]
+    batches = [template(name, 1, 8) for name in machines]
     count = round(options.seconds * options.rate)
     times: list[list[int]] = [[] for _ in machines]
     Path(options.truth + ".ready").touch()
@@ -68,7 +68,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     service = Service(folder)
     each = round(options.seconds * options.rate)
     total = each * options.sources
-    ledger = Ledger(folder / "rundown.db")
+    ledger = Ledger(service.database)
     truths = [folder / f"truth-{i}.json" for i in range(PROCESSES)]
     common = ["-m", "benchmarks.many_sources", "--connect", service.endpoint]
     begin = folder / "begin"
@@ -99,7 +99,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
                 print(f"the last samples were stored {time.perf_counter() - ended:.1f} s after the end of publishing")
                 time.sleep(0.5)
     service.client.close()
-    journal = Journal.read(folder / "rundown.db", ledger)
+    journal = Journal.read(service.database, ledger)
     taken: dict[str, list[int]] = {}
     for path in truths:
         taken |= msgspec.json.decode(path.read_bytes(), type=dict[str, list[int]])

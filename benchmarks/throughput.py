@@ -1,13 +1,15 @@
-"""Samples of 8 channels from a source with a durable log by way of a router process to a service process and its SQLite file.
+"""Samples of 16 channels from a source with a durable log by way of a router process to a service process and its database.
 
 Every sample carries the moment at which it was taken, a batch is published when its last sample was taken, and a sample is
-durable when another connection to the database file sees it committed: the latency holds the batch's own filling, the
+durable when another connection to the database sees it committed: the latency holds the batch's own filling, the
 source's log, the router, the queue, the transaction and the reader's polling.
 
     python -m benchmarks.throughput [--seconds 60] [--rate 5000] [--machines 10] [--batch-ms 100]
+        [--channels 16] [--database postgresql]
 """
 
 import argparse
+import contextlib
 import tempfile
 import threading
 import time
@@ -16,39 +18,55 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import psutil
+from sqlalchemy import make_url
 
-from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, patiently, percentiles, publishing, router
+from benchmarks.chain import (
+    PLANT,
+    Journal,
+    Ledger,
+    Usage,
+    create_machines,
+    further,
+    patiently,
+    percentiles,
+    publishing,
+    router,
+)
 from service.durable_log import DurableLog
 from service.source import Source
 from service.stream import session, wait_connected
 from service.wire import ENCODINGS, Key, SampleBatch
 from tests.end_to_end.processes import Service, free_port, until
 from tests.end_to_end.test_real_input import ross_batch
+from tests.faults.storage_faults import own_server
 
 P99_ASKED_S = 1.0
 LONGEST_BATCH_MS = 100.0
 
 
-def template(machine: str, size: int) -> SampleBatch:
+def template(machine: str, size: int, channels: int) -> SampleBatch:
     """A batch of so many samples near one speed, in the units that monitors speak, to be given its times."""
     one = ross_batch(seed=0, start_s=0)
     rows = np.arange(size) % 300
     return msgspec.structs.replace(
         one,
         machine=machine,
+        channels=[*one.channels, *map(further, one.channels)][:channels],
         amplitude_unit="um",
         phase_unit="deg",
         speed_unit="rpm",
         time_ns=[],
         speed=(3000.0 + 0.2 * np.sin(np.arange(size))).tolist(),
-        amplitude=(1e6 * np.array(one.amplitude)[rows]).tolist(),
-        phase=np.degrees(np.array(one.phase)[rows]).tolist(),
+        amplitude=np.tile(1e6 * np.array(one.amplitude)[rows], 2)[:, :channels].tolist(),
+        phase=np.tile(np.degrees(np.array(one.phase)[rows]), 2)[:, :channels].tolist(),
     )
 
 
-def publish(source: Source, machine: str, *, rate: float, size: int, batches: int, start: float, seed: int) -> None:
+def publish(
+    source: Source, machine: str, *, rate: float, size: int, channels: int, batches: int, start: float, seed: int
+) -> None:
     """Batches of `size` samples, each when its last sample was taken; the sources' phases are spread over a batch's time."""
-    batch = template(machine, size)
+    batch = template(machine, size, channels)
     begin = start + np.random.default_rng(seed).uniform(0.0, size / rate)
     for number in range(batches):
         first = begin + number * size / rate
@@ -70,7 +88,7 @@ def publishing_process(options: argparse.Namespace) -> None:
         for seed, machine in enumerate(machines):
             log = DurableLog(Path(options.folder) / f"{machine}.log", source=machine)
             source = Source(stream, Key(PLANT, machine), name="benchmark", encoding=options.encoding, log=log)
-            how = {"rate": rate, "size": size, "batches": batches, "start": start, "seed": seed}
+            how = {"rate": rate, "size": size, "batches": batches, "start": start, "seed": seed, "channels": options.channels}
             sources.append(source)
             threads.append(threading.Thread(target=publish, args=(source, machine), kwargs=how))
         for thread in threads:
@@ -82,19 +100,19 @@ def publishing_process(options: argparse.Namespace) -> None:
             source.close()
 
 
-def measure(folder: Path, options: argparse.Namespace) -> bool:
+def measure(folder: Path, database: str, options: argparse.Namespace) -> bool:
     """Run the chain and print its figures; whether all that was asked came out."""
     endpoint = f"tcp/127.0.0.1:{free_port()}"
-    service = Service(folder, router=endpoint)
+    service = Service(folder, router=endpoint, database=database)
     rate = options.rate / options.machines
     size = max(1, round(rate * options.batch_ms / 1e3))
     each = size * round(options.seconds * rate / size)
-    ledger = Ledger(folder / "rundown.db")
+    ledger = Ledger(database)
     with router(folder, endpoint) as routing, service.running() as serving:
-        machines = create_machines(service, options.machines)
+        machines = create_machines(service, options.machines, channels=options.channels)
         arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(machines), "--connect", endpoint]
         arguments += ["--folder", str(folder), "--rate", str(options.rate), "--seconds", str(options.seconds)]
-        arguments += ["--batch-ms", str(options.batch_ms), "--encoding", options.encoding]
+        arguments += ["--batch-ms", str(options.batch_ms), "--encoding", options.encoding, "--channels", str(options.channels)]
         with ledger.watching(), publishing(*arguments) as sources:
             pids = {"source": sources.pid, "router": routing.pid, "service": serving.pid}
             usage = Usage({name: psutil.Process(pid) for name, pid in pids.items()})
@@ -112,11 +130,12 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
         rejected = service.get("/quarantine")
         assert rejected["counts"] == {}, rejected["entries"][0]
     service.client.close()
-    journal = Journal.read(folder / "rundown.db", ledger)
+    journal = Journal.read(database, ledger)
     lost, twice = journal.faults(machines, samples=each)
     p99 = float(np.percentile(journal.latency, 99))
     print(
-        f"{options.rate:.0f} samples/s of 8 channels for {options.seconds:.0f} s: {options.machines} machines, "
+        f"{options.rate:.0f} samples/s of {options.channels} channels to {make_url(database).get_backend_name()} "
+        f"for {options.seconds:.0f} s: {options.machines} machines, "
         f"batches of {size} samples ({1e3 * size / rate:.0f} ms), {options.encoding}"
     )
     print(f"  published {total}, stored {journal.latency.size}; asked: all")
@@ -135,6 +154,10 @@ def main() -> None:
     parser.add_argument("--machines", type=int, default=10)
     parser.add_argument("--batch-ms", type=float, default=LONGEST_BATCH_MS)
     parser.add_argument("--encoding", choices=ENCODINGS, default=ENCODINGS[0])
+    parser.add_argument("--channels", type=int, choices=(8, 16), default=16)
+    parser.add_argument(
+        "--database", default="sqlite", help="sqlite, postgresql (a server of its own), or the URL of an empty one"
+    )
     parser.add_argument("--publish", help=argparse.SUPPRESS)
     parser.add_argument("--connect", help=argparse.SUPPRESS)
     parser.add_argument("--folder", help=argparse.SUPPRESS)
@@ -144,8 +167,14 @@ def main() -> None:
     if options.publish:
         publishing_process(options)
         return
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options):
+    with contextlib.ExitStack() as around:
+        folder = Path(around.enter_context(tempfile.TemporaryDirectory()))
+        database = options.database
+        if database == "sqlite":
+            database = f"sqlite:///{folder / 'rundown.db'}"
+        elif database == "postgresql":
+            _, database = around.enter_context(own_server())
+        if not measure(folder, database, options):
             raise SystemExit(1)
 
 

@@ -21,6 +21,7 @@ from estimator.forced_response import ForcedResponse, forced_response
 from estimator.machine import Probe
 from estimator.rotor import assemble_rotor
 from estimator.station_response import displacement_row
+from estimator.turning_curve import TurningCurve
 from estimator.updated_model import UpdatedModel
 
 CRITICALLY_DAMPED = 2.5
@@ -127,19 +128,15 @@ def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
 
     The speeds must lie close enough for the narrowest peak: five or more within its half-power width.
     """
-    spline = scipy.interpolate.CubicSpline(speed, amplitude)
-    turning = spline.derivative().roots(extrapolate=False)
-    turning = turning[np.isfinite(turning)]
-    tops = [float(one) for one in turning[spline(turning, 2) < 0.0]]
+    curve = TurningCurve.through(speed, amplitude)
     peaks = []
-    for top in tops:
-        height = float(spline(top))
-        level = np.sort(spline.solve(HALF_POWER * height, extrapolate=False))
-        higher = np.sort(np.concatenate([spline.solve(height * (1 + 1e-9), extrapolate=False), [speed[0], speed[-1]]]))
-        below, above = level[level < top], level[level > top]
+    for top in curve.tops.tolist():
+        height = float(curve.spline(top))
         # What lies beyond a higher part of the curve belongs to another peak.
-        lower = float(below[-1]) if below.size and below[-1] >= higher[higher < top][-1] else None
-        upper = float(above[0]) if above.size and above[0] <= higher[higher > top][0] else None
+        lower, upper = (
+            curve.fallen_to(HALF_POWER * height, start=top, highest=height * (1 + 1e-9), upwards=upwards)
+            for upwards in (False, True)
+        )
         peaks.append(Peak(speed=top, amplitude=height, lower=lower, upper=upper))
     return tuple(peaks)
 

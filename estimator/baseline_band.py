@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from estimator.between_run_scatter import COMPONENTS, between_run_scatter
 from estimator.condensation import Complexes, Floats
@@ -58,5 +58,5 @@ def _interval(points: Sequence[Point]) -> tuple[Floats, Floats]:
     scatter = between_run_scatter(points)
     own = np.mean([np.diag(point.covariance) for point in points], axis=0)
     spread = np.sqrt((scatter.variance + own) * (1.0 + 1.0 / len(points)))
-    half = scipy.stats.t.ppf(QUANTILE, scatter.degrees_of_freedom) * spread
+    half = scipy.special.stdtrit(scatter.degrees_of_freedom, QUANTILE) * spread
     return np.mean([point.value for point in points], axis=0), np.asarray(half)

@@ -139,10 +139,9 @@ def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: 
         x = where - frequency
         background = _background(x)
         rest = values - background @ (background.conj().T @ values)
-        for decay in DECAYS:
-            score, rate = _scan(x, rest, decay / length, slowest, fastest)
-            if score > best:
-                best, at = score, (frequency, rate, decay / length)
+        score, rate, decay = _scan(x, rest, length, slowest, fastest)
+        if score > best:
+            best, at = score, (frequency, rate, decay)
     return None if best == PROMISING else _refined(where, values, at, lowest=float(place[0]), peak_place=float(place[peak]))
 
 
@@ -153,18 +152,20 @@ def _background(x: Floats) -> Complexes:
     return np.asarray(np.linalg.qr(columns)[0], dtype=complex)
 
 
-def _scan(x: Floats, rest: Complexes, decay: float, slowest: float, fastest: float) -> tuple[float, float]:
-    """Part of the squares that the best chirp explains, roughly, and its rate: a Fourier transform over x²."""
+def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: float) -> tuple[float, float, float]:
+    """Part of the squares that the best chirp explains, roughly, its rate and its decay: a Fourier transform over x²."""
     square = np.linspace(x[0] ** 2, x[-1] ** 2, GRID)
     at = np.sqrt(square)
+    decay = np.array(DECAYS)[:, None] / length
     # Samples are even in x: a sum over them is an integral over x² with this weight.
     weight = np.exp(-decay * at) / at
-    power = np.abs(np.fft.fft(np.interp(at, x, rest) * weight, 2 * GRID)) ** 2
+    power = np.abs(np.fft.fft(np.interp(at, x, rest) * weight, 2 * GRID)[:, :GRID]) ** 2
+    power /= np.sum(weight * np.exp(-decay * at), axis=1, keepdims=True) * np.sum(1.0 / at)
     rates = np.pi * np.arange(GRID) / (GRID * (square[1] - square[0]))
-    inside = (rates >= slowest) & (rates <= fastest)
-    power = np.where(inside, power[:GRID], 0.0) / (np.sum(weight * np.exp(-decay * at)) * np.sum(1.0 / at))
-    best = int(np.argmax(power))
-    return float(power[best] / max(float(np.mean(np.abs(rest) ** 2)), 1e-300)), float(rates[best])
+    power[:, (rates < slowest) | (rates > fastest)] = 0.0
+    which, best = np.unravel_index(int(np.argmax(power)), power.shape)
+    explained = float(power[which, best]) / max(float(np.mean(np.abs(rest) ** 2)), 1e-300)
+    return explained, float(rates[best]), float(decay[which, 0])
 
 
 def _refined(

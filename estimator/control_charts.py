@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 import scipy.optimize
-import scipy.stats
+import scipy.special
 
 from estimator.condensation import Floats
 
@@ -48,7 +48,7 @@ def cusum_run_length(*, reference: float, limit: float, shift: float = 0.0) -> f
     middle = width * np.arange(STATES)
     # From the middle of one state into another: the lowest collects everything down to minus infinity.
     upper = middle[None, :] + width / 2.0 - middle[:, None] + reference - shift
-    within = scipy.stats.norm.cdf(upper)
+    within = scipy.special.ndtr(upper)
     move = np.diff(within, axis=1, prepend=0.0)
     return float(np.linalg.solve(np.eye(STATES) - move, np.ones(STATES))[0])
 
@@ -72,7 +72,7 @@ def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float
     width = 2.0 * edge / STATES
     middle = -edge + width * (np.arange(STATES) + 0.5)
     bounds = np.concatenate([middle - width / 2.0, [edge]])
-    within = scipy.stats.norm.cdf((bounds[None, :] - (1.0 - weight) * middle[:, None]) / weight - shift)
+    within = scipy.special.ndtr((bounds[None, :] - (1.0 - weight) * middle[:, None]) / weight - shift)
     move = np.diff(within, axis=1)
     return float(np.linalg.solve(np.eye(STATES) - move, np.ones(STATES))[STATES // 2])
 

@@ -94,6 +94,14 @@ class Reference:
     centre: Floats
     doubt: Floats
     hypotheses: tuple[Hypothesis, ...]
+    _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+
+    def spoken(self, one: Observation) -> tuple[Floats, Floats]:
+        """What a run says of the quantities around which it varies: precision (N, N) and pull (N,) away from the mean."""
+        if one not in self._spoken:
+            seen, drawn = _through_variation(one, self.origin, self.unit)
+            self._spoken[one] = seen, drawn - seen @ self.centre
+        return self._spoken[one]
 
     @property
     def mean(self) -> Floats:
@@ -196,10 +204,7 @@ class Deviation:
     @classmethod
     def of(cls, baseline: Reference, window: Sequence[Observation]) -> "Deviation":
         """From the baseline and some observations."""
-        runs = []
-        for one in window:
-            seen, drawn = _through_variation(one, baseline.origin, baseline.unit)
-            runs.append((seen, drawn - seen @ baseline.centre))
+        runs = [baseline.spoken(one) for one in window]
         precision = np.sum([seen for seen, _ in runs], axis=0)
         pull = np.sum([drawn for _, drawn in runs], axis=0)
         kept = np.linalg.inv(np.eye(len(pull)) + precision @ baseline.doubt)
@@ -276,8 +281,8 @@ def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
     white = np.zeros(len(baseline.names))
     white[[baseline.names.index(name) for name in cause.names]] = cause.change
     white /= baseline.unit
-    seen, drawn = _through_variation(one, baseline.origin, baseline.unit)
-    return float(white @ (drawn - seen @ baseline.centre) - 0.5 * white @ seen @ white)
+    seen, drawn = baseline.spoken(one)
+    return float(white @ drawn - 0.5 * white @ seen @ white)
 
 
 def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:

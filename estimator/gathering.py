@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from estimator.condensation import Floats
 from estimator.estimates import Estimate
@@ -28,7 +28,7 @@ def combined(results: Sequence[Identification]) -> Identification:
     own = np.mean([result.covariance for result in results], axis=0) / count
     between = np.var(values, axis=0, ddof=1) / count
     covariance = own + np.diag(np.maximum(np.nan_to_num(between) - np.diag(own), 0.0))
-    half = float(scipy.stats.t.ppf(0.975, count - 1))
+    half = float(scipy.special.stdtrit(count - 1, 0.975))
     error = np.sqrt(np.diag(covariance))
     mean = np.mean(values, axis=0)
     accepted = all(result.accepted for result in results)

@@ -11,9 +11,10 @@ import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import ConfigDict, Field, ValidationError, model_validator
 
 from estimator.references import reference_problems
+from estimator.written import Written
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
 # Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
@@ -26,8 +27,8 @@ Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
 Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class _Part(Written):
+    model_config = ConfigDict(frozen=True)
 
 
 class Material(_Part):

@@ -15,7 +15,7 @@ from estimator.identification import Identification
 from estimator.point import Point
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observation:
     """names: (N,) of the quantities z: logarithms of direct terms and scale factors, everything else in SI.
 

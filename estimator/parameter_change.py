@@ -6,7 +6,7 @@ Both fits' covariances count; that a machine's parameters differ a little from r
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from estimator.condensation import Floats
 from estimator.parameters import is_direct
@@ -82,5 +82,5 @@ def element_changes(first: Values, second: Values) -> tuple[ElementChange, ...]:
         unit = spread[np.ix_(known, known)] / np.outer(size[known], size[known])
         distance = float(change @ np.linalg.lstsq(unit, change, rcond=1e-10)[0])
         freedom = int(np.linalg.matrix_rank(unit, tol=1e-10))
-        found.append(ElementChange(element, distance, freedom, float(scipy.stats.chi2.sf(distance, freedom))))
+        found.append(ElementChange(element, distance, freedom, float(scipy.special.chdtrc(freedom, distance))))
     return tuple(found)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from estimator.condensation import Complexes, Floats
 
@@ -49,7 +49,7 @@ def second_over_first(runs: Sequence[Orders], channel: int, *, running_speed: fl
     found = np.sort(np.concatenate([np.empty(0), *(_ratios(run, channel, running_speed) for run in runs)]))
     if found.size < FEWEST:
         return None
-    first = int(scipy.stats.binom.ppf(TAIL, found.size, 0.5)) - 1
+    first = int(np.searchsorted(scipy.special.bdtr(np.arange(found.size + 1.0), found.size, 0.5), TAIL)) - 1
     return OrderRatio(float(np.median(found)), float(found[first]), float(found[found.size - 1 - first]), found.size)
 
 

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from estimator.condensation import Floats
 
@@ -62,14 +62,14 @@ def drift(time: Floats, value: Floats) -> Drift:
     correction = serial_correction(value - slope * time)
     variance = _variance(value) * correction
     statistic = (concordance - math.copysign(1.0, concordance)) / math.sqrt(variance) if concordance and variance else 0.0
-    half = float(scipy.stats.norm.ppf(0.975)) * math.sqrt(variance)
+    half = float(scipy.special.ndtri(0.975)) * math.sqrt(variance)
     return Drift(
         slope=slope,
         slope_lower=_ordered(slopes, (slopes.size - half) / 2.0 - 1.0),
         slope_upper=_ordered(slopes, (slopes.size + half) / 2.0),
         level=float(np.median(value - slope * time)) + slope * float(time[-1]),
         statistic=statistic,
-        probability=float(2.0 * scipy.stats.norm.sf(abs(statistic))),
+        probability=float(2.0 * scipy.special.ndtr(-abs(statistic))),
         correction=correction,
     )
 
@@ -77,14 +77,14 @@ def drift(time: Floats, value: Floats) -> Drift:
 def serial_correction(residual: Floats) -> float:
     """Factor on the variance of Kendall's S for residuals (n,) whose ranks are correlated: n/n* of Hamed and Rao, Eq. 15."""
     count = residual.size
-    rank = scipy.stats.rankdata(residual)
+    rank = _ranks(residual)
     rank = rank - rank.mean()
     power = float(rank @ rank)
     if power == 0.0:
         return 1.0
     lag = np.arange(1, count)
-    correlation = np.array([rank[: count - k] @ rank[k:] for k in lag]) / power
-    limit = float(scipy.stats.norm.ppf(1.0 - SIGNIFICANT_LAG / 2.0)) / math.sqrt(count)
+    correlation = np.correlate(rank, rank, mode="full")[count:] / power
+    limit = float(scipy.special.ndtri(1.0 - SIGNIFICANT_LAG / 2.0)) / math.sqrt(count)
     counted = np.where(np.abs(correlation) > limit, correlation, 0.0)
     weight = (count - lag) * (count - lag - 1) * (count - lag - 2)
     factor = 1.0 + 2.0 / (count * (count - 1) * (count - 2)) * float(weight @ counted)
@@ -118,3 +118,10 @@ def _variance(value: Floats) -> float:
 def _ordered(slopes: Floats, place: float) -> float:
     """The order statistic at a place that may lie between two."""
     return float(np.interp(place, np.arange(slopes.size), slopes))
+
+
+def _ranks(values: Floats) -> Floats:
+    """From 1; equal values share the mean of theirs."""
+    _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
+    ranks: Floats = (np.cumsum(counts) - (counts - 1) / 2.0)[place]
+    return ranks

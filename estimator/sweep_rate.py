@@ -75,11 +75,11 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     )
     steady = synchronous_force(rotor, listed, values=values, speed=law.speed(grid), direction=direction)
     seen, at_rest = probe_rows(machine, rotor) @ shape, left.conj().T
+    pushed, resting = (np.asarray(one @ at_rest.T, dtype=complex) for one in (force, steady))
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
+    away = law.speed(grid) - spin
     for k in range(near.size):
-        eigenvalue = value[k] + (law.speed(grid) - spin) * drift[k]
-        pushed, resting = (np.asarray(one @ at_rest[k]).astype(complex) for one in (force, steady))
-        course = _course(law, grid, eigenvalue, pushed, resting)
+        course = _course(law, grid, value[k] + away * drift[k], pushed[:, k], resting[:, k])
         instant += course.deviation[place, None] * seen[:, k]
         averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
     return SweepTransient(instant, averaged)

@@ -6,7 +6,7 @@ one adds to it only where what was found lasts through all of its runs: what sta
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -29,6 +29,7 @@ class Watch:
 
     baseline: tuple[Observation, ...]
     reference: Reference
+    _explained: dict[tuple[Observation, ...], Diagnosis] = field(default_factory=dict, repr=False)
 
     @classmethod
     def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
@@ -66,7 +67,7 @@ class Watch:
         channels = explained_channels(whole)
         if not all(fits(one, channels) for one in window) and kind not in CHANNEL_KINDS:
             return kind in ("misfit", "outliers") and all(one.accepted for one in window)
-        return diagnose(self.reference, window).evidence.get((kind, element), 0.0) < GONE * STRONG
+        return self._explanation(window).evidence.get((kind, element), 0.0) < GONE * STRONG
 
     def began(self, cause: Cause, after: Sequence[Observation]) -> int:
         """Index of the run with which a cause most probably began: from there on the runs together speak for it most."""
@@ -85,9 +86,16 @@ class Watch:
         delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}
         return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
 
+    def _explanation(self, window: Sequence[Observation]) -> Diagnosis:
+        """Found once: several questions are asked about the same runs."""
+        runs = tuple(window)
+        if runs not in self._explained:
+            self._explained[runs] = diagnose(self.reference, runs)
+        return self._explained[runs]
+
     def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
         """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
-        found = diagnose(self.reference, window)
+        found = self._explanation(window)
         channels = explained_channels(found)
         if not all(fits(one, channels) for one in window):
             kept = [i for i, cause in enumerate(found.causes) if cause.kind in CHANNEL_KINDS]

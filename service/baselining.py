@@ -5,6 +5,7 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from service import alerting
 from storage import alerts, baselines, identifications, machines, timeline
+from storage.clock import TOLERANCE, now
 from storage.tables import BaselineRow, RevisionRow, TimelineRow
 
 MAINTENANCE = "maintenance"
@@ -16,6 +17,10 @@ class BaselineRefused(ValueError):
     """The named identifications make no baseline; the message says why."""
 
 
+class NotYet(ValueError):
+    """A baseline would begin in the future: until then the machine is the old one."""
+
+
 def begin(
     session: Session,
     machine_id: str,
@@ -25,7 +30,9 @@ def begin(
     by: str,
     identification_ids: list[int] | None = None,
 ) -> BaselineRow:
-    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused."""
+    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused, NotYet."""
+    if since > now() + TOLERANCE:
+        raise NotYet("a baseline begins when the work is done, not in the future: say it then, and note the plan as a note")
     if identification_ids is not None:
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
@@ -50,7 +57,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
 
 
 def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
-    """Put an entry on the timeline; a maintenance begins a baseline."""
+    """Put an entry on the timeline; a maintenance begins a baseline. Raises NotYet."""
     row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
     if kind == MAINTENANCE:
         begin(session, machine_id, since=at, reason=text, by=by)

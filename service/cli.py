@@ -2,11 +2,10 @@
 
 import logging
 import signal
-import sys
 import threading
 import time
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 import threadpoolctl
@@ -26,6 +25,8 @@ from estimator.thesis.tikhonov import Rule
 from estimator.units import RAD_PER_S
 from estimator.updated_model import updated_model
 from service.documents import UnreadableFile, read_machine
+from service.ending import fail
+from service.logs import log_to_terminal
 from service.model_report import model_text
 from service.offline import captured, read_measurement, read_runs, without_slow_roll
 from service.printing import (
@@ -38,18 +39,27 @@ from service.printing import (
     slow_roll_text,
 )
 from service.recording import read_recording, split, write_recording
+from service.roles import Role
+from service.security.command import audit_app, key_app
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
 from service.source import Source
 from service.source_log import LogError
+from service.storage_commands import backup, export, move, restore
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
+from service.stream_access import AccessUnusable, from_environment
 from service.wire import Key, Rejected
 
 app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition monitoring of coupled rotor trains.")
+app.add_typer(key_app, name="key")
+app.add_typer(audit_app, name="audit")
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
+for command in (backup, restore, move, export):
+    app.command()(command)
+
 LINGER_S = 5.0
 SAMPLE_S = 600.0
 Method = Literal["likelihood", "regression"]
@@ -63,12 +73,17 @@ def serve(
     zenoh_listen: Annotated[list[str] | None, typer.Option(help="endpoint on which to be a zenoh router")] = None,
     zenoh_connect: Annotated[list[str] | None, typer.Option(help="zenoh router to connect to")] = None,
     workers: Annotated[int | None, typer.Option(help="identification processes")] = None,
+    role: Annotated[Role | None, typer.Option(help="what this process does, beside others on one PostgreSQL database")] = None,
+    allow_no_authentication: Annotated[
+        bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
+    ] = None,
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
     # The web server and the database take a second to import, which no other command should pay.
     from service.running import PortUnusable
     from service.running import serve as run_service
-    from storage.database import DatabaseUnusable
+    from service.security.exposure import Exposed
+    from storage.claim import DatabaseUnusable
 
     given: dict[str, Any] = {
         "database": database,
@@ -77,20 +92,51 @@ def serve(
         "zenoh_listen": zenoh_listen,
         "zenoh_connect": zenoh_connect,
         "workers": workers,
+        "role": role,
+        "allow_no_authentication": allow_no_authentication,
     }
     if zenoh_connect and not zenoh_listen:
         given["zenoh_listen"] = []
-    try:
-        settings = Settings(**{name: value for name, value in given.items() if value is not None})
-    except ValidationError as error:
-        _fail("\n".join(f"setting {field_path(item['loc'])}: {item['msg']}" for item in error.errors()))
-    except SettingsError as error:
-        _fail(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]')
-    _log_to_terminal(settings.log_level)
+    settings = _settings({name: value for name, value in given.items() if value is not None})
+    log_to_terminal(settings.log_level, settings.log_format)
     try:
         run_service(settings)
-    except (DatabaseUnusable, PortUnusable, StreamUnusable) as error:
-        _fail(str(error))
+    except (DatabaseUnusable, PortUnusable, StreamUnusable, AccessUnusable, Exposed) as error:
+        fail(str(error))
+
+
+@app.command()
+def doctor(
+    url: Annotated[str | None, typer.Option(help="where the API answers; by default as the settings say")] = None,
+    api_key_file: Annotated[Path | None, typer.Option(help="file with an API key, if one is needed")] = None,
+) -> None:
+    """Look at a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
+
+    Prints a line for each thing that it looked at, and ends with status 1 when one is wrong. It changes nothing.
+    """
+    from service.doctor import examine
+    from service.security.secret_files import read_secret
+
+    settings = _settings({})
+    wrong = 0
+    for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
+        typer.echo(f"{finding.level:8s} {finding.what}: {finding.words}")
+        wrong += finding.level == "wrong"
+    if wrong:
+        fail(f"{wrong} wrong; docs/runbook.md says what to do")
+
+
+@app.command()
+def worker(
+    scheduler: Annotated[str, typer.Argument(help="address of the Dask scheduler, such as tcp://10.0.0.5:8786")],
+    processes: Annotated[int, typer.Option(min=1, max=64, help="identifications at once")] = 2,
+    memory_mb: Annotated[int, typer.Option(min=256, help="memory that each process may hold of its own [MiB]")] = 2048,
+) -> None:
+    """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
+    from service.cluster_worker import work
+
+    log_to_terminal("INFO")
+    work(scheduler, processes=processes, memory_bytes=memory_mb * 2**20, stop=_stop_on_signal())
 
 
 @app.command()
@@ -100,15 +146,25 @@ def router(
     ],
     connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
 ) -> None:
-    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed."""
-    _log_to_terminal("INFO")
+    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed.
+
+    Beyond loopback it needs certificates and access rules, as `serve` does (RUNDOWN_ZENOH_…; docs/security.md).
+    """
+    from service.security.exposure import Exposed, require_guarded
+
+    log_to_terminal("INFO")
+    try:
+        for door in require_guarded(_settings({}), listen):
+            logging.getLogger(__name__).warning("open to everybody: %s", door)
+    except Exposed as error:
+        fail(str(error))
     stop = _stop_on_signal()
     try:
-        with zenoh_session(listen=listen, connect=connect):
+        with zenoh_session(listen=listen, connect=connect, security=from_environment()):
             logging.getLogger(__name__).info("routing on %s", ", ".join(listen))
             stop.wait()
-    except StreamUnusable as error:
-        _fail(str(error))
+    except (StreamUnusable, AccessUnusable) as error:
+        fail(str(error))
 
 
 @app.command()
@@ -123,16 +179,16 @@ def simulate(
     truth: Annotated[Path | None, typer.Option(help="file for the true parameters of each run")] = None,
 ) -> None:
     """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
-    _log_to_terminal("INFO")
+    log_to_terminal("INFO")
     plan = Plan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
     stop = _stop_on_signal()
     try:
         parsed = [_machine_and_story(text) for text in machines]
-        with zenoh_session(listen=[], connect=connect) as session:
+        with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
             if wait_connected(session, connect, give_up=stop.wait):
                 run_simulation(session, parsed, plan, truth, stop)
     except (UnreadableFile, StreamUnusable, ValueError, OSError) as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 @app.command()
@@ -143,11 +199,11 @@ def replay(
     speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
 ) -> None:
     """Publish a recorded run over zenoh, in real or compressed time."""
-    _log_to_terminal("INFO")
+    log_to_terminal("INFO")
     stop = _stop_on_signal()
     try:
         batch = read_recording(file, sidecar)
-        with zenoh_session(listen=[], connect=connect) as session:
+        with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
             if not wait_connected(session, connect, give_up=stop.wait):
                 return
             with Source(session, Key(batch.plant, batch.machine), name=batch.source) as source:
@@ -159,8 +215,8 @@ def replay(
                     source.publish(piece)
                 logging.getLogger(__name__).info("%d samples published", source.sequence)
                 stop.wait(LINGER_S)  # to answer replay queries
-    except (UnreadableFile, StreamUnusable) as error:
-        _fail(str(error))
+    except (UnreadableFile, StreamUnusable, AccessUnusable) as error:
+        fail(str(error))
 
 
 @app.command()
@@ -172,11 +228,11 @@ def edge(
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
     from service.edge.command import run_edge
 
-    _log_to_terminal("INFO")
+    log_to_terminal("INFO")
     try:
         run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
-    except (UnreadableFile, StreamUnusable, LogError) as error:
-        _fail(str(error))
+    except (UnreadableFile, StreamUnusable, AccessUnusable, LogError) as error:
+        fail(str(error))
 
 
 @app.command()
@@ -185,7 +241,7 @@ def document(machine: Annotated[Path, typer.Argument(help="machine document, YAM
     try:
         typer.echo(read_machine(machine).model_dump_json(indent=1))
     except UnreadableFile as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 @app.command()
@@ -207,7 +263,7 @@ def sample(
         interval = float(times[1] - times[0])
         write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
     except (UnreadableFile, ValueError, OSError) as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 MachineFile = Annotated[Path, typer.Argument(help="machine document")]
@@ -237,9 +293,9 @@ def identify_offline(
     Ends with status 1 when the fit is not accepted.
     """
     if method == "regression" and advice:
-        _fail("--advice goes with the likelihood: the regression has no information to read it from")
+        fail("--advice goes with the likelihood: the regression has no information to read it from")
     if method == "likelihood" and tikhonov is not None:
-        _fail("--tikhonov goes with --method regression: the likelihood has its own prior")
+        fail("--tikhonov goes with --method regression: the likelihood has its own prior")
     if method == "regression":
         _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
@@ -248,7 +304,7 @@ def identify_offline(
     )
     text = quality_text([file.name for file in files], found.qualities, gate=gate)
     if found.identification is None:
-        _fail("\n".join([found.error or "", text]).strip())
+        fail("\n".join([found.error or "", text]).strip())
     result = found.identification
     typer.echo(identification_text(result))
     if text:
@@ -283,7 +339,7 @@ def model(
         with threadpoolctl.threadpool_limits(1):
             typer.echo(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
     except ValueError as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 @app.command()
@@ -296,15 +352,15 @@ def compare(
     """Say whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
     described, _, healthy = _identified(machine, [baseline], None)
     if not healthy.accepted:
-        _fail(f"{baseline}: {healthy.verdict}")
+        fail(f"{baseline}: {healthy.verdict}")
     try:
         measurement, _ = read_measurement(described, files)
         with threadpoolctl.threadpool_limits(1):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
     except KeyError:
-        _fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
+        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
     except (UnreadableFile, Rejected, ValueError) as error:
-        _fail(str(error))
+        fail(str(error))
     typer.echo(comparison_text(found))
 
 
@@ -320,7 +376,7 @@ def show_slow_roll(
         described, runs = _runs(machine, [file], sidecar)
         typer.echo(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
     except (UnreadableFile, Rejected, ValueError) as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
@@ -333,7 +389,7 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
         if found.reduced_chi_square > EXPLAINED or found.impossible:
             raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 def _runs(
@@ -354,7 +410,7 @@ def _runs(
 def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
     described, measurement, found = _gated(machine, files, sidecar)
     if found.identification is None:
-        _fail(found.error or "there is nothing to identify from")
+        fail(found.error or "there is nothing to identify from")
     return described, measurement, found.identification
 
 
@@ -376,9 +432,9 @@ def _gated(
             found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
         return described, joined(measured), found
     except ValidationError as error:
-        _fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
+        fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
     except (UnreadableFile, Rejected, ValueError) as error:
-        _fail(str(error))
+        fail(str(error))
 
 
 @app.command()
@@ -392,7 +448,7 @@ def demo(
     try:
         right = demonstration.run(leave=leave, port=port)
     except demonstration.DemoFailed as error:
-        _fail(str(error))
+        fail(str(error))
     if leave and not right:
         raise typer.Exit(1)
 
@@ -413,16 +469,11 @@ def _stop_on_signal() -> threading.Event:
     return stop
 
 
-def _log_to_terminal(level: str) -> None:
-    logging.basicConfig(level=level.upper(), format="%(asctime)s %(levelname)s %(name)s: %(message)s", stream=sys.stderr)
-    logging.getLogger("alembic").setLevel(logging.WARNING)
-
-
-def _fail(message: str) -> NoReturn:
-    typer.echo(f"rundown: {message}", err=True)
-    raise typer.Exit(1)
-
-
-def main() -> None:
-    """Entry point."""
-    app()
+def _settings(given: dict[str, Any]) -> Settings:
+    """From the command line and the environment; ends the command where they are wrong."""
+    try:
+        return Settings(**given)
+    except ValidationError as error:
+        fail("\n".join(f"setting {field_path(item['loc'])}: {item['msg']}" for item in error.errors()))
+    except SettingsError as error:
+        fail(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]')

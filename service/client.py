@@ -47,10 +47,14 @@ class ChangedMeanwhile(Exception):
 
 
 class Rundown:
-    """The service at an address. http: another client to ask with, such as one with a proxy or a certificate."""
+    """The service at an address. key: an API key or a token; http: another client to ask with, such as one with a proxy."""
 
-    def __init__(self, url: str = "http://127.0.0.1:8080", *, http: httpx.Client | None = None) -> None:
+    def __init__(
+        self, url: str = "http://127.0.0.1:8080", *, key: str | None = None, http: httpx.Client | None = None
+    ) -> None:
         self._http = http or httpx.Client(base_url=url, timeout=30.0)
+        if key is not None:
+            self._http.headers["Authorization"] = f"Bearer {key}"
 
     def __enter__(self) -> Self:
         return self
@@ -150,25 +154,34 @@ class Rundown:
         """What happens to alerts, for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
         while True:
             try:
-                for event in self._stream(after):
-                    yield event
-                    after = event.id
+                for number, event in self._stream(after):
+                    if event is not None:
+                        yield event
+                    after = number
             except httpx.TransportError:
                 pass
             time.sleep(PAUSE_S)
 
     # --- asking
 
-    def _stream(self, after: int | None) -> Iterator[AlertEvent]:
+    def _stream(self, after: int | None) -> Iterator[tuple[int, AlertEvent | None]]:
+        """Events with their numbers; first the number behind which the stream begins."""
         headers = {} if after is None else {"Last-Event-ID": str(after)}
         patience = httpx.Timeout(30.0, read=60.0)
         with self._http.stream("GET", f"{PREFIX}/alert-events/stream", headers=headers, timeout=patience) as answer:
             if answer.is_error:
                 answer.read()
                 raise _refused(answer)
+            number: int | None = None
+            event: AlertEvent | None = None
             for line in answer.iter_lines():
-                if line.startswith("data: "):
-                    yield AlertEvent.model_validate_json(line[6:])
+                if line.startswith("id: "):
+                    number = int(line[4:])
+                elif line.startswith("data: "):
+                    event = AlertEvent.model_validate_json(line[6:])
+                elif not line and number is not None:
+                    yield number, event
+                    number = event = None
 
     def _tag(self, path: str, read: BaseModel) -> str:
         answer = self._ask("GET", path)

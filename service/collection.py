@@ -86,6 +86,11 @@ class Collector:
         self._silent: set[str] = set()
         self._settled: set[str] = set()
 
+    def forget(self) -> None:
+        """Forget who was heard of when, as after a start."""
+        for known in (self._heard, self._heard_late, self._silent, self._settled):
+            known.clear()
+
     def seen(self, session: Session, machine_id: str) -> int:
         """Time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
         stored = runs.collector_state(session, machine_id)

@@ -8,6 +8,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import zenoh
 
@@ -79,7 +80,7 @@ class Healing:
     """Decides what can be stored now, what waits, and what is gone.
 
     expected: number of the next sample of a source. missing: the holes before it. read: a reply as a batch, None when it is
-    rejected. take: store a batch.
+    rejected. take: store a batch. owns: whether a machine's samples are stored here.
     """
 
     session: zenoh.Session
@@ -87,6 +88,7 @@ class Healing:
     missing: Callable[[SourceKey], Sequence[Hole]]
     read: Callable[[Key, zenoh.Sample], Arrived | None]
     take: Callable[[Arrived], None]
+    owns: Callable[[str], bool]
     live: dict[Key, dict[str, SourceKey]] = field(default_factory=dict)
     """Machines of which a source is connected, and the newest start of each of their sources, once known."""
     waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
@@ -108,10 +110,24 @@ class Healing:
         if token.kind == zenoh.SampleKind.PUT:
             logger.info("a source of %s/%s is alive", key.plant, key.machine)
             self.live[key] = {}
-            self._quiet.setdefault((key, None))
+            if self.owns(key.machine):
+                self._quiet.setdefault((key, None))
         else:
             logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
             self.live.pop(key, None)
+
+    def review(self) -> None:
+        """What is stored here has changed: begin anew with what is known of the sources, and ask all logs."""
+        everything: tuple[dict[Any, Any], ...] = (
+            self.waiting, self._replays, self._recalls, self._discoveries, self._quiet,
+            self._heard, self._silent_logs, self._fruitless,
+        )  # fmt: skip
+        for known in everything:
+            known.clear()
+        for key in self.live:
+            self.live[key] = {}
+            if self.owns(key.machine):
+                self._quiet.setdefault((key, None))
 
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, or let it wait for what is missing before it."""
@@ -139,6 +155,8 @@ class Healing:
                 ALL_LIVE, handler=Answers(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S
             )
         for key, sources in list(self.live.items()):
+            if not self.owns(key.machine):
+                continue
             if not sources:
                 self._quiet.setdefault((key, None))
             for source in sources.values():

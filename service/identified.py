@@ -14,7 +14,7 @@ from estimator.quality import EXCLUDING
 from estimator.slow_roll import SlowRoll, corrected
 from estimator.updated_model import UpdatedModel, model_at
 from storage import identifications, machines, runs, slow_roll
-from storage.runs import RunUnknown
+from storage.runs import RunUnknown, SamplesReleased
 from storage.tables import IdentificationRow, RunRow
 
 
@@ -91,7 +91,7 @@ def used_runs(session: Session, one: Identified, run_ids: Sequence[int]) -> list
     for run_id in run_ids:
         try:
             held, flags = runs.samples(session, run_id), runs.flags(session, run_id)
-        except RunUnknown:
+        except (RunUnknown, SamplesReleased):
             continue
         if held is None or not len(held):
             continue

@@ -1,10 +1,9 @@
 """Identification jobs: taken from the queue, computed in worker processes, stored with the alerts that follow from them."""
 
 import logging
-import multiprocessing
 import threading
 import time
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, replace
 from importlib.metadata import version as version_of_the_code
@@ -13,10 +12,12 @@ from sqlalchemy.exc import DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
-from estimator.machine import DocumentError, parse_machine
+from estimator.machine import parse_machine
 from service import requesting, watching, worker
+from service.engines import EngineAway, engine
 from service.settings import Settings
-from storage import derived, identifications, jobs, machines, runs, slow_roll
+from service.sharing import GATHERING, Share, Whole
+from storage import derived, identifications, jobs, machines, replicas, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.identifications import Origin
@@ -30,22 +31,18 @@ GATHERED_KIND = "gathered"
 """`run_kind` of an identification from several runs, which may be of both kinds."""
 
 
-def process_pool(workers: int) -> ProcessPoolExecutor:
-    """Spawned worker processes: a fork with a zenoh session open would crash."""
-    context = multiprocessing.get_context("spawn")
-    return ProcessPoolExecutor(workers, mp_context=context, initializer=worker.prepare)
-
-
 class Identifying:
     """The thread that keeps the workers busy and files their results."""
 
-    def __init__(self, database: Database, settings: Settings) -> None:
+    def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
         self._database = database
         self._settings = settings
+        self._share = share or Whole()
         self._options = Options()
-        self._executor: Executor = process_pool(settings.workers)
-        self._running: dict[Future[worker.Outcome], tuple[int, Executor]] = {}
+        self._engine = engine(settings)
+        self._running: dict[Future[worker.Outcome], int] = {}
         self._stop = threading.Event()
+        self._news = threading.Event()  # a result is there, or the service stops
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
         self.trouble: str | None = None
         """Why jobs cannot be taken or filed at the moment."""
@@ -53,7 +50,8 @@ class Identifying:
     def start(self) -> None:
         """Put back what an earlier process left unfinished, then begin."""
         with self._database.transaction() as session:
-            left = jobs.put_back_running(session)
+            living = [row.id for row in replicas.every(session)] if self._share.holder is not None else []
+            left = jobs.put_back_running(session, living=living)
         if left:
             logger.info("%d identifications were interrupted and are computed again", left)
         self._thread.start()
@@ -61,10 +59,9 @@ class Identifying:
     def stop(self) -> None:
         """Take no more jobs and end the workers; what they were computing is computed again after the next start."""
         self._stop.set()
+        self._news.set()
         self._thread.join()
-        for child in multiprocessing.active_children():
-            child.terminate()
-        self._executor.shutdown(wait=True, cancel_futures=True)
+        self._engine.close()
 
     @property
     def alive(self) -> bool:
@@ -72,53 +69,88 @@ class Identifying:
         return self._thread.is_alive()
 
     def _run(self) -> None:
-        gathered_at = time.monotonic()
-        while not self._stop.wait(POLL_S):
+        gathered_at, doubtful = time.monotonic(), False
+        while not self._stop.is_set():
+            self._news.wait(POLL_S)
+            self._news.clear()
             try:
-                for future in [future for future in self._running if future.done()]:
-                    self._file(future, *self._running[future])
-                    del self._running[future]  # only now: what could not be filed is filed later
-                self._submit()
-                if time.monotonic() - gathered_at >= self._settings.gathered_interval_s:
+                if doubtful:
+                    self._put_back_lost()
+                    doubtful = False
+                try:
+                    self._submit()  # first: no worker need wait for results to be filed
+                finally:
+                    for future in [future for future in self._running if future.done()]:
+                        self._file(future, self._running[future])
+                        del self._running[future]  # only now: what could not be filed is filed later
+                if time.monotonic() - gathered_at >= self._settings.gathered_interval_s and self._share.leads(GATHERING):
                     gathered_at = time.monotonic()
                     self._ask_gathered()
                 self.trouble = None
+            except EngineAway as error:
+                self.trouble = str(error)
+                logger.error("%s; trying again", error)
+                self._stop.wait(RETRY_S)
             except DBAPIError as error:
                 self.trouble = str(error.orig)
                 logger.error("identification jobs cannot be read or filed, trying again: %s", error.orig)
                 self._stop.wait(RETRY_S)
+                doubtful = True
             except Exception:
+                self.trouble = "unexpected error; the log has it"
                 logger.exception("unexpected error in the identification thread")
                 self._stop.wait(RETRY_S)
 
-    def _submit(self) -> None:
-        free = self._settings.workers - len(self._running)
-        if free <= 0:
+    def _put_back_lost(self) -> None:
+        """Own jobs of which nothing is known here: they were taken when the database's answer got lost."""
+        if self._share.holder is None:
             return
+        with self._database.transaction() as session:
+            for row in jobs.held_by(session, self._share.holder):
+                if row.id not in self._running.values():
+                    logger.warning("job %d was taken and not begun; it is taken again", row.id)
+                    jobs.put_back_unhurt(row)
+
+    def _submit(self) -> None:
         with self._database.reading() as session:
             if not jobs.waiting(session):
                 return
+        capacity = self._engine.capacity()
+        computing = sum(not future.done() for future in self._running)
+        free = min(capacity - computing, 2 * capacity - len(self._running))
+        if free <= 0:
+            return
         tasks: list[tuple[int, worker.Task]] = []
         with self._database.transaction() as session:
-            for row in jobs.take(session, free):
+            for row in jobs.take(session, free, holder=self._share.holder):
                 try:
                     tasks.append((row.id, _task(session, row, self._options, self._settings)))
-                except (DamagedBlock, DocumentError, KeyError) as error:
+                except DBAPIError:
+                    raise
+                except Exception as error:  # noqa: BLE001 - whatever is the matter with one job must not stop the others
                     jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+        away: EngineAway | None = None
         for job_id, task in tasks:
             try:
-                self._running[self._executor.submit(worker.compute, task)] = job_id, self._executor
-            except BrokenProcessPool as error:
-                self._replace_workers(self._executor)
-                self._put_back(job_id, str(error))
+                future = self._engine.submit(task)
+                self._running[future] = job_id
+                future.add_done_callback(lambda _: self._news.set())
+            except EngineAway as error:
+                away = error
+                self._put_back_unhurt(job_id)
+        if away is not None:
+            raise away
 
-    def _file(self, future: Future[worker.Outcome], job_id: int, executor: Executor) -> None:
+    def _file(self, future: Future[worker.Outcome], job_id: int) -> None:
         try:
             result = future.result()
         except BrokenProcessPool as error:
-            logger.error("an identification process died; its job is tried again")
-            self._replace_workers(executor)
+            logger.error("the process that computed job %d died; it is tried again", job_id)
             self._put_back(job_id, str(error))
+            return
+        except CancelledError:
+            logger.warning("job %d was lost with what computed it; it is tried again", job_id)
+            self._put_back_unhurt(job_id)
             return
         except Exception as error:  # noqa: BLE001 - whatever a fit raises becomes the job's recorded failure
             self._fail(job_id, f"{type(error).__name__}: {error}")
@@ -131,7 +163,10 @@ class Identifying:
     def _store(self, job_id: int, outcome: worker.Outcome) -> None:
         result = outcome.identification
         with self._database.transaction() as session:
-            row = jobs.get(session, job_id)
+            row = self._own(session, job_id)
+            if row is None:
+                return
+            machines.lock(session, row.machine_id)
             if row.scope == jobs.RUN:
                 runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
             if result is None:
@@ -158,20 +193,29 @@ class Identifying:
         except Exception:
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
 
+    def _own(self, session: Session, job_id: int) -> JobRow | None:
+        """A job that this replica computes; None when another one has taken it over."""
+        row = jobs.get(session, job_id)
+        if (row.state, row.holder) == (jobs.RUNNING, self._share.holder):
+            return row
+        logger.warning("job %d was taken over by another replica: its result is left to that one", job_id)
+        return None
+
     def _put_back(self, job_id: int, error: str) -> None:
         with self._database.transaction() as session:
-            jobs.put_back(jobs.get(session, job_id), error)
+            if (row := self._own(session, job_id)) is not None:
+                jobs.put_back(row, error)
+
+    def _put_back_unhurt(self, job_id: int) -> None:
+        with self._database.transaction() as session:
+            if (row := self._own(session, job_id)) is not None:
+                jobs.put_back_unhurt(row)
 
     def _fail(self, job_id: int, error: str) -> None:
         logger.warning("identification job %d failed: %s", job_id, error)
         with self._database.transaction() as session:
-            jobs.finish(jobs.get(session, job_id), state=jobs.FAILED, error=error)
-
-    def _replace_workers(self, broken: Executor) -> None:
-        """A pool that lost a worker takes no more; its other jobs learn of it one after the other."""
-        if broken is self._executor:
-            broken.shutdown(wait=False, cancel_futures=True)
-            self._executor = process_pool(self._settings.workers)
+            if (row := self._own(session, job_id)) is not None:
+                jobs.finish(row, state=jobs.FAILED, error=error)
 
     def _ask_gathered(self) -> None:
         """Queue an identification over the newest runs of each machine that has more than one."""
@@ -215,7 +259,7 @@ def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
         return None
     try:
         held = runs.samples(session, before.id)
-    except DamagedBlock as error:
+    except (DamagedBlock, runs.SamplesReleased) as error:
         logger.warning("run %d is not compared with run %d: %s", row.run_ids[0], before.id, error)
         return None
     return None if held is None else (f"run {before.id}", encode(held))

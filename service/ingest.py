@@ -4,14 +4,16 @@ import logging
 import threading
 import time
 from collections import deque
+from collections.abc import Collection
 from concurrent.futures import Future
 
 import msgspec
 import zenoh
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 
 from service.healing import Healing
 from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
+from service.sharing import Share, Whole, lease_of
 from service.submissions import NotStoring, Submission, Submissions
 from service.wire import (
     ALL_LIVE,
@@ -27,6 +29,7 @@ from service.wire import (
     source_key,
 )
 from storage.clock import now
+from storage.leases import NotHeld
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 
@@ -39,6 +42,8 @@ CYCLE_S = 0.05
 """Pause between looks into an empty queue."""
 TAIL_CHECK_S = 2.0
 """How often a live source's log is asked for samples that never came."""
+STALLED_S = 5.0
+"""A cycle that lasts longer waits for the database, and the service is not ready."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
 
@@ -47,7 +52,13 @@ class Ingest:
     """The thread that takes what zenoh and HTTP deliver. Callbacks only enqueue; everything else happens here."""
 
     def __init__(
-        self, session: zenoh.Session, journal: Journal, *, silence_s: float, submissions: Submissions | None = None
+        self,
+        session: zenoh.Session,
+        journal: Journal,
+        *,
+        silence_s: float,
+        submissions: Submissions | None = None,
+        share: Share | None = None,
     ) -> None:
         self._session = session
         self._journal = journal
@@ -56,14 +67,23 @@ class Ingest:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ingest", daemon=True)
         self._expected: dict[SourceKey, int] = {}
-        self._healing = Healing(session, expected=self._next, missing=journal.missing, read=self._read_reply, take=self._take)
+        self._share = share or Whole()
+        self._changes = self._share.changes
+        self._healing = Healing(
+            session,
+            expected=self._next,
+            missing=journal.missing,
+            read=self._read_reply,
+            take=self._take,
+            owns=self._share.owns,
+        )
         self._inbox: deque[zenoh.Sample] = deque()
         self._arrived: list[Arrived] = []
         self._promises: dict[int, Future[Outcome]] = {}  # by place in `_arrived`
         self._refused: list[tuple[Future[Outcome], Rejected]] = []
         self._rejections: list[Rejection] = []
-        self.trouble: str | None = None
-        """Why the last cycle could not be stored."""
+        self._trouble: str | None = None
+        self._began = time.monotonic()  # the cycle
         self._closed = False
         self.depth = 0
         """Messages that waited at the beginning of the last cycle."""
@@ -86,6 +106,18 @@ class Ingest:
         self._questions.undeclare()
 
     @property
+    def trouble(self) -> str | None:
+        """Why the last cycle could not be stored, or that the present one does not end."""
+        lasts = time.monotonic() - self._began
+        if self._trouble is None and lasts > STALLED_S and self.alive:
+            return f"storing has not ended for {lasts:.0f} s"
+        return self._trouble
+
+    @trouble.setter
+    def trouble(self, words: str | None) -> None:
+        self._trouble = words
+
+    @property
     def alive(self) -> bool:
         """Whether the thread runs."""
         return self._thread.is_alive()
@@ -94,6 +126,7 @@ class Ingest:
         next_check = 0.0
         while True:
             stopping = self._stop.is_set()
+            self._began = time.monotonic()
             try:
                 count = self._cycle()
                 if time.monotonic() >= next_check and not stopping:
@@ -102,6 +135,15 @@ class Ingest:
                     self._journal.close_silent(silence_s=self._silence_s, alive=alive)
                     next_check = time.monotonic() + TAIL_CHECK_S
                 self.trouble = self._submissions.trouble = None
+            except NotHeld as error:
+                logger.warning("machines were taken over by another replica: %s", error)
+                self._leave(error.names)
+                self._stop.wait(CYCLE_S)
+                continue
+            except (DataError, IntegrityError) as error:
+                logger.error("the database cannot hold something of %d messages: %s", len(self._arrived), error.orig)
+                self._one_by_one()
+                continue
             except DBAPIError as error:
                 # What was received stays in memory and in the queue until the database takes it.
                 self.trouble = self._submissions.trouble = str(error.orig)
@@ -129,6 +171,11 @@ class Ingest:
     def _cycle(self) -> int:
         """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
         self._store()  # what the database refused before; nothing more is taken until it is in
+        if self._changes != self._share.changes:
+            self._changes = self._share.changes
+            self._expected.clear()
+            self._journal.forget()
+            self._healing.review()
         while (token := self._tokens.try_recv()) is not None:
             self._healing.token(token)
         while (question := self._questions.try_recv()) is not None:
@@ -161,6 +208,54 @@ class Ingest:
             self._arrived.clear()
             self._rejections.clear()
 
+    def _one_by_one(self) -> None:
+        """Store each message by itself; the one that the database cannot hold is put aside, and stops nothing."""
+        waiting = [(one, self._promises.get(place)) for place, one in enumerate(self._arrived)]
+        self._arrived, self._promises = [], {}
+        rejections, self._rejections = self._rejections, []
+        try:
+            self._journal.store([], rejections)
+        except (DataError, IntegrityError) as error:
+            logger.error("%d rejections cannot be kept: %s", len(rejections), error.orig)
+        for one, promise in waiting:
+            try:
+                outcome = self._stored_alone(one)
+            except (DataError, IntegrityError) as error:
+                rejected = Rejected("undecodable", f"the database cannot hold it: {error.orig}")
+                self._reject(one.key, one.batch.machine, one.payload, rejected)
+                if promise is not None:
+                    promise.set_exception(rejected)
+            except (DBAPIError, NotHeld):
+                if promise is not None:
+                    self._promises[len(self._arrived)] = promise
+                self._arrived.append(one)  # tried again with all others
+            else:
+                if promise is not None:
+                    promise.set_result(outcome)
+
+    def _stored_alone(self, one: Arrived) -> Outcome:
+        """Tried twice: what another replica wrote at the same moment is there the second time."""
+        try:
+            (outcome,) = self._journal.store([one], [])
+        except IntegrityError:
+            (outcome,) = self._journal.store([one], [])
+        return outcome
+
+    def _leave(self, names: Collection[str]) -> None:
+        """Drop what is another replica's to store: it fetches it from the sources' logs."""
+        kept = []
+        for place, one in enumerate(self._arrived):
+            promise = self._promises.pop(place, None)
+            if lease_of(one.batch.machine) in names:
+                if promise is not None:
+                    promise.set_exception(NotStoring("another replica takes this machine's samples now"))
+            else:
+                kept.append((one, promise))
+        self._arrived = [one for one, _ in kept]
+        self._promises = {place: promise for place, (_, promise) in enumerate(kept) if promise is not None}
+        self._expected.clear()
+        self._journal.forget()
+
     def _break_promises(self, error: Exception) -> None:
         """Say to all who wait that what they sent is not known to be durable."""
         waiting = [*self._promises.values(), *(promise for promise, _ in self._refused)]
@@ -178,7 +273,7 @@ class Ingest:
                 key = Key.parse(str(question.key_expr))
             except Rejected:
                 return  # of all machines at once: each is asked for by itself
-            if self._journal.plant_of(key.machine) == key.plant:
+            if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
                 answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
                 question.reply(key.received, msgspec.json.encode(answer), encoding=JSON)
 
@@ -206,7 +301,10 @@ class Ingest:
         try:
             key = Key.parse(key_text)
         except Rejected as rejected:
-            self._reject(key_text, None, sample.payload.to_bytes(), rejected)
+            if self._share.owns(key_text):
+                self._reject(key_text, None, sample.payload.to_bytes(), rejected)
+            return
+        if not self._share.owns(key.machine):
             return
         arrived = self._read(key, key_text, sample)
         if arrived is not None:
@@ -227,7 +325,16 @@ class Ingest:
         return Arrived(batch, key_text, payload, now())
 
     def _reject(self, key_text: str, machine: str | None, payload: bytes, rejected: Rejected) -> None:
-        self._rejections.append(Rejection(now(), key_text, machine, rejected.reason, rejected.detail, payload))
+        self._rejections.append(
+            Rejection.of_message(
+                received_at=now(),
+                key=key_text,
+                machine_id=machine,
+                reason=rejected.reason,
+                detail=rejected.detail,
+                payload=payload,
+            )
+        )
 
     def _take(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> None:
         """Queue a batch for storing."""

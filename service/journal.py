@@ -17,6 +17,7 @@ from estimator.machine import Machine
 from service import holes
 from service.collection import Collector
 from service.order import Order
+from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
@@ -60,6 +61,7 @@ class _Pending:
 
     parts: dict[SourceKey, list[Samples]] = field(default_factory=lambda: defaultdict(list))
     first: dict[SourceKey, int] = field(default_factory=dict)
+    received_at: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
 
@@ -67,9 +69,10 @@ class _Pending:
 class Journal:
     """Writes what arrives. Not for use from several threads at once."""
 
-    def __init__(self, database: Database, collector: Collector) -> None:
+    def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
         self._database = database
         self._collector = collector
+        self._share = share or Whole()
         self._orders: dict[SourceKey, Order] = {}
         self._plants: dict[str, str] = {}
         self._documents: dict[str, tuple[int, Machine]] = {}
@@ -110,11 +113,12 @@ class Journal:
         return self._plants[machine_id]
 
     def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
-        """Store batches and rejections; returns what became of each batch. Raises what the database raises; then nothing was
-        stored.
+        """Store batches and rejections; returns what became of each batch. Raises what the database raises, and NotHeld for
+        machines that are another replica's by now; then nothing was stored.
         """
         try:
-            with self._database.transaction() as session:
+            with self._database.transaction(beside_others=True) as session:
+                self._share.require(session, {one.batch.machine for one in arrived})
                 return self._store(session, arrived, rejections)
         except BaseException:
             self._orders.clear()  # they may know of samples that were not stored
@@ -126,9 +130,16 @@ class Journal:
         alive: machines of which a source is connected.
         """
         with self._database.transaction() as session:
-            for row in machines.every(session):
-                self._collector.close_silent(session, row.id, silence_s=silence_s, alive=row.id in alive)
-                self._collector.settle_late(session, row.id)
+            own = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
+            self._share.require(session, own)
+            for machine_id in own:
+                self._collector.close_silent(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
+                self._collector.settle_late(session, machine_id)
+
+    def forget(self) -> None:
+        """Forget what may have gone on without this process; all of it is in the store."""
+        self._orders.clear()
+        self._collector.forget()
 
     def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
         """Raises Rejected for a batch of which nothing can be taken."""
@@ -157,7 +168,14 @@ class Journal:
         for key, parts in pending.parts.items():
             revision, machine = documents[key.machine_id]
             joined = join(parts, channels=len(machine.probes))
-            samples.add_block(session, key, revision=revision, first_sequence=pending.first[key], samples=joined)
+            samples.add_block(
+                session,
+                key,
+                revision=revision,
+                first_sequence=pending.first[key],
+                samples=joined,
+                received_at=pending.received_at[key],
+            )
             fresh[key.machine_id].append(joined)
             late = int(np.count_nonzero(joined.time <= self._collector.seen(session, key.machine_id)))
             if late:
@@ -217,6 +235,7 @@ class Journal:
             pending.parts[key].append(kept)
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
+            row.last_received_at = pending.received_at[key] = one.received_at
         return Outcome(int(np.count_nonzero(taken)), known, gap, new)
 
 

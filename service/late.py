@@ -57,6 +57,12 @@ def settle(session: Session, machine_id: str, window: Window) -> bool:
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     if any(row.state == runs.OPEN for row in beside):
         return False
+    if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
+        # Made anew from the blocks that are left, it would lose what it has.
+        for row in beside:
+            runs.leave_out(row, count)
+        logger.warning("%s: %d samples came too late for their run, whose blocks were let go of", machine_id, count)
+        return True
     begin = min([first, *(row.time_first for row in beside)]) - BESIDE
     end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
     before = round(1e9 * machine.collection.pre_trigger_s)

@@ -7,9 +7,10 @@ document leaves out is as in the defaults, which are starting points; each says 
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
 from estimator.machine import Machine
+from estimator.written import Written
 from service.alert_life import Severity
 
 RuleName = Literal["misalignment", "bearing", "coupling", "unbalance", "run_out", "sensor", "rate_of_change"]
@@ -60,10 +61,10 @@ class LimitsRefused(ValueError):
         self.problems = problems
 
 
-class Level(BaseModel):
+class Level(Written):
     """From where on something is an alert, or a danger. What is null does not matter."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     sigma: Annotated[Limit, Field(le=100)] | None = Field(
         default=None, description="how certain the change must be, in standard deviations; needed beside any size"
@@ -95,11 +96,11 @@ class Level(BaseModel):
         return certain and (not sizes or any(reaches(name, getattr(self, name)) for name in sizes))
 
 
-class Rule(BaseModel):
+class Rule(Written):
     """Levels of one kind of finding, and how patient its alerts are. Delays count identifications of the same kind of run."""
 
     # A rule of a machine is completed from the defaults, so that none of its fields is needed.
-    model_config = ConfigDict(extra="forbid", frozen=True, json_schema_extra=lambda schema: schema.pop("required", None))
+    model_config = ConfigDict(frozen=True, json_schema_extra=lambda schema: schema.pop("required", None))
 
     alert: Level = Field(description="needed in a rule of a single element; else by default as in the defaults")
     danger: Level | None = Field(default=None, description="null: it never becomes a danger")
@@ -151,10 +152,10 @@ def _default(name: RuleName) -> Any:
     return Field(default=DEFAULTS[name])
 
 
-class Limits(BaseModel):
+class Limits(Written):
     """All limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(frozen=True)
 
     misalignment: Rule = _default("misalignment")
     bearing: Rule = _default("bearing")

@@ -48,6 +48,8 @@ def ask(session: Session, run_id: int, request: Request) -> JobRow:
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:
         raise NotToIdentify(f"run {run_id} is {run.state}; only closed runs are identified")
+    if run.released_at is not None:
+        raise NotToIdentify(f"run {run_id} no longer has its samples, as the retention of runs says")
     version = chosen_version(session, run.machine_id, request.slow_roll)
     usual = asdict(Options())
     fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}

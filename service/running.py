@@ -1,85 +1,162 @@
 """The service as one process: everything is opened, started, stopped and closed here, in visible steps."""
 
+import gc
 import logging
 import signal
 import socket
+import ssl
+import sys
 import threading
+from contextlib import ExitStack
+from typing import Protocol
 
 import uvicorn
 
 from service.api.application import application
+from service.api.event_stream import Broadcaster
 from service.api.stuck_clients import end_stuck_connections
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.forwarding import Forwarding
+from service.housekeeping import Housekeeping
 from service.identifying import Identifying
 from service.ingest import Ingest
 from service.journal import Journal
+from service.leasing import Leasing
+from service.security.configuration import Security
+from service.security.exposure import require_authentication
 from service.settings import Settings
 from service.stream import connected, open_session
+from service.stream_access import StreamSecurity
 from service.submissions import Submissions
+from storage import keys
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
+
+SWITCH_INTERVAL_S = 0.001
+"""How long a thread computes before others have a turn [s]: the event loop waits so long whenever it is needed."""
 
 
 class PortUnusable(RuntimeError):
     """The REST API cannot listen where it should."""
 
 
+class Part(Protocol):
+    """A thread of the service."""
+
+    trouble: str | None
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+
+    def start(self) -> None:
+        """Begin."""
+
+    def stop(self) -> None:
+        """End."""
+
+
+class Server(uvicorn.Server):
+    """The web server. Streams that never end are told when it stops: it would wait for them."""
+
+    def __init__(self, config: uvicorn.Config, broadcaster: Broadcaster) -> None:
+        super().__init__(config)
+        self._broadcaster = broadcaster
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer what was asked, and no more."""
+        self._broadcaster.end()
+        await super().shutdown(sockets)
+
+
 def serve(settings: Settings) -> None:
-    """Run until SIGINT or SIGTERM. Raises DatabaseUnusable, PortUnusable or StreamUnusable before anything has started."""
+    """Run until SIGINT or SIGTERM.
+
+    Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable before anything starts.
+    """
     asked_to_stop = _note_signals()
-    database = Database(settings.database)
-    database.claim()
-    listener = _listen(settings.host, settings.port)
-    session = open_session(listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True)
-    submissions = Submissions()
-    ingest = Ingest(
-        session, Journal(database, Collector(late_s=settings.late_s)), silence_s=settings.silence_s, submissions=submissions
-    )
-    identifying = Identifying(database, settings)
-    dispatcher = Dispatcher(database, session, settings)
-    last_states = LastStates(session, database)
-
-    def parts() -> dict[str, str]:
-        return {
-            "ingest": _state(alive=ingest.alive, trouble=ingest.trouble),
-            "identifying": _state(alive=identifying.alive, trouble=identifying.trouble),
-            "delivery": _state(alive=dispatcher.alive, trouble=dispatcher.trouble),
-            "stream": "ok" if settings.zenoh_listen or connected(session) else _waiting(settings),
-        }
-
-    try:
-        identifying.start()
-        ingest.start()
-        dispatcher.start()
+    stream_security = StreamSecurity.of(settings)
+    with ExitStack() as closing:
+        database = Database(settings.database)
+        closing.callback(database.close)
+        with database.reading() as reading:
+            for door in require_authentication(settings, keys_are_there=keys.are_there(reading)):
+                logger.warning("open to everybody: %s", door)
+        database.claim(shared=True)
+        _require_certificate(settings)
+        logger.info("database: %s", database.version)
+        for objection in database.objections:
+            logger.warning(objection)
+        listener = _listen(settings.host, settings.port)
+        closing.callback(listener.close)
+        session = open_session(
+            listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True, security=stream_security
+        )
+        closing.callback(session.close)
+        submissions = Submissions()
+        leasing = Leasing(database, settings.role)
+        journal = Journal(database, Collector(late_s=settings.late_s), leasing)
+        ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=submissions, share=leasing)
+        identifying = Identifying(database, settings, leasing)
+        dispatcher = Dispatcher(database, session, settings, leasing)
+        housekeeping = Housekeeping(database, settings, leasing)
+        parts: dict[str, Part] = {"leasing": leasing}
+        if settings.role in ("all", "identify"):
+            parts |= {"identifying": identifying, "delivery": dispatcher}
+        if settings.role in ("all", "ingest"):
+            parts |= {"ingest": ingest}
+        for part in [*parts.values(), housekeeping]:
+            part.start()
+            closing.callback(part.stop)
+        forwarding = Forwarding(session, database, leasing, submissions)
+        closing.callback(forwarding.close)
+        closing.callback(LastStates(session, database, leasing).close)
+        closing.callback(logger.info, "stopping: no more samples; identifications under way are left for the next start")
         if not settings.zenoh_listen and not connected(session):
             logger.warning(_waiting(settings))
+
+        def states() -> dict[str, str]:
+            stream = "ok" if settings.zenoh_listen or connected(session) else _waiting(settings)
+            return {name: _state(part) for name, part in parts.items()} | {"stream": stream}
+
         app = application(
             database,
-            parts,
+            states,
             try_out=dispatcher.try_out,
-            submissions=submissions,
+            submissions=forwarding,
             depth=lambda: ingest.depth,
             baseline_runs=settings.baseline_runs,
+            security=Security.of(settings),
+            warnings=lambda: housekeeping.warnings,
+            gauges=lambda: housekeeping.gauges,
         )
-        config = uvicorn.Config(app, log_config=None, access_log=False, lifespan="off", timeout_graceful_shutdown=5)
+        _prefer_answers()
+        config = uvicorn.Config(
+            app,
+            log_config=None,
+            access_log=False,
+            timeout_graceful_shutdown=5,
+            server_header=False,
+            ssl_certfile=settings.tls_certificate or None,
+            ssl_keyfile=settings.tls_key or None,
+        )
         host, port = listener.getsockname()[:2]
-        logger.info("ready: http://%s:%d/, sources on %s", host, port, _endpoints(settings))
+        scheme = "https" if settings.tls_certificate else "http"
+        logger.info("ready: %s://%s:%d/, sources on %s", scheme, host, port, _endpoints(settings))
         if not asked_to_stop.is_set():
-            uvicorn.Server(config).run(sockets=[listener])
-    finally:
-        logger.info("stopping: no more samples")
-        ingest.stop()
-        dispatcher.stop()
-        last_states.close()
-        session.close()
-        logger.info("stopping: identifications under way are left for the next start")
-        identifying.stop()
-        database.close()
-        listener.close()
-        logger.info("stopped")
+            Server(config, app.state.broadcaster).run(sockets=[listener])
+    logger.info("stopped")
+
+
+def _prefer_answers() -> None:
+    """Let the interpreter's own housekeeping keep nobody waiting."""
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    # What is there by now stays: looking through it again for garbage would stop all threads for a tenth of a second.
+    gc.collect()
+    gc.freeze()
 
 
 def _note_signals() -> threading.Event:
@@ -100,10 +177,21 @@ def _waiting(settings: Settings) -> str:
     return f"no zenoh router answers at {', '.join(settings.zenoh_connect)} yet; trying again until one does"
 
 
-def _state(*, alive: bool, trouble: str | None) -> str:
-    if not alive:
+def _state(part: Part) -> str:
+    if not part.alive:
         return "its thread has ended"
-    return trouble or "ok"
+    return part.trouble or "ok"
+
+
+def _require_certificate(settings: Settings) -> None:
+    """Find out before anything starts that a certificate cannot be used."""
+    if settings.tls_certificate:
+        try:
+            ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(settings.tls_certificate, settings.tls_key)
+        except OSError as error:
+            raise PortUnusable(
+                f"{settings.tls_certificate} with {settings.tls_key}: no certificate and key: {error}"
+            ) from error
 
 
 def _listen(host: str, port: int) -> socket.socket:

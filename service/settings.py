@@ -1,12 +1,25 @@
 """All settings of the service, from the environment (`RUNDOWN_…`) or the command line."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, IPvAnyNetwork, SecretStr
+from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from service.logs import LogFormat
+from service.roles import Role
+from service.security.secret_files import encrypted, read_secret, require_private
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5
+
+
+def _a_day_or_never(days: float) -> float:
+    if 0.0 < days < 1.0:
+        raise ValueError(f"{days:g} is less than a day; 0 keeps for ever")
+    return days
+
+
+Days = Annotated[float, Field(ge=0), AfterValidator(_a_day_or_never)]
 
 
 class Settings(BaseSettings):
@@ -14,6 +27,9 @@ class Settings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")
 
+    role: Role = Field(
+        default="all", description="what this process does: all, or ingest, identify or api beside others on one PostgreSQL"
+    )
     database: str = Field(default="sqlite:///rundown.db", description="SQLAlchemy URL of the database")
     host: str = Field(default="127.0.0.1", description="address on which the REST API listens")
     port: Annotated[int, Field(ge=0, le=65535)] = Field(default=8080, description="its port; 0 takes a free one")
@@ -24,6 +40,13 @@ class Settings(BaseSettings):
         default=[], description="endpoints of zenoh routers to connect to; retried until they answer"
     )
     workers: Annotated[int, Field(ge=1, le=64)] = Field(default=2, description="identification processes")
+    dask_scheduler: str = Field(
+        default="",
+        description="address of a Dask scheduler, such as tcp://10.0.0.5:8786; its workers identify",
+    )
+    identification_memory_mb: Annotated[int, Field(ge=256)] = Field(
+        default=2048, description="memory that an identification process may hold of its own [MiB]"
+    )
     identification_timeout_s: Annotated[float, Field(gt=0)] = Field(
         default=300.0, description="an identification that takes longer is given up"
     )
@@ -52,6 +75,84 @@ class Settings(BaseSettings):
     late_s: Annotated[float, Field(ge=0)] = Field(
         default=10.0, description="samples that came late are sorted into their runs when no more have come for this long"
     )
+    raw_days: Days = Field(
+        default=0.0, description="samples outside of runs are let go of behind a machine's newest by this many days; 0: never"
+    )
+    run_days: Days = Field(
+        default=0.0, description="the same for the samples of runs; what was found of them is kept for ever; 0: never"
+    )
+    disk_budget_gb: Annotated[float, Field(ge=0)] = Field(
+        default=0.0, description="how large the database may become before it is warned of; 0: as large as the disk"
+    )
+    log_format: LogFormat = Field(default="text", description="text for people, json for a log collector: an object a line")
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = Field(
         default="INFO", description="DEBUG, INFO, WARNING or ERROR"
     )
+    authentication: Literal["auto", "required"] = Field(
+        default="auto", description="auto: needed as soon as there is an API key or an issuer; required: in any case"
+    )
+    allow_no_authentication: bool = Field(
+        default=False, description="first of two settings without which nothing but loopback is served without authentication"
+    )
+    everybody_may_change_everything: bool = Field(default=False, description="the second: it says what that means")
+    requests_per_s: Annotated[float, Field(gt=0)] = Field(default=100.0, description="of one principal, in the long run")
+    requests_burst: Annotated[float, Field(ge=1)] = Field(default=500.0, description="of one principal, at once")
+    oidc_issuer: str = Field(default="", description="issuer of tokens (OpenID Connect), exactly as they say it")
+    oidc_audience: str = Field(default="", description="what a token must be made for")
+    oidc_jwks: str = Field(default="", description="URL or file of its keys; by default what its configuration says")
+    oidc_client_id: str = Field(default="", description="this service as its client, to log in on the page with it")
+    oidc_client_secret: SecretStr = Field(default=SecretStr(""), description="its secret, if the issuer gave one")
+    oidc_client_secret_file: str = Field(default="", description="file that holds it")
+    oidc_scope: str = Field(default="openid profile", description="what is asked for at a login")
+    oidc_role_claim: str = Field(default="rundown_role", description="claim that names the role; a dot leads into one")
+    oidc_plants_claim: str = Field(default="rundown_plants", description="claim that names the plants, or * for all")
+    oidc_name_claim: str = Field(default="name", description="claim that names the person")
+    oidc_roles: dict[str, str] = Field(default={}, description="what the issuer calls a role: its name to ours")
+    tls_certificate: str = Field(default="", description="file of the certificate chain; with it, the API speaks TLS")
+    tls_key: str = Field(default="", description="file of its key, which others must not be able to read")
+    zenoh_tls_ca: str = Field(default="", description="file of the authority that signed the sources' certificates")
+    zenoh_tls_certificate: str = Field(default="", description="file of the service's certificate on the zenoh network")
+    zenoh_tls_key: str = Field(default="", description="file of its key, which others must not be able to read")
+    zenoh_access: str = Field(default="", description="file that says which certificate may publish for which machines (YAML)")
+    smtp_password_file: str = Field(default="", description="file that holds the mail server's password")
+    database_file: str = Field(default="", description="file that holds the database's URL, where a password is in it")
+
+    @model_validator(mode="after")
+    def _from_files(self) -> Self:
+        for name, file in (("smtp_password", self.smtp_password_file), ("oidc_client_secret", self.oidc_client_secret_file)):
+            if file:
+                setattr(self, name, SecretStr(read_secret(file)))
+        if self.database_file:
+            self.database = read_secret(self.database_file)
+        return self
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.oidc_issuer and not self.oidc_audience:
+            raise ValueError("oidc_issuer needs oidc_audience: without it tokens made for other services would be taken")
+        for name in ("oidc_issuer", "oidc_jwks"):
+            url = getattr(self, name)
+            if url.startswith("http://") and not encrypted(url):
+                raise ValueError(f"{name}: {url} must be https: who sits between could make tokens")
+        if bool(self.tls_certificate) != bool(self.tls_key):
+            raise ValueError("tls_certificate and tls_key: both, or neither")
+        zenoh_tls = {bool(one) for one in (self.zenoh_tls_ca, self.zenoh_tls_certificate, self.zenoh_tls_key)}
+        if len(zenoh_tls) != 1:
+            raise ValueError("zenoh_tls_ca, zenoh_tls_certificate and zenoh_tls_key: all three, or none")
+        if self.zenoh_access and not self.zenoh_tls_ca:
+            raise ValueError("zenoh_access goes by certificates: it needs zenoh_tls_ca, _certificate and _key")
+        for key in (self.tls_key, self.zenoh_tls_key):
+            if key:
+                require_private(key)
+        return self
+
+    @model_validator(mode="after")
+    def _of_role(self) -> Self:
+        """What works beside others needs a store that several may write, and by default finds its sources' router at home."""
+        if self.role != "all" and not self.database.startswith("postgresql"):
+            raise ValueError(f"role '{self.role}' works beside others, which needs a PostgreSQL database, not {self.database}")
+        if self.role in ("identify", "api") and "zenoh_listen" not in self.model_fields_set:
+            self.zenoh_listen = []
+            if "zenoh_connect" not in self.model_fields_set:
+                self.zenoh_connect = [DEFAULT_ZENOH_ENDPOINT]
+        return self

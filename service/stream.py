@@ -8,6 +8,8 @@ from contextlib import contextmanager
 
 import zenoh
 
+from service.stream_access import StreamSecurity
+
 logger = logging.getLogger(__name__)
 
 ROUTER, PEER = "router", "peer"
@@ -17,10 +19,13 @@ class StreamUnusable(RuntimeError):
     """A zenoh session cannot be opened; the message says on which endpoints and why."""
 
 
-def open_session(*, listen: list[str], connect: list[str], routes: bool = False) -> zenoh.Session:
+def open_session(
+    *, listen: list[str], connect: list[str], routes: bool = False, security: StreamSecurity | None = None
+) -> zenoh.Session:
     """Open a session: a router where it listens or `routes`, else a peer that keeps trying its endpoints.
 
     Two peers do not hear each other by way of a router between them: the service, which is heard through routers, routes.
+    security: certificates, and who may do what where it listens.
     Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
     """
     config = zenoh.Config()
@@ -37,6 +42,10 @@ def open_session(*, listen: list[str], connect: list[str], routes: bool = False)
         # Shared memory loses samples of a lagging receiver without a sign.
         "transport/shared_memory/enabled": False,
     }
+    if not connect:
+        # A router waits so long before `open` returns, for those that it could find.
+        settings["scouting/delay"] = 0
+    settings |= {} if security is None else security.configuration()
     try:
         for name, value in settings.items():
             config.insert_json5(name, json.dumps(value))
@@ -66,9 +75,9 @@ def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Cal
 
 
 @contextmanager
-def session(*, listen: list[str], connect: list[str]) -> Iterator[zenoh.Session]:
+def session(*, listen: list[str], connect: list[str], security: StreamSecurity | None = None) -> Iterator[zenoh.Session]:
     """A session that is closed in the end: one left open hangs the interpreter's exit."""
-    opened = open_session(listen=listen, connect=connect)
+    opened = open_session(listen=listen, connect=connect, security=security)
     try:
         yield opened
     finally:

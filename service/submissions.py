@@ -4,6 +4,7 @@ import queue
 import threading
 from concurrent.futures import Future
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from service.journal import Outcome
 
@@ -30,6 +31,20 @@ class Submission:
     body: bytes
     encoding: str
     promise: Future[Outcome] = field(default_factory=Future)
+
+
+class Taking(Protocol):
+    """What takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
+
+    @property
+    def trouble(self) -> str | None:
+        """Why nothing can be stored at present."""
+
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+        """Take a body. Raises Busy or NotStoring."""
+
+    def __len__(self) -> int:
+        """How many wait here."""
 
 
 class Submissions:

@@ -1,9 +1,12 @@
 """What runs in an identification process: arrays in, quality and identification out. No database, no network."""
 
+import faulthandler
 import os
+import resource
 import signal
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from multiprocessing import parent_process
 from multiprocessing.connection import wait
@@ -25,6 +28,9 @@ from estimator.repeatability import EarlierRun, distances, repeatability_finding
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
 from storage.blocks import Samples, decode, mean_conditions
+
+GRACE_S = 10.0
+"""How much longer than allowed a process may take to notice that its time is over."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +73,9 @@ class OutOfTime(RuntimeError):
     """The identification took longer than allowed."""
 
 
-def prepare() -> None:
-    """Run once in each process: one BLAS thread, deaf to the terminal's Ctrl-C, gone when its parent is."""
+def prepare(memory_bytes: int) -> None:
+    """Run once in each process: one BLAS thread, so much memory, deaf to the terminal's Ctrl-C, gone when its parent is."""
+    resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     threadpoolctl.threadpool_limits(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -76,10 +83,11 @@ def prepare() -> None:
 
 
 def compute(task: Task) -> Outcome:
-    """Judge the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime."""
-    signal.signal(signal.SIGALRM, _out_of_time)
-    signal.setitimer(signal.ITIMER_REAL, task.timeout_s)
-    try:
+    """Judge the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime.
+
+    A process that hangs where Python cannot interrupt it ends some seconds after its time.
+    """
+    with _limited(task.timeout_s):
         machine = parse_machine(task.document)
         runs = [decode(block) for block in task.runs]
         gated = [_gated(machine, samples, task) for samples in runs]
@@ -92,8 +100,20 @@ def compute(task: Task) -> Outcome:
         beginning = None if task.beginning is None else task.beginning[0]
         derived, why = _derived(machine, result, runs)
         return Outcome(qualities, result, derived=derived, underived=why, conditions=conditions, beginning=beginning)
+
+
+@contextmanager
+def _limited(seconds: float) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        raise RuntimeError("a task needs a process of its own to keep to its time: start Dask's workers as `rundown worker`")
+    signal.signal(signal.SIGALRM, _out_of_time)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    faulthandler.dump_traceback_later(seconds + GRACE_S, exit=True)
+    try:
+        yield
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+        faulthandler.cancel_dump_traceback_later()
 
 
 def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[tuple[Derived, ...], str | None]:

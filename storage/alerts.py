@@ -112,7 +112,9 @@ def find(
     session: Session, *, machine_id: str | None, only_open: bool, limit: int, after: Keys | None = None
 ) -> Sequence[ListedAlert]:
     """Alerts to read, newest first; after: time of opening and id of the one before the first."""
-    query = ordered(select(*AlertRow.__table__.columns), (AlertRow.opened_at, AlertRow.id), after)
+    # By the mapped attributes: the bare table's columns would slip past the conditions of a `PlantScope`.
+    columns = (getattr(AlertRow, column.key) for column in AlertRow.__table__.columns)
+    query = ordered(select(*columns), (AlertRow.opened_at, AlertRow.id), after)
     if machine_id is not None:
         query = query.where(AlertRow.machine_id == machine_id)
     if only_open:

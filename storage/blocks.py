@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from estimator.channel_status import ChannelStatus
 from estimator.measurement import Measurement
 from estimator.quality import Recorded
+from storage.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
 _MAGIC = b"RDSB"
-_FORMAT = 3
-_WITHOUT_CONDITIONS = 2  # still written where there are none
-_OLDEST_FORMAT = 1  # without 2× too, and with one bit of status
+_FORMAT = 4
+_OLDEST_FORMAT = 1  # numbers side by side; before 3 without conditions; 1 without 2× too, and with one bit of status
 
 
 class DamagedBlock(ValueError):
@@ -104,19 +104,18 @@ def encode(samples: Samples) -> bytes:
     count, channels = samples.phasor.shape
     body = b"".join(
         [
-            samples.time.astype("<i8").tobytes(),
-            samples.speed.astype("<f8").tobytes(),
+            shuffled(np.diff(samples.time, prepend=np.int64(0))),
+            shuffled(samples.speed),
             samples.direction.astype("i1").tobytes(),
-            samples.phasor.astype("<c16").tobytes(),
+            pack(_parts(samples.phasor)),
             samples.status.astype("u1").tobytes(),
-            samples.scatter.astype("<f8").tobytes(),
-            samples.second.astype("<c16").tobytes(),
+            pack(samples.scatter),
+            pack(_parts(samples.second)),
             samples.conditions.astype("<f8").tobytes(),
         ]
     )
     packed = zlib.compress(body, 1)
-    version = _FORMAT if samples.conditions.size else _WITHOUT_CONDITIONS
-    return _HEADER.pack(_MAGIC, version, channels, count, _checksum(channels, count, packed)) + packed
+    return _HEADER.pack(_MAGIC, _FORMAT, channels, count, _checksum(channels, count, packed)) + packed
 
 
 def decode(data: bytes) -> Samples:
@@ -128,30 +127,67 @@ def decode(data: bytes) -> Samples:
         if checksum != _checksum(channels, count, data[_HEADER.size :]):
             raise DamagedBlock("sample block is damaged: its checksum does not fit")
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
-        values = count * channels
-        at = 0
-
-        def take(kind: str, size: int) -> NDArray[np.generic]:
-            nonlocal at
-            taken = np.frombuffer(body, kind, size, at).copy()
-            at += taken.nbytes
-            return taken
-
-        table = count, channels
-        return Samples(
-            time=take("<i8", count).astype(np.int64),
-            speed=take("<f8", count).astype(np.float64),
-            direction=take("i1", count).astype(np.int8),
-            phasor=take("<c16", values).astype(np.complex128).reshape(table),
-            status=_status(take("u1", values if version > 1 else -(-values // 8)), values, version).reshape(table),
-            scatter=take("<f8", values).astype(np.float64).reshape(table),
-            second=(
-                take("<c16", values).astype(np.complex128) if version > 1 else np.full(values, complex(np.nan, np.nan))
-            ).reshape(table),
-            conditions=take("<f8", (len(body) - at) // 8).astype(np.float64).reshape(count, -1 if version > 2 else 0),
-        )
+        return _packed(body, count, channels) if version == _FORMAT else _plain(body, count, channels, version)
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
+
+
+def _packed(body: memoryview, count: int, channels: int) -> Samples:
+    """Of the format that is written."""
+    time = np.cumsum(unshuffled(body, 0, count, "<i8").astype(np.int64))
+    speed = unshuffled(body, 8 * count, count, "<f8").astype(np.float64)
+    at = 16 * count
+    direction = np.frombuffer(body, "i1", count, at).copy()
+    phasor, at = unpack(body, at + count, (count, 2 * channels))
+    status = np.frombuffer(body, "u1", count * channels, at).copy().reshape(count, channels)
+    scatter, at = unpack(body, at + count * channels, (count, channels))
+    second, at = unpack(body, at, (count, 2 * channels))
+    conditions = np.frombuffer(body, "<f8", (len(body) - at) // 8, at).astype(np.float64)
+    return Samples(
+        time,
+        speed,
+        direction,
+        _complex(phasor),
+        status,
+        scatter,
+        _complex(second),
+        conditions.reshape(count, -1 if count else 0),
+    )
+
+
+def _parts(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """(S, 2 m) real and imaginary parts side by side, to the bit."""
+    return np.ascontiguousarray(values).view(np.float64)
+
+
+def _complex(parts: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.ascontiguousarray(parts).view(np.complex128)
+
+
+def _plain(body: memoryview, count: int, channels: int, version: int) -> Samples:
+    """Of the formats of older releases."""
+    values = count * channels
+    at = 0
+
+    def take(kind: str, size: int) -> NDArray[np.generic]:
+        nonlocal at
+        taken = np.frombuffer(body, kind, size, at).copy()
+        at += taken.nbytes
+        return taken
+
+    table = count, channels
+    return Samples(
+        time=take("<i8", count).astype(np.int64),
+        speed=take("<f8", count).astype(np.float64),
+        direction=take("i1", count).astype(np.int8),
+        phasor=take("<c16", values).astype(np.complex128).reshape(table),
+        status=_status(take("u1", values if version > 1 else -(-values // 8)), values, version).reshape(table),
+        scatter=take("<f8", values).astype(np.float64).reshape(table),
+        second=(
+            take("<c16", values).astype(np.complex128) if version > 1 else np.full(values, complex(np.nan, np.nan))
+        ).reshape(table),
+        conditions=take("<f8", (len(body) - at) // 8).astype(np.float64).reshape(count, -1 if version > 2 else 0),
+    )
 
 
 def _wider(conditions: NDArray[np.float64], width: int) -> NDArray[np.float64]:

@@ -1,29 +1,63 @@
-"""How the effects of single channels' errors on a fit are kept: one compressed block of arrays, exact to the bit."""
+"""How the effects of single channels' errors on a fit are kept: one compressed block, exact to the bit."""
 
 import io
+import zlib
 
+import msgspec
 import numpy as np
 
 from estimator.channel_effects import ChannelEffects
+from estimator.condensation import Floats
+
+ZIP = b"PK"
+"""With which a block begins that an older release wrote: a file of numpy's."""
+
+
+class _Block(msgspec.Struct, array_like=True):
+    """Arrays as the bytes of little-endian doubles, row by row."""
+
+    names: tuple[str, ...]
+    bias: bytes
+    information: bytes
+    score: bytes
+    phasors: tuple[int, ...]
+    amplitude: tuple[float, ...]
 
 
 def encode(effects: ChannelEffects) -> bytes:
     """To a block."""
-    block = io.BytesIO()
-    np.savez_compressed(
-        block,
-        names=np.array(effects.names),
-        bias=effects.bias,
-        information=effects.information,
-        score=effects.score,
-        phasors=np.array(effects.phasors, dtype=np.int64),
-        amplitude=np.array(effects.amplitude, dtype=float),
+    block = _Block(
+        names=effects.names,
+        bias=_bytes(effects.bias),
+        information=_bytes(effects.information),
+        score=_bytes(effects.score),
+        phasors=effects.phasors,
+        amplitude=effects.amplitude,
     )
-    return block.getvalue()
+    return zlib.compress(msgspec.msgpack.encode(block))
 
 
 def decode(block: bytes) -> ChannelEffects:
     """From a block."""
+    if block.startswith(ZIP):
+        return _decode_zip(block)
+    found = msgspec.msgpack.decode(zlib.decompress(block), type=_Block)
+    errors = len(found.names)
+    return ChannelEffects(
+        names=found.names,
+        bias=np.frombuffer(found.bias, "<f8").reshape(-1, errors),
+        information=np.frombuffer(found.information, "<f8").reshape(errors, errors),
+        score=np.frombuffer(found.score, "<f8"),
+        phasors=found.phasors,
+        amplitude=found.amplitude,
+    )
+
+
+def _bytes(array: Floats) -> bytes:
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def _decode_zip(block: bytes) -> ChannelEffects:
     with np.load(io.BytesIO(block), allow_pickle=False) as arrays:
         return ChannelEffects(
             names=tuple(map(str, arrays["names"].tolist())),

@@ -1,26 +1,38 @@
-"""The database: opening it, bringing its schema up to date, and transactions."""
+"""The database: opening it, bringing its schema up to date, and transactions.
 
-import fcntl
+Of both kinds holds: one writes at a time, and who only looks sees one state from its first query to its last.
+"""
+
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
-import alembic.command
-import alembic.config
-from alembic.util.exc import CommandError
-from sqlalchemy import Connection, Engine, create_engine, event, func, make_url, select
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy import Engine, create_engine, event, make_url, select
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-MIGRATIONS = Path(__file__).with_name("migrations")
+from storage import database_version, postgresql_archive
+from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of
+from storage.json_text import written
+from storage.schema import known_revisions, revision_of
+
 BUSY_TIMEOUT_MS = 15_000
-CLAIM_KEY = 0x52554E444F574E
-"""Number of the advisory lock that a service holds on a PostgreSQL database."""
-
-
-class DatabaseUnusable(RuntimeError):
-    """The database cannot be opened or brought up to date; the message says which and why."""
+"""How long a writer waits for its turn."""
+LARGEST_LOG = 64 * 2**20
+"""To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
+WRITER_KEY = CLAIM_KEY + 1
+"""Number of the advisory lock of PostgreSQL that is held for the time of each writing transaction."""
+_CONNECTION = {
+    "connect_timeout": 5,
+    "keepalives_idle": 10,
+    "keepalives_interval": 5,
+    "keepalives_count": 3,
+    # The server lets go of what a client holds that has vanished, or hangs in the middle of a transaction.
+    "options": "-c idle_in_transaction_session_timeout=10s "
+    "-c tcp_keepalives_idle=5 -c tcp_keepalives_interval=5 -c tcp_keepalives_count=2",
+}
+"""So that a PostgreSQL server that has vanished is noticed [s], and so that it notices that we have."""
 
 
 class Database:
@@ -28,98 +40,165 @@ class Database:
 
     def __init__(self, url: str) -> None:
         """Open and migrate. Raises DatabaseUnusable."""
-        try:
-            self.engine = _engine(url)
-        except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
-            raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {error}") from error
+        self.engine = engine_of(url)
         try:
             self._migrate()
-        except (DBAPIError, CommandError, OSError) as error:
+        except (DBAPIError, DatabaseUnusable, OSError) as error:
             self.engine.dispose()
-            raise DatabaseUnusable(f"database {_shown(url)} cannot be used: {_cause(error)}") from error
-        path = self._file()
+            cause = error.orig if isinstance(error, DBAPIError) else error
+            raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
+        path = file_of(self.engine)
+        self.url = url
         self._inode = path.stat().st_ino if path is not None else None
-        self._claim: Connection | None = None
-        self._lock: TextIO | None = None
-        self._reading = sessionmaker(self.engine, expire_on_commit=False)
-        self._writing = sessionmaker(self.engine.execution_options(writing=True), expire_on_commit=False)
+        self._claim = Claim(self.engine)
+        self._turn = threading.Lock()
+        consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
+        self.for_reading = self.engine.execution_options(**consistent)
+        """Its transactions see one state from the first query to the last."""
+        self.for_writing = self.engine.execution_options(writing="alone")
+        """Its transactions wait for each other; on SQLite they must also have their `turn`."""
+        self._reading = sessionmaker(self.for_reading, expire_on_commit=False)
+        self._writing = sessionmaker(self.for_writing, expire_on_commit=False)
+        self._sharing = sessionmaker(self.engine.execution_options(writing="beside others"), expire_on_commit=False)
+
+    @property
+    def kind(self) -> str:
+        """`sqlite` or `postgresql`."""
+        return self.engine.dialect.name
+
+    @property
+    def version(self) -> str:
+        """Product and version, such as `SQLite 3.51.3`."""
+        return database_version.named(self.engine)
+
+    @property
+    def objections(self) -> list[str]:
+        """What is known against that version."""
+        return database_version.objections(self.engine)
 
     @contextmanager
-    def transaction(self) -> Iterator[Session]:
-        """A session whose changes are committed together at the end, or not at all."""
-        with self._writing.begin() as session:
+    def transaction(self, *, beside_others: bool = False) -> Iterator[Session]:
+        """A session whose changes are committed together at the end, or not at all.
+
+        beside_others: what it changes is this process's own by a lease, so that PostgreSQL need not let other writers wait.
+        """
+        making = self._sharing if beside_others else self._writing
+        with self.turn(), making.begin() as session:
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
         """A session for looking only."""
-        with self._reading() as session:
+        session = self._reading()
+        try:
             yield session
+        finally:
+            _end_looking(session)
 
-    def claim(self) -> None:
-        """Be the only service on this database until `close`. Raises DatabaseUnusable when another one is."""
-        held = f"database {self.engine.url!r} is in use by another service: stop that one first"
-        if self.engine.dialect.name == "postgresql":
-            self._claim = self.engine.connect()
-            if not self._claim.scalar(select(func.pg_try_advisory_lock(CLAIM_KEY))):
-                raise DatabaseUnusable(held)
-        elif (path := self._file()) is not None:
-            self._lock = path.with_name(path.name + ".lock").open("w")
-            try:
-                fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError as error:
-                self._lock.close()
-                raise DatabaseUnusable(held) from error
+    def claim(self, *, shared: bool = False) -> None:
+        """Be the only service on this database until `close`, or one of those that share it, which an SQLite file does not
+        allow. Raises DatabaseUnusable when another one is there.
+        """
+        self._claim.take(shared=shared)
+
+    def hold(self, number: int, second: int) -> bool:
+        """Hold an advisory lock of PostgreSQL as long as the claim; False where another connection does. On SQLite there is
+        nobody else.
+        """
+        return self._claim.hold(number, second)
 
     def check(self) -> None:
-        """Raises DatabaseUnusable when the database does not answer, or its file is no longer there."""
-        path = self._file()
+        """Raises DatabaseUnusable when the database does not answer, its file is no longer there, or another service took it
+        while a PostgreSQL server was away.
+        """
+        path = file_of(self.engine)
         if path is not None and (not path.is_file() or path.stat().st_ino != self._inode):
             raise DatabaseUnusable(f"the database file {path} was deleted or replaced: restart the service")
         try:
             with self.reading() as session:
                 session.execute(select(1))
+            self._claim.keep()
         except DBAPIError as error:
             raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
 
     def close(self) -> None:
         """Give back all connections and the claim."""
-        if self._claim is not None:
-            self._claim.close()
-        if self._lock is not None:
-            self._lock.close()
+        self._claim.release()
         self.engine.dispose()
 
-    def _file(self) -> Path | None:
-        """The file of an SQLite database."""
-        name = self.engine.url.database
-        return Path(name) if self.engine.dialect.name == "sqlite" and name and name != ":memory:" else None
+    @contextmanager
+    def turn(self) -> Iterator[None]:
+        """Writers of this process wait here for each other and not in SQLite, in turn and until the checkpoint behind a commit
+        is over: see `storage.database_version`. PostgreSQL orders them itself.
+        """
+        if self.kind != "sqlite":
+            yield
+        elif self._turn.acquire(timeout=BUSY_TIMEOUT_MS / 1000):
+            try:
+                yield
+            finally:
+                self._turn.release()
+        else:
+            waited = TimeoutError(f"database is locked: another thread has written for {BUSY_TIMEOUT_MS / 1000:.0f} s")
+            raise OperationalError(None, None, waited)
 
     def _migrate(self) -> None:
-        config = alembic.config.Config()
-        config.set_main_option("script_location", str(MIGRATIONS))
         # Under the writer's lock: several processes may open a new database at once.
-        with self.engine.execution_options(writing=True).begin() as connection:
-            config.attributes["connection"] = connection
-            alembic.command.upgrade(config, "head")
+        with self.engine.execution_options(writing="alone").begin() as connection:
+            if postgresql_archive.interrupted(connection):
+                raise DatabaseUnusable("a restore into it was interrupted: run `rundown restore FILE --overwrite` again")
+            found = revision_of(connection)
+            if found == known_revisions()[0]:
+                return
+            with self._for_ourselves(older=found is not None):
+                from storage.migrating import upgrade
+
+                upgrade(connection)
+
+    @contextmanager
+    def _for_ourselves(self, *, older: bool) -> Iterator[None]:
+        """A schema that others work with is not changed under them. Raises DatabaseUnusable where somebody does."""
+        claim = Claim(self.engine)
+        try:
+            if older:
+                claim.take()
+            yield
+        finally:
+            claim.release()
 
 
-def _cause(error: Exception) -> str:
-    if isinstance(error, CommandError):
-        return f"its schema is of another version of Rundown, probably a newer one: {error}"
-    return str(error.orig if isinstance(error, DBAPIError) else error)
+def _end_looking(session: Session) -> None:
+    try:
+        session.close()
+    except DBAPIError:
+        # What was read stays read: that the connection broke behind it is the next one's to find out.
+        session.invalidate()
 
 
-def _shown(url: str) -> str:
+def shown(url: str) -> str:
+    """A URL without its password."""
     try:
         return make_url(url).render_as_string(hide_password=True)
     except ArgumentError:
         return repr(url)
 
 
+def engine_of(url: str) -> Engine:
+    """Where connections to a database come from; nothing is opened or migrated yet. Raises DatabaseUnusable."""
+    try:
+        return _engine(url)
+    except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+
+
 def _engine(url: str) -> Engine:
-    engine = create_engine(url, pool_pre_ping=True)
-    if engine.dialect.name == "sqlite":
+    dialect = make_url(url).get_dialect().name
+    engine = create_engine(
+        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=written
+    )
+    if dialect == "postgresql":
+        event.listen(engine, "begin", _begin_postgresql)
+    elif dialect == "sqlite":
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
     return engine
@@ -130,7 +209,11 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
     connection.isolation_level = None
     try:
         connection.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+        if connection.execute("PRAGMA page_count").fetchone() == (0,):
+            # Of a new file only; of an older one it would change nothing, and wait for its writer.
+            connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
         # A sample is durable before it counts as received, also when the power fails.
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute("PRAGMA foreign_keys = ON")
@@ -142,3 +225,12 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
 def _begin_sqlite(connection: Any) -> None:
     # A writer takes its lock at once: one that upgrades a read lock later may fail without the busy timeout being tried.
     connection.exec_driver_sql("BEGIN IMMEDIATE" if connection.get_execution_options().get("writing") else "BEGIN")
+
+
+def _begin_postgresql(connection: Any) -> None:
+    # What reads before it writes would otherwise have to expect that another one wrote in between.
+    writing = connection.get_execution_options().get("writing")
+    if writing:
+        connection.exec_driver_sql(f"SET LOCAL lock_timeout = {BUSY_TIMEOUT_MS}")
+    if writing == "alone":
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER_KEY})")

@@ -1,13 +1,14 @@
 """Repository of subscriptions and of the outbox: which event still has to reach whom."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
-from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
+from storage.plant_scope import EVERY_PLANT
+from storage.tables import AlertEventRow, DeliveryRow, MachineRow, SubscriptionPlantRow, SubscriptionRow
 
 ACTIVE, DISABLED = "active", "disabled"
 PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
@@ -29,19 +30,34 @@ class DeliveryUnknown(KeyError):
     """No delivery of that id."""
 
 
-def subscribe(session: Session, *, kind: str, name: str, target: str, secret: str | None) -> SubscriptionRow:
-    """Who is told from now on. Raises SubscriptionExists."""
+def subscribe(
+    session: Session, *, kind: str, name: str, target: str, secret: str | None, plants: Collection[str] | None = None
+) -> SubscriptionRow:
+    """Who is told from now on. plants: of whose events; None for all. Raises SubscriptionExists."""
     if by_name(session, name) is not None:
         raise SubscriptionExists(f"subscription '{name}' exists already")
     row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=now())
+    row.told_of = [SubscriptionPlantRow(plant=plant) for plant in sorted(set(plants or ()))]
     session.add(row)
     session.flush()
     return row
 
 
 def by_name(session: Session, name: str) -> SubscriptionRow | None:
-    """The subscription of a name."""
-    return session.scalars(select(SubscriptionRow).where(SubscriptionRow.name == name)).one_or_none()
+    """The subscription of a name, whoever may see it: names are unique."""
+    query = select(SubscriptionRow).where(SubscriptionRow.name == name).execution_options(**EVERY_PLANT)
+    return session.scalars(query).one_or_none()
+
+
+def told_of(row: SubscriptionRow) -> list[str] | None:
+    """The plants of whose events a subscription tells; None for all."""
+    return [one.plant for one in row.told_of] or None
+
+
+def tells(row: SubscriptionRow, plant: str) -> bool:
+    """Whether a subscription tells of a plant's events."""
+    plants = told_of(row)
+    return plants is None or plant in plants
 
 
 def get(session: Session, subscription_id: int) -> SubscriptionRow:
@@ -77,9 +93,13 @@ def require_active(row: SubscriptionRow) -> None:
 
 
 def queue(session: Session, event: AlertEventRow) -> None:
-    """Put an event into the outbox of every active subscription."""
-    for row in session.scalars(select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE)):
-        queue_for(session, row, event)
+    """Put an event into the outbox of every active subscription that tells of its plant."""
+    machine = session.get_one(MachineRow, event.machine_id)
+    # Also of those that whoever made the event happen may not see.
+    query = select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE).execution_options(**EVERY_PLANT)
+    for row in session.scalars(query):
+        if tells(row, machine.plant):
+            queue_for(session, row, event)
 
 
 def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> DeliveryRow:

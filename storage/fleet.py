@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, ScalarSelect, func, select
+from sqlalchemy import ColumnElement, ScalarSelect, Text, cast, func, select
 from sqlalchemy.orm import Session
 
 from storage.tables import (
@@ -55,10 +55,9 @@ class ListedMachine:
 
 @dataclass(frozen=True)
 class MachineGlance:
-    """What is happening to one machine. collector: where run collection stands, None before samples."""
+    """What is happening to one machine."""
 
     machine: ListedMachine
-    collector: dict[str, Any] | None
     last_run: RunGlance | None
     last_identification: IdentificationGlance | None
     open_alerts: dict[int, int]
@@ -68,6 +67,8 @@ class MachineGlance:
     """What happened since the time asked for: counts by kind."""
 
 
+TABLES = ("machines", "machine_revisions", "runs", "identifications", "alerts", "alert_events", "timeline")
+"""What glances are read from."""
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
@@ -97,20 +98,19 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     """What is happening to machines, and how much happened since a time [ns]."""
     query = select(
         MachineRow.id,
-        CollectorRow.state,
         _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
         _newest(IdentificationRow.id, IdentificationRow.machine_id, IdentificationRow.measured_at),
-    ).outerjoin(CollectorRow, CollectorRow.machine_id == MachineRow.id)
+    )
     rows = {row[0]: row for row in session.execute(query.where(MachineRow.id.in_([one.id for one in machines])))}
     run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
-    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[2] for row in rows.values()])}
+    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[1] for row in rows.values()])}
     identification = (
         IdentificationRow.id,
         IdentificationRow.measured_at,
         IdentificationRow.accepted,
         IdentificationRow.verdict,
     )
-    found = _some(session, identification, [row[3] for row in rows.values()])
+    found = _some(session, identification, [row[2] for row in rows.values()])
     identifications = {one[0]: IdentificationGlance(*one) for one in found}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
@@ -118,9 +118,8 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     return [
         MachineGlance(
             machine=one,
-            collector=rows[one.id][1],
-            last_run=runs.get(rows[one.id][2]),
-            last_identification=identifications.get(rows[one.id][3]),
+            last_run=runs.get(rows[one.id][1]),
+            last_identification=identifications.get(rows[one.id][2]),
             open_alerts=severities.get(one.id, {}),
             unacknowledged=waiting.get(one.id, 0),
             since={kind: counts.get(one.id, 0) for kind, counts in happened.items()},
@@ -128,6 +127,12 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
         for one in machines
         if one.id in rows
     ]
+
+
+def collectors(session: Session) -> dict[str, str]:
+    """Where the run collection of each machine stands, as JSON text: with every block of samples some of a thousand change."""
+    rows = session.execute(select(CollectorRow.machine_id, cast(CollectorRow.state, Text)))
+    return {machine_id: state for machine_id, state in rows}  # noqa: C416
 
 
 def _in_force() -> ColumnElement[bool]:

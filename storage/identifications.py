@@ -16,7 +16,7 @@ from estimator.point import Point
 from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN
-from storage.paging import Keys, ordered
+from storage.paging import Keys, between, ordered
 from storage.runs import DISCARDED
 from storage.tables import EstimateRow, IdentificationRow, RunRow
 
@@ -156,10 +156,7 @@ def of_machine(
     """Identifications of a machine measured between two times [ns], newest first; after: time and id of the one before."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id)
     query = ordered(query, (IdentificationRow.measured_at, IdentificationRow.id), after)
-    if first is not None:
-        query = query.where(IdentificationRow.measured_at >= first)
-    if last is not None:
-        query = query.where(IdentificationRow.measured_at <= last)
+    query = between(query, IdentificationRow.measured_at, first, last)
     return session.scalars(query.limit(limit)).all()
 
 
@@ -297,17 +294,31 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
 
 def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
     """Per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else SI."""
+    whole = [row for row in rows if row.point is not None]
+    found = _estimated(session, [row for row in rows if row.point is None])
+    unknown: dict[int, set[str]] = {row.id: set() for row in whole}
+    left_open = select(EstimateRow.identification_id, EstimateRow.parameter).where(EstimateRow.value.is_(None))
+    for number, parameter in session.execute(left_open.where(EstimateRow.identification_id.in_(unknown))):
+        unknown[number] |= {parameter, f"{parameter}.real", f"{parameter}.imaginary"}
+    for row in whole:
+        values = zip(row.coordinates, np.frombuffer(row.point or b"", "<f8").tolist(), strict=True)
+        found[row.id] = {name: value for name, value in values if name not in unknown[row.id]}
+    return {row.id: _point(row, found[row.id]) for row in rows}
+
+
+def _estimated(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, dict[str, float]]:
+    """The same numbers from the estimates, of identifications of older releases, which did not keep their points."""
     found: dict[int, dict[str, float]] = {row.id: {} for row in rows}
     wanted = (EstimateRow.identification_id, EstimateRow.parameter, EstimateRow.value, EstimateRow.imaginary)
     query = select(*wanted).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))
-    for number, parameter, value, imaginary in session.execute(query):
+    for number, parameter, value, imaginary in session.execute(query) if found else ():
         if value is None:
             continue
         if imaginary is not None:
             found[number] |= {f"{parameter}.real": value, f"{parameter}.imaginary": imaginary}
         else:
             found[number][parameter] = math.log(value) if is_direct(parameter) else value
-    return {row.id: _point(row, found[row.id]) for row in rows}
+    return found
 
 
 def _point(row: IdentificationRow, values: dict[str, float]) -> Point:

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from sqlalchemy import func, select
@@ -10,9 +10,10 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.tables import JobRow
+from storage.tables import JobRow, ReplicaRow
 
-QUEUED, RUNNING, DONE, FAILED = "queued", "running", "done", "failed"
+QUEUED, RUNNING, DONE, FAILED, QUARANTINED = "queued", "running", "done", "failed", "quarantined"
+"""State of a job. What costs its process every time is put aside: quarantined."""
 
 RUN, GATHERED, VARIANT = "run", "gathered", "variant"
 """Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""
@@ -59,35 +60,50 @@ def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> 
     return request
 
 
-def take(session: Session, limit: int) -> Sequence[JobRow]:
-    """The oldest queued jobs, marked as running."""
-    rows = session.scalars(select(JobRow).where(JobRow.state == QUEUED).order_by(JobRow.id).limit(limit)).all()
+def take(session: Session, limit: int, *, holder: int | None = None) -> Sequence[JobRow]:
+    """The oldest queued jobs that no other replica is taking, marked as running; holder: number of the replica, which gets
+    none when it was taken for gone meanwhile.
+    """
+    if holder is not None and session.get(ReplicaRow, holder) is None:
+        return []
+    query = select(JobRow).where(JobRow.state == QUEUED).order_by(JobRow.id).limit(limit)
+    rows = session.scalars(query.with_for_update(skip_locked=True)).all()
     for row in rows:
         row.state = RUNNING
         row.attempts += 1
+        row.holder = holder
     return rows
 
 
 def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
-    """Record how a job ended: DONE, or FAILED with the reason."""
+    """Record how a job ended: DONE, FAILED or QUARANTINED with the reason."""
     row.state, row.error, row.finished_at = state, error, now()
 
 
 def put_back(row: JobRow, error: str) -> None:
-    """Queue a job again after its worker was lost; a job that has cost several workers fails."""
+    """Queue a job again after its worker was lost; a job that has cost several workers is put aside."""
     if row.attempts >= LARGEST_ATTEMPTS:
-        finish(row, state=FAILED, error=f"given up after {row.attempts} attempts: {error}")
+        finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
     else:
         row.state = QUEUED
 
 
-def put_back_running(session: Session) -> int:
-    """At start: queue again what an earlier process left running. Returns how many."""
-    rows = session.scalars(select(JobRow).where(JobRow.state == RUNNING)).all()
+def put_back_unhurt(row: JobRow) -> None:
+    """Queue a job again of which nobody computes: that says nothing against the job."""
+    row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
+
+
+def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
+    """Queue again what is running with none of the living replicas. Returns how many."""
+    rows = [row for row in session.scalars(select(JobRow).where(JobRow.state == RUNNING)) if row.holder not in living]
     for row in rows:
-        # A stop of the service says nothing against the job.
-        row.state, row.attempts = QUEUED, max(0, row.attempts - 1)
+        put_back_unhurt(row)
     return len(rows)
+
+
+def held_by(session: Session, holder: int) -> Sequence[JobRow]:
+    """What a replica is computing."""
+    return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
 
 
 def waiting(session: Session) -> bool:

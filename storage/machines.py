@@ -3,6 +3,7 @@
 from collections.abc import Collection, Sequence
 
 from sqlalchemy import select
+from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine, parse_machine
@@ -28,7 +29,10 @@ def create(session: Session, machine: Machine) -> RevisionRow:
     if session.get(MachineRow, machine.id) is not None:
         raise MachineExists(f"machine '{machine.id}' exists already; revise it instead")
     session.add(MachineRow(id=machine.id, plant=machine.plant, revision=1, created_at=now()))
-    session.flush()
+    try:
+        session.flush()
+    except IntegrityError as error:  # one that this session does not see
+        raise MachineExists(f"the id '{machine.id}' is taken: choose another") from error
     return _add_revision(session, machine, 1)
 
 
@@ -65,6 +69,16 @@ def every(session: Session) -> Sequence[MachineRow]:
     return session.scalars(select(MachineRow).order_by(MachineRow.id)).all()
 
 
+def ids(session: Session) -> Sequence[str]:
+    """Ids of all machines, in order."""
+    return session.scalars(select(MachineRow.id).order_by(MachineRow.id)).all()
+
+
+def lock(session: Session, machine_id: str) -> None:
+    """Keep other transactions that ask for this from concluding anything about the machine until this one ends."""
+    session.execute(select(MachineRow.id).where(MachineRow.id == machine_id).with_for_update())
+
+
 def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
     """Raises MachineUnknown when the machine or that revision of it is not there."""
     row = session.get(RevisionRow, (machine_id, number))
@@ -99,6 +113,13 @@ def comparable(session: Session, machine_id: str, number: int) -> list[int]:
             found.append(other)
             other += step
     return sorted(found)
+
+
+def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
+    """Those of them whose samples have the same channels and operating conditions, in the same order, ascending."""
+    rows = revisions(session, machine_id)
+    names = {row.revision: parse_machine(row.document).condition_names for row in rows}
+    return [one for one in comparable(session, machine_id, number) if names[one] == names[number]]
 
 
 def _add_revision(session: Session, machine: Machine, number: int) -> RevisionRow:

@@ -10,6 +10,13 @@ Keys = tuple[int | str, ...]
 T = TypeVar("T")
 
 
+def between(query: Select[T], column: Any, first: int | None, last: int | None) -> Select[T]:
+    """The rows of a query whose column lies between two moments, both included; None: without an end there."""
+    if first is not None:
+        query = query.where(column >= first)
+    return query if last is None else query.where(column <= last)
+
+
 def ordered(query: Select[T], columns: tuple[Any, ...], after: Keys | None, *, descending: bool = True) -> Select[T]:
     """The query ordered by columns, from behind the row that has these keys on."""
     query = query.order_by(*(column.desc() if descending else column for column in columns))

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any, Self, cast
 
-from sqlalchemy import CursorResult, delete, func, select
+from sqlalchemy import CursorResult, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from storage.paging import Keys, ordered
@@ -16,7 +16,10 @@ KEPT_BYTES = 4096
 
 @dataclass(frozen=True)
 class Rejection:
-    """A message or sample that was not taken, with the reason and what would have been right; count: it stands for so many."""
+    """A message or sample that was not taken, with the reason and what would have been right; count: it stands for so many.
+
+    size: of the whole payload, where this is not all of it [bytes].
+    """
 
     received_at: int
     key: str
@@ -25,6 +28,14 @@ class Rejection:
     detail: str
     payload: bytes
     count: int = 1
+    size: int | None = None
+
+    @classmethod
+    def of_message(
+        cls, *, received_at: int, key: str, machine_id: str | None, reason: str, detail: str, payload: bytes
+    ) -> Self:
+        """A whole message, of which no more waits in memory than will be kept."""
+        return cls(received_at, key, machine_id, reason, detail, payload[:KEPT_BYTES], size=len(payload))
 
 
 def add(session: Session, rejections: Sequence[Rejection]) -> None:
@@ -37,17 +48,17 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
                 machine_id=one.machine_id,
                 reason=one.reason,
                 detail=_storable(one.detail)[:2000],
-                size=len(one.payload),
+                size=len(one.payload) if one.size is None else one.size,
                 payload=one.payload[:KEPT_BYTES],
             )
         )
     for reason in sorted({one.reason for one in rejections}):
         count = sum(one.count for one in rejections if one.reason == reason)
-        row = session.get(QuarantineCountRow, reason)
-        if row is None:
+        # Added up in the database, to which other replicas add as well.
+        adding = update(QuarantineCountRow).where(QuarantineCountRow.reason == reason)
+        known = session.execute(adding.values(count=QuarantineCountRow.count + count))
+        if cast("CursorResult[Any]", known).rowcount == 0:
             session.add(QuarantineCountRow(reason=reason, count=count))
-        else:
-            row.count += count
     session.flush()
     newest = session.scalar(select(func.max(QuarantineRow.id))) or 0
     session.execute(delete(QuarantineRow).where(QuarantineRow.id <= newest - KEPT_ROWS))

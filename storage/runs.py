@@ -15,7 +15,8 @@ from estimator.coverage import Coverage
 from estimator.quality import Quality
 from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
-from storage.paging import Keys, ordered
+from storage.clock import to_datetime
+from storage.paging import Keys, between, ordered
 from storage.tables import CollectorRow, MachineStateRow, RunRow
 
 _FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
@@ -29,6 +30,10 @@ LAST_TIME = 2**63 - 1
 
 class RunUnknown(KeyError):
     """No run of that id."""
+
+
+class SamplesReleased(LookupError):
+    """A run's samples were let go of, as the settings for retention ask for."""
 
 
 def open_run(session: Session, machine_id: str, *, revision: int, kind: str, direction: int, time_first: int) -> RunRow:
@@ -111,10 +116,11 @@ def get(session: Session, run_id: int) -> RunRow:
 
 
 def samples(session: Session, run_id: int) -> Samples | None:
-    """The samples of a closed run; None while it is open. Raises RunUnknown."""
+    """The samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.data)])
     if row is None:
         raise RunUnknown(run_id)
+    _require_kept(row)
     return None if row.data is None else decode(row.data)
 
 
@@ -135,11 +141,12 @@ def keep_quality(session: Session, run_id: int, quality: Quality) -> None:
 def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
     """Flags (S, m) of a run's phasors, see `estimator.quality.Flag`; None while it was not judged.
 
-    Raises RunUnknown, DamagedBlock.
+    Raises RunUnknown, SamplesReleased, DamagedBlock.
     """
     row = session.get(RunRow, run_id, options=[undefer(RunRow.flags)])
     if row is None:
         raise RunUnknown(run_id)
+    _require_kept(row)
     if row.flags is None:
         return None
     try:
@@ -150,6 +157,14 @@ def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"the flags of run {run_id} cannot be read: {error}") from error
     return found.astype(np.uint16)
+
+
+def _require_kept(row: RunRow) -> None:
+    if row.released_at is not None:
+        moment = to_datetime(row.released_at)
+        raise SamplesReleased(
+            f"the samples of run {row.id} were let go of on {moment:%Y-%m-%d}, as the retention of runs says"
+        )
 
 
 def before(session: Session, row: RunRow) -> RunRow | None:
@@ -179,19 +194,16 @@ def of_machine(
 ) -> Sequence[RunRow]:
     """Runs of a machine that began between two times [ns], newest first; after: beginning and id of the one before."""
     query = ordered(select(RunRow).where(RunRow.machine_id == machine_id), (RunRow.time_first, RunRow.id), after)
-    if first is not None:
-        query = query.where(RunRow.time_first >= first)
-    if last is not None:
-        query = query.where(RunRow.time_first <= last)
+    query = between(query, RunRow.time_first, first, last)
     return session.scalars(query.limit(limit)).all()
 
 
 def newest_closed(session: Session, machine_id: str, *, revision: int, limit: int) -> Sequence[RunRow]:
-    """The newest closed sweeps of one revision, newest first."""
+    """The newest closed sweeps of one revision whose samples are still held, newest first."""
     query = (
         select(RunRow)
         .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.state == CLOSED)
-        .where(RunRow.kind != ROLLING)
+        .where(RunRow.kind != ROLLING, RunRow.released_at.is_(None))
         .order_by(RunRow.time_first.desc())
         .limit(limit)
     )
@@ -234,8 +246,5 @@ def states(
 ) -> Sequence[MachineStateRow]:
     """What a machine did, newest first: every state that began between two times [ns]; after: beginning and id."""
     query = select(MachineStateRow).where(MachineStateRow.machine_id == machine_id)
-    if first is not None:
-        query = query.where(MachineStateRow.since >= first)
-    if last is not None:
-        query = query.where(MachineStateRow.since <= last)
+    query = between(query, MachineStateRow.since, first, last)
     return session.scalars(ordered(query, (MachineStateRow.since, MachineStateRow.id), after).limit(limit)).all()

@@ -36,8 +36,19 @@ class Totals:
     last_time: int
 
 
-def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence: int, samples: Samples) -> None:
-    """Store samples of one source, of which `first_sequence` is the number of one that no other block holds."""
+def add_block(
+    session: Session,
+    key: SourceKey,
+    *,
+    revision: int,
+    first_sequence: int,
+    samples: Samples,
+    received_at: int | None = None,
+) -> None:
+    """Store samples of one source, of which `first_sequence` is the number of one that no other block holds.
+
+    received_at: when the last of them came, by this machine's clock [ns].
+    """
     session.add(
         SampleBlockRow(
             machine_id=key.machine_id,
@@ -48,6 +59,7 @@ def add_block(session: Session, key: SourceKey, *, revision: int, first_sequence
             count=len(samples),
             time_first=int(samples.time.min()),
             time_last=int(samples.time.max()),
+            received_at=received_at,
             data=encode(samples),
         )
     )
@@ -58,6 +70,7 @@ def between(
     machine_id: str,
     *,
     revision: int,
+    also: Collection[int] = (),
     channels: int = 0,
     first: int,
     last: int,
@@ -65,11 +78,12 @@ def between(
 ) -> Samples:
     """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none.
 
+    also: further revisions, measured alike.
     largest: where there may be more of them, every second, third, … is taken, so that not many more than this are in memory.
     """
     within = (
         (SampleBlockRow.machine_id == machine_id)
-        & (SampleBlockRow.revision == revision)
+        & SampleBlockRow.revision.in_({revision, *also})
         & (SampleBlockRow.time_last >= first)
         & (SampleBlockRow.time_first <= last)
     )
@@ -116,6 +130,7 @@ def latest(
     machine_id: str,
     *,
     revision: int,
+    also: Collection[int] = (),
     channels: int = 0,
     count: int,
     first: int | None = None,
@@ -123,11 +138,12 @@ def latest(
 ) -> Samples:
     """The newest samples of one revision, by time; `channels` shapes the answer where there are none.
 
+    also: further revisions, measured alike.
     first, last: only samples with first <= time <= last [ns]; None: without an end there.
     """
     query = (
         select(SampleBlockRow.data, SampleBlockRow.time_last)
-        .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
+        .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision.in_({revision, *also}))
         .order_by(SampleBlockRow.time_last.desc(), SampleBlockRow.id.desc())
         .execution_options(yield_per=50)
     )

@@ -6,7 +6,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.paging import Keys, ordered
+from storage.paging import Keys, between, ordered
 from storage.tables import TimelineRow
 
 
@@ -29,8 +29,5 @@ def of_machine(
 ) -> Sequence[TimelineRow]:
     """Entries between two moments [ns], newest first; after: moment and id of the one before."""
     query = select(TimelineRow).where(TimelineRow.machine_id == machine_id)
-    if first is not None:
-        query = query.where(TimelineRow.at >= first)
-    if last is not None:
-        query = query.where(TimelineRow.at <= last)
+    query = between(query, TimelineRow.at, first, last)
     return session.scalars(ordered(query, (TimelineRow.at, TimelineRow.id), after).limit(limit)).all()

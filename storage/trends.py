@@ -18,6 +18,16 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Texts = NDArray[np.object_]
 
+TABLES = (
+    "machines",
+    "machine_revisions",
+    "runs",
+    "identifications",
+    "estimates",
+    "derived_quantities",
+    "baselines",
+)
+"""What histories, and what they are compared with, are read from."""
 Stamp = tuple[int | None, ...]
 """Equal as long as nothing was stored that could change a machine's histories or what they are compared with."""
 

@@ -29,7 +29,8 @@ class InProcess(httpx.BaseTransport):
         answer = await transport.handle_async_request(
             httpx.Request(request.method, request.url, headers=request.headers, content=request.read())
         )
-        return httpx.Response(answer.status_code, headers=answer.headers, content=await answer.aread())
+        body = b"".join([part async for part in answer.aiter_raw()])
+        return httpx.Response(answer.status_code, headers=answer.headers, content=body)
 
 
 class Api:

@@ -1,6 +1,8 @@
-"""Fixtures that the tests of storage and service share. Databases are copies of ones made once: migrating takes its time."""
+"""Fixtures that the tests of storage and service share: databases of the kind that is asked for, see `tests.databases`."""
 
-import shutil
+import contextlib
+import functools
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,42 +10,97 @@ import pytest
 
 from storage import machines
 from storage.database import Database
-from tests.plant import machine, sqlite_url
+from tests.databases import Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
+from tests.plant import machine
+from tests.postgresql import FAST, Server, server
 
 
 @pytest.fixture(scope="session")
-def empty_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An SQLite file whose schema is up to date."""
-    path = tmp_path_factory.mktemp("templates") / "empty.db"
-    Database(sqlite_url(path)).close()
-    return path
+def postgresql() -> Iterator[Server]:
+    """A PostgreSQL server for this process of tests."""
+    with server(*FAST) as one:
+        yield one
+
+
+class Stores:
+    """Databases of each kind and their templates, made once when they are first asked for."""
+
+    def __init__(self, request: pytest.FixtureRequest, folders: pytest.TempPathFactory) -> None:
+        self._request = request
+        self._folders = folders
+
+    @functools.cache  # noqa: B019 - one for each process of tests
+    def databases(self, kind: Kind) -> Databases:
+        """Where databases come from."""
+        if kind == "sqlite":
+            return SqliteDatabases()
+        return PostgresqlDatabases(self._request.getfixturevalue("postgresql"))
+
+    @functools.cache  # noqa: B019
+    def empty(self, kind: Kind) -> str:
+        """URL of a database whose schema is up to date."""
+        url = self.databases(kind).new(self._folders.mktemp("templates") / "empty.db")
+        Database(url).close()
+        return url
+
+    @functools.cache  # noqa: B019
+    def plant(self, kind: Kind) -> str:
+        """The same with the machine of `tests.plant`."""
+        url = self.databases(kind).copy(self.empty(kind), self._folders.mktemp("templates") / "plant.db")
+        database = Database(url)
+        with database.transaction() as session:
+            machines.create(session, machine())
+        database.close()
+        return url
 
 
 @pytest.fixture(scope="session")
-def plant_file(empty_file: Path) -> Path:
+def stores(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Stores:
+    """By kind: what tests/storage makes of either kind must not serve others too."""
+    return Stores(request, tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def kind() -> Kind:
+    """Which kind of database is tested."""
+    return chosen()
+
+
+@pytest.fixture(scope="session")
+def databases(kind: Kind, stores: Stores) -> Databases:
+    """Where databases come from."""
+    return stores.databases(kind)
+
+
+@pytest.fixture(scope="session")
+def empty_template(kind: Kind, stores: Stores) -> str:
+    """URL of a database whose schema is up to date."""
+    return stores.empty(kind)
+
+
+@pytest.fixture(scope="session")
+def plant_template(kind: Kind, stores: Stores) -> str:
     """The same with the machine of `tests.plant`."""
-    path = Path(shutil.copy(empty_file, empty_file.with_name("plant.db")))
-    opened = Database(sqlite_url(path))
-    with opened.transaction() as session:
-        machines.create(session, machine())
-    opened.close()
-    return path
-
-
-def opened_copy(template: Path, path: Path) -> Iterator[Database]:
-    """A copy of a database, open until the test is over."""
-    opened = Database(sqlite_url(shutil.copy(template, path)))
-    yield opened
-    opened.close()
+    return stores.plant(kind)
 
 
 @pytest.fixture
-def database(empty_file: Path, tmp_path: Path) -> Iterator[Database]:
-    """An empty database in a file."""
-    yield from opened_copy(empty_file, tmp_path / "rundown.db")
+def database(databases: Databases, empty_template: str, tmp_path: Path) -> Iterator[Database]:
+    """An empty database, in the file rundown.db if it is one."""
+    with opened(databases, empty_template, tmp_path / "rundown.db") as one:
+        yield one
 
 
 @pytest.fixture
-def plant(plant_file: Path, tmp_path: Path) -> Iterator[Database]:
-    """A database that knows the machine of `tests.plant`."""
-    yield from opened_copy(plant_file, tmp_path / "rundown.db")
+def plant(databases: Databases, plant_template: str, tmp_path: Path) -> Iterator[Database]:
+    """A database that knows the machine of `tests.plant`, in the file rundown.db if it is one."""
+    with opened(databases, plant_template, tmp_path / "rundown.db") as one:
+        yield one
+
+
+@pytest.fixture
+def new_database(databases: Databases, tmp_path: Path) -> Iterator[NewDatabase]:
+    """Makes databases besides."""
+    numbers = itertools.count(1)
+    with contextlib.ExitStack() as open_ones:
+        yield lambda template: open_ones.enter_context(opened(databases, template, tmp_path / f"other{next(numbers)}.db"))

@@ -45,7 +45,7 @@ def test_every_command_that_the_readme_shows_exists() -> None:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_that_a_page_names_exist(page: Path) -> None:
-    places = (ROOT, ROOT / "docs", ROOT / "estimator", ROOT / "storage", ROOT / "service")
+    places = (ROOT, ROOT / "docs", ROOT / "estimator", ROOT / "storage", ROOT / "service", ROOT / "service/security")
     named = re.findall(r"`((?:[\w-]+/)*[\w-]+\.(?:py|yaml|md))`|\]\(([\w/-]+\.md)\)", page.read_text())
     invented = {"FILE.yaml"}
     missing = [

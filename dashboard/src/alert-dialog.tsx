@@ -1,10 +1,8 @@
 // Asks who does something to an alert, and why; says what the service answers.
-import { useState } from "preact/hooks";
 import { DEEDS, type Deed } from "./alert-words";
 import type { Alert } from "./answers";
 import { Failure, getToChange, post } from "./api";
-import { Dialog } from "./dialog";
-import { keepName, keptName } from "./person";
+import { AskDialog, Comment } from "./ask-dialog";
 import { refresh } from "./resource";
 
 const SHIFT = 8;
@@ -28,68 +26,33 @@ async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>):
   await post(`/alerts/${alert.id}/${deed}`, said, etag);
 }
 
-export function AlertDialog(props: { alert: Alert; deed: Deed; onClose: () => void }) {
-  const { alert, deed, onClose } = props;
-  const [failure, setFailure] = useState<string | null>(null);
-  const [busy, setBusy] = useState(false);
-  const submit = async (event: SubmitEvent) => {
-    event.preventDefault();
-    const form = new FormData(event.currentTarget as HTMLFormElement);
-    const by = String(form.get("by")).trim();
-    const said: Record<string, string> = { by, comment: String(form.get("comment") ?? "") };
+export function AlertDialog({ alert, deed, onClose }: { alert: Alert; deed: Deed; onClose: () => void }) {
+  const submit = async (form: FormData) => {
+    const said: Record<string, string> = { by: String(form.get("by")).trim(), comment: String(form.get("comment") ?? "") };
     if (deed === "shelve") said.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
-    keepName(by);
-    setBusy(true);
-    setFailure(null);
     try {
       await carryOut(alert, deed, said);
-      onClose();
-    } catch (error) {
-      setFailure(error instanceof Failure ? error.message : String(error));
     } finally {
-      setBusy(false);
       refresh("/alerts");
       refresh("/fleet");
     }
   };
   return (
-    <Dialog title={DEEDS[deed].title} onClose={onClose}>
+    <AskDialog title={DEEDS[deed].title} button={DEEDS[deed].button.replace(" …", "")} onSubmit={submit} onClose={onClose}>
       <p class="subject">{alert.message}</p>
-      <form onSubmit={submit}>
+      {deed === "shelve" && (
         <label>
-          Your name
-          <input name="by" required maxLength={120} autoComplete="name" defaultValue={keptName()} />
+          For
+          <select name="hours">
+            {HOURS.map(([hours, words]) => (
+              <option key={hours} value={hours} selected={hours === SHIFT}>
+                {words}
+              </option>
+            ))}
+          </select>
         </label>
-        {deed === "shelve" && (
-          <label>
-            For
-            <select name="hours">
-              {HOURS.map(([hours, words]) => (
-                <option key={hours} value={hours} selected={hours === SHIFT}>
-                  {words}
-                </option>
-              ))}
-            </select>
-          </label>
-        )}
-        <label>
-          Comment
-          <textarea name="comment" rows={3} maxLength={2000} required={deed === "comments"} />
-        </label>
-        {failure && (
-          <p class="trouble" role="alert">
-            {failure}
-          </p>
-        )}
-        <p class="buttons">
-          <button type="submit" class="strong" disabled={busy}>
-            {busy ? "…" : DEEDS[deed].button.replace(" …", "")}
-          </button>
-          <button type="button" onClick={onClose}>
-            Cancel
-          </button>
-        </p>
-      </form>
-    </Dialog>
+      )}
+      <Comment required={deed === "comments"} />
+    </AskDialog>
   );
 }

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { AlertDialog } from "./alert-dialog";
 import { calls, DEEDS, possible, stateInWords, type Deed } from "./alert-words";
 import type { Alert, AlertEvent, Evidence } from "./answers";
-import { elementName, number, quantity } from "./format";
+import { elementName, number, quantity, utc } from "./format";
 import { Empty, Severity, Shown, Time } from "./parts";
 import { useResource, type Answer } from "./resource";
 import { link } from "./router";
@@ -41,7 +41,9 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
         <span class="rule">{alert.rule.replaceAll("_", " ")}</span>
         <span class="state">{stateInWords(alert.state)}</span>
         <span class="space" />
-        <Time at={alert.opened_at} />
+        <span title={`measured ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
+          <Time at={alert.opened_at} />
+        </span>
       </div>
       <p>{alert.message}</p>
       <div class="buttons">

@@ -1,4 +1,5 @@
 // What the service answers, as far as the page reads it. The API's document (/api/v1/docs) says what each field means.
+import type { RuleName } from "./rules";
 
 export interface MachineSummary {
   id: string;
@@ -13,6 +14,8 @@ export interface Document {
   name: string;
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
+  bearings: { id: string }[];
+  discs: { id: string }[];
   probes: { id: string }[];
 }
 
@@ -396,4 +399,96 @@ export interface Ahead {
 export interface TrendTests {
   missing: string | null;
   tests: TrendTest[];
+}
+
+export interface Suppression {
+  id: number;
+  machine: string;
+  kind: string;
+  rule: string | null;
+  element: string | null;
+  since: string;
+  until: string | null;
+  by: string;
+  comment: string;
+}
+
+export interface Subscription {
+  id: number;
+  kind: string;
+  name: string;
+  target: string;
+  state: string;
+  reason: string | null;
+  created_at: string;
+}
+
+/** secret: of a webhook, shown once. */
+export interface NewSubscription extends Subscription {
+  secret: string | null;
+}
+
+export interface Delivery {
+  id: number;
+  event: number;
+  alert: number;
+  state: string;
+  attempts: number;
+  last_try_at: string | null;
+  answer: string | null;
+}
+
+export interface TestOutcome {
+  result: string;
+  answer: string;
+}
+
+/** From where on something is an alert, or a danger; null does not matter. */
+export interface Level {
+  sigma: number | null;
+  per_cent: number | null;
+  force: number | null;
+  rate_per_cent_per_week: number | null;
+}
+
+export interface Rule {
+  alert: Level;
+  danger: Level | null;
+  on_delay: number;
+  off_delay: number;
+  hysteresis: number;
+  latching: boolean;
+}
+
+export type Limits = Record<RuleName, Rule> & { elements: Record<string, Partial<Record<RuleName, Rule>>> };
+
+export interface LimitsVersion {
+  version: number;
+  limits: Limits;
+  set_at: string | null;
+  by: string | null;
+  comment: string | null;
+}
+
+export interface ComparedChange {
+  parameter: string;
+  first: number;
+  second: number;
+  per_cent: number | null;
+  sigma: number | null;
+}
+
+export interface Comparison {
+  first: number;
+  second: number;
+  changes: ComparedChange[];
+  elements: { element: string; probability: number }[];
+  only_first: string[];
+  only_second: string[];
+}
+
+export interface Correlation {
+  coordinates: string[];
+  correlation: number[][];
+  strongest: { one: string; other: string; correlation: number }[];
 }

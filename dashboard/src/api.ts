@@ -1,5 +1,6 @@
 // Asking the service, and what is said when it refuses.
 import { missed } from "./connection";
+import { changeHeaders, refused } from "./session";
 
 export const PREFIX = "/api/v1";
 const PATIENCE_MS = 20_000;
@@ -23,6 +24,7 @@ async function ask(path: string, options: RequestInit): Promise<Response> {
     throw new Failure(0, "The service does not answer.");
   }
   if (response.ok) return response;
+  if (response.status === 401) refused();
   throw new Failure(response.status, await reason(response));
 }
 
@@ -46,10 +48,20 @@ export async function getToChange<T>(path: string): Promise<[T, string | null]> 
   return [(await response.json()) as T, response.headers.get("etag")];
 }
 
-export async function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
-  const headers: Record<string, string> = { "content-type": "application/json", accept: "application/json" };
+export function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
+  return send<T>("POST", path, body, etag);
+}
+
+export function put<T>(path: string, body: unknown, etag: string | null): Promise<T> {
+  return send<T>("PUT", path, body, etag);
+}
+
+/** body: null for none. etag: of what is to be changed. */
+async function send<T>(method: string, path: string, body: unknown, etag: string | null): Promise<T> {
+  const headers: Record<string, string> = { accept: "application/json", ...changeHeaders() };
+  if (body !== null) headers["content-type"] = "application/json";
   if (etag) headers["if-match"] = etag;
-  return (await (await ask(path, { method: "POST", headers, body: JSON.stringify(body) })).json()) as T;
+  return (await (await ask(path, { method, headers, body: body === null ? null : JSON.stringify(body) })).json()) as T;
 }
 
 export function query(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {

@@ -1,5 +1,6 @@
 // Whether the service answers, and what it says of alerts as it happens.
 import type { AlertEvent } from "./answers";
+import { findOut } from "./session";
 import { Store } from "./store";
 
 export interface Connection {
@@ -47,7 +48,9 @@ function listen(): void {
   stream = opened;
   opened.onopen = () => become("live");
   opened.onerror = () => {
-    if (stream === opened) missed();
+    if (stream !== opened) return;
+    missed();
+    void findOut(); // a stream does not say why it ended: the session may be over
   };
   opened.addEventListener("alert", (message) => {
     newestEvent.set(JSON.parse((message as MessageEvent<string>).data) as AlertEvent);

@@ -18,8 +18,8 @@ export function largest(deviations: Deviations, element: string): ParameterDevia
   return own.sort((a, b) => Math.abs(b.sigma) - Math.abs(a.sigma))[0];
 }
 
-/** What the newest identification and the open alerts say of each element. */
-export function marksOf(alerts: Alert[], deviations: Deviations | undefined): Map<string, Mark> {
+/** What an identification and the alerts that are open beside it say of each element. */
+export function marksOf(open: Alert[], deviations: Deviations | undefined): Map<string, Mark> {
   const marks = new Map<string, Mark>();
   const put = (element: string, level: Mark["level"], words: string) => {
     const there = marks.get(element);
@@ -32,10 +32,11 @@ export function marksOf(alerts: Alert[], deviations: Deviations | undefined): Ma
     if (probability >= CHANGED || !most) put(element, "normal", "as at the baseline");
     else put(element, "changed", `${inWords(most)}${most.reaches ? `, reaches the limit for ${most.reaches}` : ""}`);
   }
-  for (const alert of alerts) {
-    if (alert.closed_at) continue;
+  for (const alert of open) {
     const level = alert.severity === "danger" ? "danger" : "alert";
-    put(alert.element, level, `${alert.message}${calls(alert) ? "" : ` (${alert.state.replaceAll("_", " ")})`}`);
+    // One that was closed later was open then: in which state is not known.
+    const said = alert.closed_at || calls(alert) ? "" : ` (${alert.state.replaceAll("_", " ")})`;
+    put(alert.element, level, `${alert.message}${said}`);
   }
   return marks;
 }

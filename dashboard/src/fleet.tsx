@@ -1,12 +1,14 @@
 // All machines: what they do, what is open, what changed since yesterday.
 import type { Fleet as FleetAnswer, FleetMachine } from "./answers";
 import { rpm, when } from "./format";
-import { Empty, Mode, Panel, Severity, Shown, Time } from "./parts";
+import { Cut, Empty, Mode, Panel, Severity, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
 
 const MS = 5000;
+/** The service answers with so many at most. */
+const SHOWN = 1000;
 const SEVERITIES = ["danger", "alert"];
 
 type Order = "urgency" | "name" | "plant";
@@ -41,6 +43,7 @@ export function Fleet() {
           {({ machines, since }) => (
             <>
               <Totals machines={machines} />
+              <Cut shown={machines.length} most={SHOWN} what="first" />
               <Table machines={sorted(machines.filter((one) => fits(one, sought)), order)} all={machines.length} since={since} />
             </>
           )}

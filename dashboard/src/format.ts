@@ -1,4 +1,5 @@
 // Numbers with units, times in the reader's zone.
+import type { Document } from "./answers";
 
 const PREFIXES: [number, string][] = [
   [1e9, "G"],
@@ -88,4 +89,10 @@ export function elementName(element: string): string {
 /** `kxx` from `bearing.B1.kxx`. */
 export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
+}
+
+/** All elements of a machine that alerts may be of: `coupling.C1`. */
+export function elementsOfDocument(machine: Document): string[] {
+  const named = (kind: string, all: { id: string }[]) => all.map((one) => `${kind}.${one.id}`);
+  return [...named("coupling", machine.couplings), ...named("bearing", machine.bearings), ...named("disc", machine.discs), ...named("probe", machine.probes)];
 }

@@ -1,8 +1,10 @@
 // One identification in numbers and words: how well it fits, what each parameter is, what the data do not tell and why.
 import { useEffect } from "preact/hooks";
 import type { Document, Estimate, Identification, IdentificationSummary } from "./answers";
+import { ComparisonPanel } from "./comparison-panel";
+import { CorrelationPanel } from "./correlation-panel";
 import { elementName, number, quantity, rpm, scaleOf, termName, when } from "./format";
-import { Empty, Panel, Shown, Time } from "./parts";
+import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
@@ -11,10 +13,11 @@ import { elementsOf, NotIdentified } from "./newest";
 /** An interval wider than this part of the value says little. */
 const POOR = 0.5;
 const FAIR = 0.1;
+const SHOWN = 200;
 
 export function IdentifiedView({ machine }: { machine: Document }) {
   const { query } = useStore(place);
-  const list = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications?limit=200`, 15_000);
+  const list = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications?limit=${SHOWN}`, 15_000);
   const asked = query.get("identification") ?? String(list.data?.find((one) => one.accepted && one.scope === "run")?.id ?? list.data?.[0]?.id ?? "");
   const answer = useResource<Identification>(asked ? `/identifications/${asked}` : null);
   useEffect(() => {
@@ -37,11 +40,14 @@ export function IdentifiedView({ machine }: { machine: Document }) {
               ))}
             </select>
           </label>
+          <Cut shown={list.data?.length ?? 0} most={SHOWN} />
         </div>
       </Panel>
       <Shown answer={answer} lines={30}>
         {(found) => <Identified machine={machine} found={found} />}
       </Shown>
+      {asked && <ComparisonPanel shown={asked} all={list.data ?? []} />}
+      {asked && <CorrelationPanel identification={asked} />}
     </>
   );
 }

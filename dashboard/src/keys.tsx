@@ -8,9 +8,12 @@ import { choice, choose } from "./theme";
 const SAID: [string, string][] = [
   ["f", "fleet"],
   ["a", "alerts"],
-  ["1 … 6", "tabs of a machine"],
+  ["w", "who is told"],
+  ["1 … 7", "tabs of a machine"],
   ["d", "dark or light"],
   ["← → in a plot", "move the read-out; with Shift ten points"],
+  ["↑ ↓ in a polar plot", "read out another curve"],
+  ["← → ↑ ↓ in a matrix", "move the read-out"],
   ["+ − 0 in a plot", "zoom in, out, back to all"],
   ["Esc", "close"],
   ["?", "this list"],
@@ -26,6 +29,7 @@ export function useShortcuts(toggleKeys: () => void): void {
       if (event.key === "?") toggleKeys();
       else if (event.key === "f") go([]);
       else if (event.key === "a") go(["alerts"]);
+      else if (event.key === "w") go(["subscriptions"]);
       else if (event.key === "d") choose(choice.value === "dark" ? "light" : "dark");
       else if (tab && parts[0] === "machines" && parts[1]) go(["machines", parts[1], tab.id]);
     };

@@ -10,6 +10,7 @@ import { Empty, Mode, Shown, Time } from "./parts";
 import { foresee, useResource } from "./resource";
 import { ResponseView } from "./response-view";
 import { link } from "./router";
+import { SettingsView } from "./settings-view";
 import { ShapesView } from "./shapes-view";
 import { TABS } from "./tabs";
 import { TrendsView } from "./trends-view";
@@ -59,6 +60,8 @@ function view(tab: string, machine: Document): ComponentChildren {
       return <ModelView machine={machine} />;
     case "identified":
       return <IdentifiedView machine={machine} />;
+    case "settings":
+      return <SettingsView machine={machine} />;
     default:
       return <Empty>There is no such view.</Empty>;
   }

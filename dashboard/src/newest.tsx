@@ -25,6 +25,12 @@ export function useNewest(machine: string): { newest: Identification | undefined
   return { newest: answer.data, none: data === null, failure: (failure ?? answer.failure)?.message };
 }
 
+/** The newest accepted identification of a single run among some, or the newest of all, with its estimates. */
+export function useNewestOf(found: IdentificationSummary[] | undefined): Identification | undefined {
+  const one = found?.find((each) => each.accepted && each.scope === "run") ?? found?.[0];
+  return useResource<Identification>(one ? `/identifications/${one.id}` : null).data;
+}
+
 export function NotIdentified() {
   return (
     <Panel title="Nothing to show yet">

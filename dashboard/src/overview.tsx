@@ -55,7 +55,7 @@ export function Overview({ machine }: { machine: Document }) {
   );
 }
 
-function Legend() {
+export function Legend() {
   return (
     <p class="legend muted">
       <span class="normal">■</span> as at the baseline <span class="changed">●</span> changed <span class="alert">▲</span> alert{" "}

@@ -30,6 +30,15 @@ export function Empty({ children }: { children: ComponentChildren }) {
   return <p class="empty">{children}</p>;
 }
 
+/** That a list has more than is shown. */
+export function Cut({ shown, most, what = "newest" }: { shown: number; most: number; what?: string }) {
+  return shown < most ? null : (
+    <p class="muted cut">
+      The {what} {most} are shown; there may be more.
+    </p>
+  );
+}
+
 export function Trouble({ failure }: { failure: Failure }) {
   return (
     <p class="trouble" role="alert">

@@ -1,8 +1,10 @@
-// Who sits here, as they said last.
+// Who sits here: who is logged in, else what they said last.
+import { me } from "./session";
 
 const KEY = "rundown.name";
 
 export function keptName(): string {
+  if (me.value?.kind === "session") return me.value.name;
   return window.localStorage.getItem(KEY) ?? "";
 }
 

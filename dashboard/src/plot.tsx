@@ -1,4 +1,4 @@
-// A plot over time or speed: uPlot with bands, markers, zoom, and a read-out at the cursor, also by keys.
+// A plot over time or speed: uPlot with bands, markers, zoom, and a read-out at the cursor, also by keys and fingers.
 import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { number } from "./format";
@@ -69,6 +69,11 @@ function dash(style: number): number[] {
 }
 
 const ALPHA = 0.2;
+/** As one step of keys and buttons does. */
+const ZOOM = 0.6;
+/** A click so near to a point picks it [px]; a finger hides what it points at. */
+const NEAR = 20;
+const NEAR_FINGER = 32;
 const DAY_S = 86_400;
 /** Labels of a time axis by the distance of its marks: what every mark says, and what is added where year or day changes. */
 const DATES: uPlot.Axis.Values = [
@@ -118,12 +123,30 @@ export function Plot(props: PlotProps) {
   const index = at !== null && at <= last ? at : null;
   return (
     <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out.`} onKeyDown={(event) => keyed(event, plot.current, last)}>
-      <div class="readout" aria-live="off">
-        {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
-        {index === null && !props.readOut && <Names curves={props.curves} />}
+      <div class="above">
+        <div class="readout" aria-live="off">
+          {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
+          {index === null && !props.readOut && <Names curves={props.curves} />}
+        </div>
+        <Zooms plot={plot} />
       </div>
       <div ref={place} class="canvas" style={{ height: `${height}px` }} />
     </div>
+  );
+}
+
+function Zooms({ plot }: { plot: { current: uPlot | null } }) {
+  const button = (sign: string, label: string, act: (made: uPlot) => void) => (
+    <button type="button" aria-label={label} title={label} onClick={() => plot.current && act(plot.current)}>
+      {sign}
+    </button>
+  );
+  return (
+    <span class="zooms screen">
+      {button("+", "Zoom in", (made) => zoom(made, ZOOM))}
+      {button("−", "Zoom out", (made) => zoom(made, 1 / ZOOM))}
+      {button("all", "Show all", showAll)}
+    </span>
   );
 }
 
@@ -175,18 +198,21 @@ function keyed(event: KeyboardEvent, made: uPlot | null, last: number): void {
     const index = Math.min(last, Math.max(0, (made.cursor.idx ?? last) + step));
     made.setCursor({ left: made.valToPos(x[index]!, "x"), top: made.bbox.height / devicePixelRatio / 2 });
   } else if (event.key === "+" || event.key === "-") {
-    zoom(made, event.key === "+" ? 0.6 : 1 / 0.6);
-  } else if (event.key === "0" || event.key === "Escape") {
-    made.root.dataset.zoomed = "0";
-    made.setData(made.data, true);
-  } else return;
+    zoom(made, event.key === "+" ? ZOOM : 1 / ZOOM);
+  } else if (event.key === "0" || event.key === "Escape") showAll(made);
+  else return;
   event.preventDefault();
 }
 
-function zoom(made: uPlot, factor: number): void {
+function showAll(made: uPlot): void {
+  made.root.dataset.zoomed = "0";
+  made.setData(made.data, true);
+}
+
+/** left: of what stays in its place [px]; negative: the middle. */
+function zoom(made: uPlot, factor: number, left = made.cursor.left ?? -1): void {
   const { min, max } = made.scales.x!;
   if (min === undefined || max === undefined || min === null || max === null) return;
-  const left = made.cursor.left ?? -1;
   const middle = left >= 0 ? made.posToVal(left, "x") : (min + max) / 2;
   made.root.dataset.zoomed = "1";
   made.setScale("x", { min: middle - (middle - min) * factor, max: middle + (max - middle) * factor });
@@ -237,6 +263,8 @@ function options(
     cursor: {
       drag: { x: true, y: false, setScale: true },
       points: { size: 7 },
+      // A finger that is lifted, or taps a button, leaves the read-out where it was.
+      bind: { mouseleave: (made, _, leave) => (event) => (byFinger(made) ? null : leave(event)) },
       ...(props.together ? { sync: { key: props.together } } : {}),
     },
     hooks: {
@@ -309,16 +337,70 @@ function markers(made: uPlot, { markers: wanted }: PlotProps): void {
   ctx.restore();
 }
 
-/** The wheel zooms with Ctrl, so that the page still scrolls; a click picks a point. */
+/** The wheel zooms with Ctrl, so that the page still scrolls; two fingers do, and one scrolls. */
 function controls(made: uPlot, latest: { current: PlotProps }): void {
-  made.over.addEventListener("wheel", (event) => {
+  const { over } = made;
+  over.addEventListener("wheel", (event) => {
     if (!event.ctrlKey) return;
     event.preventDefault();
     zoom(made, event.deltaY < 0 ? 0.8 : 1.25);
   }, { passive: false });
-  made.over.addEventListener("dblclick", () => (made.root.dataset.zoomed = "0"));
-  made.over.addEventListener("click", () => {
-    const index = made.cursor.idx;
-    if (index !== null && index !== undefined && made.select.width === 0) latest.current.onPick?.(index);
+  over.addEventListener("dblclick", () => (made.root.dataset.zoomed = "0"));
+  for (const kind of ["pointerenter", "pointerdown"] as const) {
+    over.addEventListener(kind, (event) => (made.root.dataset.pointer = event.pointerType));
+  }
+  pinches(made);
+  picks(made, latest);
+}
+
+function byFinger(made: uPlot): boolean {
+  return made.root.dataset.pointer === "touch";
+}
+
+/** A click on a point picks it. A first tap on it only reads it out: there is no hovering with a finger. */
+function picks(made: uPlot, latest: { current: PlotProps }): void {
+  let tapped: number | null = null;
+  made.over.addEventListener("click", (event) => {
+    const { onPick } = latest.current;
+    if (!onPick || made.select.width > 0) return;
+    const box = made.over.getBoundingClientRect();
+    const finger = byFinger(made);
+    const index = nearest(made, latest.current, event.clientX - box.left, event.clientY - box.top, finger ? NEAR_FINGER : NEAR);
+    const x = index === null ? null : made.data[0][index]!;
+    if (index !== null && (!finger || x === tapped)) onPick(index);
+    else if (x !== null) made.setCursor({ left: made.valToPos(x, "x"), top: event.clientY - box.top });
+    tapped = x;
   });
+}
+
+/** The point that is nearest to a place, if it is near [px]. */
+function nearest(made: uPlot, { x, curves }: PlotProps, left: number, top: number, near: number): number | null {
+  let found: number | null = null;
+  let least = near;
+  for (const { y } of curves) {
+    y.forEach((value, index) => {
+      if (value === null) return;
+      const far = Math.hypot(made.valToPos(x[index]!, "x") - left, made.valToPos(value, "y") - top);
+      if (far <= least) [least, found] = [far, index];
+    });
+  }
+  return found;
+}
+
+function pinches(made: uPlot): void {
+  let before = 0;
+  made.over.addEventListener("touchstart", ({ touches }) => (before = apart(touches)));
+  made.over.addEventListener("touchmove", (event) => {
+    const [one, other] = event.touches;
+    if (!one || !other) return;
+    event.preventDefault();
+    const now = apart(event.touches);
+    if (before > 0 && now > 0) zoom(made, before / now, (one.clientX + other.clientX) / 2 - made.over.getBoundingClientRect().left);
+    before = now;
+  }, { passive: false });
+}
+
+/** How far two fingers are from each other [px]; 0: there are not two. */
+function apart({ 0: one, 1: other }: TouchList): number {
+  return one && other ? Math.hypot(one.clientX - other.clientX, one.clientY - other.clientY) : 0;
 }

@@ -1,5 +1,6 @@
 // A polar plot: amplitude as radius, phase lag as angle, one curve for each channel, speeds beside it.
 import { useState } from "preact/hooks";
+import { arrow, within } from "./arrows";
 import { number, rpm } from "./format";
 import { STYLES } from "./plot";
 
@@ -18,12 +19,22 @@ export interface PolarCurve {
 const SIZE = 320;
 const RADIUS = 132;
 const LABELS = 4;
+/** A pointer so near to a point reads it out. */
+const NEAR = 14;
 
 interface Point {
   x: number;
   y: number;
   index: number;
 }
+
+interface Drawn {
+  curve: PolarCurve;
+  at: Point[];
+}
+
+/** Which is read out: the number of its curve, and its place on it. */
+type Place = [number, number];
 
 function points(curve: PolarCurve, scale: number): Point[] {
   const found: Point[] = [];
@@ -38,7 +49,7 @@ function points(curve: PolarCurve, scale: number): Point[] {
 }
 
 export function Polar({ title, curves, unit = "µm pp" }: { title: string; curves: PolarCurve[]; unit?: string }) {
-  const [near, setNear] = useState<string | null>(null);
+  const [near, setNear] = useState<Place | null>(null);
   const largest = Math.max(1e-9, ...curves.flatMap((one) => one.amplitude.map((value) => value ?? 0)));
   const ring = nice(largest / 3);
   const rings = Math.ceil(largest / ring);
@@ -48,19 +59,32 @@ export function Polar({ title, curves, unit = "µm pp" }: { title: string; curve
     const box = (event.currentTarget as SVGElement).getBoundingClientRect();
     const x = ((event.clientX - box.left) / box.width - 0.5) * SIZE;
     const y = ((event.clientY - box.top) / box.height - 0.5) * SIZE;
-    setNear(nearest(drawn, x, y, unit));
+    setNear(nearest(drawn, x, y));
   };
+  const keyed = (event: KeyboardEvent) => {
+    const step = arrow(event);
+    if (!step && event.key !== "Escape") return;
+    event.preventDefault();
+    setNear(step && moved(drawn, near, step));
+  };
+  const point = near && drawn[near[0]]?.at[near[1]];
   return (
     <figure class="polar">
       <figcaption>
-        <strong>{title}</strong> <span class="muted">{near ?? `rings of ${number(ring)} ${unit}`}</span>
+        <strong>{title}</strong>{" "}
+        <span class="muted" aria-live="polite">
+          {near && point ? words(drawn[near[0]]!.curve, point, unit) : `rings of ${number(ring)} ${unit}`}
+        </span>
       </figcaption>
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`}
-        role="img"
-        aria-label={`Polar plot of ${title}, largest amplitude ${number(largest)} ${unit}`}
+        role="group"
+        tabindex={0}
+        aria-label={`Polar plot of ${title}, largest amplitude ${number(largest)} ${unit}. Arrow keys move the read-out: left and right along a curve, up and down to another.`}
+        onKeyDown={keyed}
+        onPointerDown={look}
         onPointerMove={look}
-        onPointerLeave={() => setNear(null)}
+        onPointerLeave={(event) => event.pointerType !== "touch" && setNear(null)}
       >
         {Array.from({ length: rings }, (_, index) => (
           <circle class="grid" r={ring * (index + 1) * scale} />
@@ -79,6 +103,7 @@ export function Polar({ title, curves, unit = "µm pp" }: { title: string; curve
             {!curve.faint && !curve.unlabelled && speeds(curve, at)}
           </g>
         ))}
+        {point && <circle class="chosen" cx={point.x} cy={point.y} r={5} />}
       </svg>
     </figure>
   );
@@ -102,18 +127,35 @@ function speeds(curve: PolarCurve, at: Point[]) {
   ));
 }
 
-function nearest(drawn: { curve: PolarCurve; at: Point[] }[], x: number, y: number, unit: string): string | null {
-  let best: { far: number; words: string } | null = null;
-  for (const { curve, at } of drawn) {
-    for (const one of at) {
+function words(curve: PolarCurve, { index }: Point, unit: string): string {
+  return `${curve.name}: ${rpm(curve.rpm[index])}, ${number(curve.amplitude[index])} ${unit}, ${Math.round(curve.lag[index]!)}° lag`;
+}
+
+function nearest(drawn: Drawn[], x: number, y: number): Place | null {
+  let found: Place | null = null;
+  let least = NEAR;
+  drawn.forEach(({ at }, curve) =>
+    at.forEach((one, place) => {
       const far = Math.hypot(one.x - x, one.y - y);
-      if (far < 14 && (!best || far < best.far)) {
-        const amplitude = number(curve.amplitude[one.index]);
-        best = { far, words: `${curve.name}: ${rpm(curve.rpm[one.index])}, ${amplitude} ${unit}, ${Math.round(curve.lag[one.index]!)}° lag` };
-      }
-    }
-  }
-  return best?.words ?? null;
+      if (far < least) [least, found] = [far, [curve, place]];
+    }),
+  );
+  return found;
+}
+
+/** Along the curve, or to the point of nearest speed on another; from nowhere to the first there is. */
+function moved(drawn: Drawn[], near: Place | null, [along, across]: [number, number]): Place | null {
+  const filled = drawn.flatMap(({ at }, curve) => (at.length > 0 ? [curve] : []));
+  const from = near && drawn[near[0]]?.at[near[1]];
+  if (!near || !from) return filled.length > 0 ? [filled[0]!, 0] : null;
+  if (across === 0) return [near[0], within(near[1] + along, drawn[near[0]]!.at.length)];
+  const curve = filled[within(filled.indexOf(near[0]) + Math.sign(across), filled.length)]!;
+  return curve === near[0] ? near : [curve, ofSpeed(drawn[curve]!, drawn[near[0]]!.curve.rpm[from.index]!)];
+}
+
+function ofSpeed({ curve, at }: Drawn, speed: number): number {
+  const far = at.map((one) => Math.abs(curve.rpm[one.index]! - speed));
+  return far.indexOf(Math.min(...far));
 }
 
 /** The next of 1, 2, 5 times a power of ten. */

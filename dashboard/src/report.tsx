@@ -1,22 +1,25 @@
 // A report of one machine and period, to be printed or kept as a file: what happened, how the parameters went, what is open.
 import { useLayoutEffect } from "preact/hooks";
-import type { Alert, Document, Drawing, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
+import type { Alert, Deviations, Document, Drawing, Identification, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
 import { query } from "./api";
-import { stateInWords } from "./alert-words";
+import { openAt, stateAt } from "./alert-words";
 import { marksOf } from "./deviations";
 import { elementName, rpm } from "./format";
 import { Identified } from "./identified-view";
+import { Legend } from "./overview";
 import { Empty, Panel, Severity, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
 import { onPaper } from "./theme";
 import { Train } from "./train";
-import { elementsOf, useNewest } from "./newest";
+import { comparable, elementsOf, useNewestOf } from "./newest";
 import { Histories } from "./trends-view";
 
 const DAY_MS = 86_400_000;
 const PERIOD_DAYS = 90;
+/** The service answers with so many at most. */
+const MOST = 1000;
 
 /** The day in local time, as a date field wants it. */
 function day(at: Date): string {
@@ -82,22 +85,24 @@ function Period({ first, last }: { first: string; last: string }) {
 }
 
 function Body({ machine, from, to }: { machine: Document; from: string; to: string }) {
-  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=1000`);
-  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
-  const runs = useResource<Run[]>(`/machines/${machine.id}/runs${query({ from, to, limit: 1000 })}`);
-  const timeline = useResource<TimelineEntry[]>(`/machines/${machine.id}/timeline${query({ from, to, limit: 1000 })}`);
-  const identified = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications${query({ from, to, limit: 1000 })}`);
-  const { newest } = useNewest(machine.id);
+  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MOST}`);
+  const runs = useResource<Run[]>(`/machines/${machine.id}/runs${query({ from, to, limit: MOST })}`);
+  const timeline = useResource<TimelineEntry[]>(`/machines/${machine.id}/timeline${query({ from, to, limit: MOST })}`);
+  const identified = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications${query({ from, to, limit: MOST })}`);
+  const newest = useNewestOf(identified.data);
   const during = (alerts.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
+  const cut = [alerts, runs, timeline, identified].some((one) => one.data?.length === MOST);
   const elements = newest ? reported(elementsOf(newest.estimates), during) : [];
   return (
     <>
       <Panel title="In short">
-        <Summary runs={runs.data} identified={identified.data} alerts={during} />
-        {drawing.data && <Train name={machine.name} drawing={drawing.data} marks={marksOf(during, undefined)} chosen={null} onChoose={() => undefined} />}
+        <Summary runs={runs.data} identified={identified.data} alerts={during} to={to} />
+        {cut && <p class="muted">Of each kind the newest {MOST} are counted and shown; there may be more.</p>}
+        {identified.data?.length === 0 && <p class="muted">Nothing was identified in this period.</p>}
+        <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => openAt(one, to))} />
       </Panel>
       <Panel title="Alerts of the period">
-        <Shown answer={alerts}>{() => <AlertTable alerts={during} />}</Shown>
+        <Shown answer={alerts}>{() => <AlertTable alerts={during} to={to} />}</Shown>
       </Panel>
       <Panel title="What was done">
         <Shown answer={timeline}>
@@ -135,20 +140,43 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
   );
 }
 
+/** The train as it was at the end of the period. */
+function MarkedTrain({ machine, newest, open }: { machine: Document; newest: Identification | undefined; open: Alert[] }) {
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null).data;
+  if (!drawing.data) return null;
+  return (
+    <>
+      <Legend />
+      <Train name={machine.name} drawing={drawing.data} marks={marksOf(open, deviations)} chosen={null} onChoose={() => undefined} />
+      <p class="muted">
+        {deviations && !deviations.missing && (
+          <>
+            Changes are those of identification {deviations.identification} (<Time at={deviations.measured_at} />) against its baseline.{" "}
+          </>
+        )}
+        {deviations?.missing && `No changes are marked: ${deviations.missing}. `}
+        Alerts are those open at the end of the period.
+      </p>
+    </>
+  );
+}
+
 /** Elements whose trends are shown: couplings, and whatever had an alert. */
 function reported(elements: string[], alerts: Alert[]): string[] {
   return elements.filter((one) => one.startsWith("coupling.") || alerts.some((alert) => alert.element === one));
 }
 
-function Summary(props: { runs: Run[] | undefined; identified: IdentificationSummary[] | undefined; alerts: Alert[] }) {
-  const { runs, identified, alerts } = props;
+function Summary(props: { runs: Run[] | undefined; identified: IdentificationSummary[] | undefined; alerts: Alert[]; to: string }) {
+  const { runs, identified, alerts, to } = props;
   const accepted = identified?.filter((one) => one.accepted).length;
   const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
   return (
     <p>
       {counted(runs?.length, "run")}
       {speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {counted(identified?.length, "identification")}, of which {accepted ?? "…"}{" "}
-      accepted; {counted(alerts.length, "alert")}, of which {alerts.filter((one) => !one.closed_at).length} still open.
+      accepted; {counted(alerts.length, "alert")}, of which {alerts.filter((one) => openAt(one, to)).length} open
+      at the end of the period.
     </p>
   );
 }
@@ -157,7 +185,7 @@ function counted(count: number | undefined, what: string): string {
   return `${count ?? "…"} ${what}${count === 1 ? "" : "s"}`;
 }
 
-function AlertTable({ alerts }: { alerts: Alert[] }) {
+function AlertTable({ alerts, to }: { alerts: Alert[]; to: string }) {
   if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
   return (
     <div class="scroll">
@@ -166,7 +194,7 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
           <tr>
             <th>Severity</th>
             <th>Element</th>
-            <th>State</th>
+            <th title="at the end of the period">State</th>
             <th>Opened</th>
             <th>Closed</th>
             <th>What it says</th>
@@ -179,7 +207,7 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
                 <Severity severity={one.severity} />
               </td>
               <td>{elementName(one.element)}</td>
-              <td>{stateInWords(one.state)}</td>
+              <td>{stateAt(one, to)}</td>
               <td>
                 <Time at={one.opened_at} />
               </td>

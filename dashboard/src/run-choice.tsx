@@ -1,6 +1,7 @@
 // Choosing a run, and one to compare it with.
 import type { Run } from "./answers";
 import { when } from "./format";
+import { Cut } from "./parts";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
 import { useStore } from "./store";
@@ -62,6 +63,7 @@ export function RunChoice({ all, run, reference }: Runs) {
           ))}
         </select>
       </label>
+      <Cut shown={all?.length ?? 0} most={LISTED} />
       {alike.length > 0 && (
         <button type="button" onClick={() => choose({ reference: String(alike.at(-1)!.id) })}>
           Over the oldest of its kind

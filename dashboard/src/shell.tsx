@@ -8,7 +8,9 @@ import { Keys, useShortcuts } from "./keys";
 import { MachinePage } from "./machine-page";
 import { Report } from "./report";
 import { link, place } from "./router";
+import { logOut, me } from "./session";
 import { useStore } from "./store";
+import { SubscriptionsPage } from "./subscriptions-page";
 import { choice, choose, type Choice } from "./theme";
 
 export function Shell() {
@@ -35,9 +37,13 @@ export function Shell() {
           <a href={link(["alerts"])} aria-current={parts[0] === "alerts" ? "page" : undefined}>
             Alerts
           </a>
+          <a href={link(["subscriptions"])} aria-current={parts[0] === "subscriptions" ? "page" : undefined} title="Who is told of alerts">
+            Told
+          </a>
           <a href="/api/v1/docs">API</a>
         </nav>
         <span class="space" />
+        <Person />
         <Signal />
         <ThemeChoice />
         <button type="button" class="quiet" onClick={() => setKeys(true)} aria-label="Keys of this page" title="Keys (?)">
@@ -62,6 +68,7 @@ function Page({ parts }: { parts: string[] }) {
   const [first, machine, tab] = parts;
   if (first === undefined) return <Fleet />;
   if (first === "alerts") return <AlertsPage />;
+  if (first === "subscriptions") return <SubscriptionsPage />;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
   if (first === "reports" && machine) return <Report key={machine} id={machine} />;
   return (
@@ -71,6 +78,19 @@ function Page({ parts }: { parts: string[] }) {
         <a href="#/">To the fleet</a>
       </p>
     </section>
+  );
+}
+
+function Person() {
+  const who = useStore(me);
+  if (who?.kind !== "session") return null;
+  return (
+    <span class="signal">
+      {who.name} ({who.role}){" "}
+      <button type="button" class="quiet" onClick={() => void logOut()}>
+        Log out
+      </button>
+    </span>
   );
 }
 

@@ -1,4 +1,4 @@
-// The parts of a machine's page, in the order of the keys 1 to 6.
+// The parts of a machine's page, in the order of the keys 1 to 7.
 
 export const TABS = [
   { id: "overview", name: "Overview" },
@@ -7,4 +7,5 @@ export const TABS = [
   { id: "shapes", name: "Orbits and modes" },
   { id: "model", name: "Model" },
   { id: "identified", name: "Parameters" },
+  { id: "settings", name: "Limits and suppressions" },
 ] as const;

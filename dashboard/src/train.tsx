@@ -41,11 +41,12 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
   const thick = (radius: number) => Math.min(tall, radius * scale * stretch);
   const element = (id: string, kind: string, shape: preact.ComponentChildren, x: number, y: number) => {
     const mark = marks.get(id) ?? { level: "unknown", words: "" };
+    // tabindex, not tabIndex: names of SVG's attributes are case-sensitive.
     return (
       <g
         key={id}
         class={`element ${kind} ${mark.level} ${chosen === id ? "chosen" : ""}`}
-        tabIndex={0}
+        tabindex={0}
         role="button"
         aria-label={`${elementName(id)}${mark.words ? `: ${mark.words}` : ""}`}
         data-element={id}

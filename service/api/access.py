@@ -13,16 +13,22 @@ from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
 from service.api.times import Time
+from service.security.principal import Principal
+from service.security.store import Store
 from storage.clock import from_datetime
-from storage.database import Database
 
 LAST_INSTANT = 2**63 - 1
 """In the year 2262 [ns]."""
 
 
-def database(request: Request) -> Database:
-    """The application's database."""
-    return cast(Database, request.app.state.database)
+def database(request: Request) -> Store:
+    """The database as who asks may see it, and so that what they change is written down."""
+    return cast(Store, request.state.store)
+
+
+def principal(request: Request) -> Principal:
+    """Who asks."""
+    return cast(Principal, request.state.principal)
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:

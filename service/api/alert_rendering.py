@@ -5,6 +5,7 @@ from typing import Any
 from service.alert_life import Severity
 from service.api import alert_schemas as schemas
 from service.api.rendering import time_or_none
+from storage import deliveries
 from storage.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.deliveries import PENDING
@@ -86,6 +87,7 @@ def subscription(row: SubscriptionRow) -> schemas.SubscriptionOut:
         target=row.target,
         state=row.state,
         reason=row.reason,
+        plants=deliveries.told_of(row),
         created_at=to_datetime(row.created_at),
     )
 

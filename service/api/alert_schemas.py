@@ -1,20 +1,28 @@
 """What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
 
 import re
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
+from estimator.written import Written
 from service.api.times import Time
+from service.security.principal import Author
 
 Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
 
 
+EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
+"""What the store can count in nanoseconds."""
+
+
 def _aware(moment: datetime) -> datetime:
     if moment.tzinfo is None:
         raise ValueError("a moment needs its zone, such as 2026-11-21T12:00:00Z")
+    if not EARLIEST <= moment <= LATEST:
+        raise ValueError(f"a moment lies between {EARLIEST:%Y} and {LATEST:%Y}")
     return moment
 
 
@@ -49,14 +57,14 @@ class AlertOut(BaseModel):
 class By(BaseModel):
     """Who does it, and why."""
 
-    by: Name
+    by: Author
     comment: Comment = ""
 
 
 class Remark(BaseModel):
     """A comment and who makes it."""
 
-    by: Name
+    by: Author
     comment: Annotated[Comment, Field(min_length=1)]
 
 
@@ -97,7 +105,7 @@ class TimelineIn(BaseModel):
     at: Moment
     kind: Literal["note", "maintenance", "marker"] = "note"
     text: Annotated[Comment, Field(min_length=1)]
-    by: Name
+    by: Author
 
 
 class TimelineOut(BaseModel):
@@ -112,12 +120,12 @@ class TimelineOut(BaseModel):
     created_at: datetime
 
 
-class BaselineIn(BaseModel):
+class BaselineIn(Written):
     """A new baseline. Without named identifications it is made of the first accepted ones of each kind of run."""
 
     since: Moment
     reason: Annotated[Comment, Field(min_length=1)]
-    by: Name
+    by: Author
     identifications: Annotated[list[Annotated[int, Field(ge=0, le=2**62)]], Field(max_length=200)] | None = None
 
 
@@ -146,6 +154,9 @@ class SubscriptionIn(BaseModel):
     kind: Literal["webhook", "alertmanager", "email", "zenoh"]
     name: Name
     target: Annotated[str, Field(max_length=2000)] = ""
+    plants: Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=100)] | None = (
+        Field(default=None, description="only of these plants' events; by default of all that who asks may see")
+    )
 
     @model_validator(mode="after")
     def _target(self) -> "SubscriptionIn":
@@ -165,6 +176,7 @@ class SubscriptionOut(BaseModel):
     target: str
     state: str = Field(description="active or disabled")
     reason: str | None = Field(description="why it is disabled")
+    plants: list[str] | None = Field(description="of whose events it tells; null for all")
     created_at: datetime
 
 

@@ -13,25 +13,31 @@ from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Reading, database, instant
-from service.api.paging import ById, ByTime
+from service.api.fresh_answers import Fresh
+from service.api.paging import ById, ByTime, Paging
 from service.api.preconditions import ANYTHING, IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
+from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import alerts, machines
 from storage.alerts import ListedAlert
 from storage.paging import Keys
 from storage.tables import AlertRow
 
-router = APIRouter(tags=["alerts"], responses=RESPONSES)
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
 After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
 
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
-def list_alerts(session: Reading, paging: ByTime, only_open: OnlyOpen = False) -> Response:
+async def list_alerts(request: Request, fresh: Fresh, paging: ByTime, only_open: OnlyOpen = False) -> Response:
     """Alerts of all machines, newest first."""
-    rows = alerts.find(session, machine_id=None, only_open=only_open, limit=paging.wanted, after=paging.after)
-    return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            return _listed(session, paging, machine_id=None, only_open=only_open)
+
+    return await fresh.answer(request, ("alerts",), read)
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
@@ -57,14 +63,25 @@ def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> li
 
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
-def list_machine_alerts(session: Reading, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False) -> Response:
+async def list_machine_alerts(
+    request: Request, fresh: Fresh, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
+) -> Response:
     """Alerts of one machine, newest first."""
-    machines.get(session, machine_id)
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            machines.get(session, machine_id)
+            return _listed(session, paging, machine_id=machine_id, only_open=only_open)
+
+    return await fresh.answer(request, ("machines", "alerts"), read)
+
+
+def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
     return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
 
 
-@router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", responses=CHANGES)
+@router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", dependencies=[OPERATOR], responses=CHANGES)
 def acknowledge_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
@@ -73,7 +90,7 @@ def acknowledge_alert(
     return change.made(lambda session, row: alerting.acknowledge(session, row, _person(said)))
 
 
-@router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", responses=CHANGES)
+@router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", dependencies=[OPERATOR], responses=CHANGES)
 def reset_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
@@ -82,7 +99,7 @@ def reset_alert(
     return change.made(lambda session, row: alerting.reset(session, row, _person(said)))
 
 
-@router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", responses=CHANGES)
+@router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", dependencies=[OPERATOR], responses=CHANGES)
 def shelve_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
 ) -> schemas.AlertOut:
@@ -92,7 +109,7 @@ def shelve_alert(
     return change.made(lambda session, row: alerting.shelve(session, row, _person(said), until=until))
 
 
-@router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", responses=CHANGES)
+@router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", dependencies=[OPERATOR], responses=CHANGES)
 def unshelve_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
@@ -101,7 +118,7 @@ def unshelve_alert(
     return change.made(lambda session, row: alerting.unshelve(session, row, _person(said)))
 
 
-@router.post("/alerts/{alert_id}/comments", operation_id="comment_alert")
+@router.post("/alerts/{alert_id}/comments", operation_id="comment_alert", dependencies=[ANALYST])
 def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
     """Note something on an alert, open or closed."""
     person = Person(said.by, said.comment)

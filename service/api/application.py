@@ -1,15 +1,18 @@
 """The web application: all routers over one database."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
 from importlib.metadata import version
 
-from fastapi import APIRouter, FastAPI
+from anyio.to_thread import current_default_thread_limiter
+from fastapi import FastAPI
 from fastapi_offline import FastAPIOffline
 
 from service.api import (
     alerts,
     baselines,
     bode,
+    calibrations,
     comparisons,
     dashboard,
     deviations,
@@ -27,6 +30,8 @@ from service.api import (
     model,
     operations,
     orbits,
+    people,
+    replicas,
     run_quality,
     slow_roll,
     stages,
@@ -35,20 +40,38 @@ from service.api import (
     trends,
 )
 from service.api.body_size import BodySize
+from service.api.compression import Compression
+from service.api.documentation import add_documentation
 from service.api.event_stream import Broadcaster
+from service.api.fresh_answers import FreshAnswers
+from service.api.head_requests import HeadRequests
 from service.api.idempotency import Idempotency
 from service.api.kept_answers import KeptAnswers
 from service.api.machine_list import MachineList
 from service.api.openapi import described
 from service.api.operations import Parts
+from service.api.overview import Overview
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
+from service.security import login
+from service.security.answer_headers import AnswerHeaders
+from service.security.authentication import Authentication
+from service.security.configuration import Security
+from service.security.guard import Guard
+from service.security.operations import Operations
+from service.security.rate import Rate
+from service.security.requirement import Requirement
+from service.security.scope import FREE, ROWS, Visibility
 from service.settings import DEFAULT_BASELINE_RUNS
-from service.submissions import Submissions
+from service.submissions import Taking
 from storage.database import Database
 
 PREFIX = "/api/v1"
+THREADS = 6
+"""That work on requests at a time: more of them would only take turns, and all be late."""
+DOCUMENTATION = ("/openapi.json", "/docs/static")
+"""The same for every installation, and without data: anybody may read it."""
 
 
 def application(
@@ -56,13 +79,17 @@ def application(
     parts: Parts,
     *,
     try_out: TryOut | None = None,
-    submissions: Submissions | None = None,
+    submissions: Taking | None = None,
     depth: Callable[[], int] | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
+    security: Security | None = None,
+    warnings: Callable[[], list[str]] = list,
+    gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
-    this process stores. baseline_runs: as in the settings.
+    this process stores. baseline_runs: as in the settings. security: who may use it;
+    by default anybody, until there is an API key. warnings, gauges: what housekeeping has to say and to show.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -70,30 +97,40 @@ def application(
         title="Rundown",
         version=version("rundown"),
         description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
-        docs_url=f"{PREFIX}/docs",
-        redoc_url=f"{PREFIX}/redoc",
+        docs_url=None,
+        redoc_url=None,
         openapi_url=f"{PREFIX}/openapi.json",
         static_url=f"{PREFIX}/docs/static",
+        lifespan=_served,
     )
+    add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.state.database = database
     app.state.parts = parts
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.depth = depth
+    app.state.warnings = warnings
+    app.state.gauges = gauges
     app.state.machine_list = MachineList()
+    app.state.overview = Overview(database)
     app.state.answers = KeptAnswers()
+    app.state.fresh_answers = FreshAnswers(database)
     app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     app.add_middleware(Idempotency, database=database)
     app.add_middleware(BodySize)
-    router = APIRouter(prefix=PREFIX)
+    app.add_middleware(Compression)
+    # Those asked most first: each request is held against one route after the other.
     for part in (
         machines,
         fleet,
+        trends,
+        alerts,
         machine_state,
         slow_roll,
+        calibrations,
         measurements,
         ingestion,
         orbits,
@@ -103,21 +140,54 @@ def application(
         identifications,
         model,
         bode,
-        trends,
         diagnoses,
         event_stream,
-        alerts,
         suppressions,
         baselines,
         deviations,
         limits,
         subscriptions,
         operations,
+        replicas,
         stages,
+        people,
     ):
-        router.include_router(part.router)
-    app.include_router(router)
+        # Not by way of another router: the framework works out each operation anew for every level.
+        app.include_router(part.router, prefix=PREFIX)
     app.include_router(metrics.router)
     app.include_router(dashboard.router)
+    app.include_router(login.router)
+    _guard(app, database, security or Security())
+    app.add_middleware(HeadRequests)  # outside: the guard knows each operation by its own method
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
+
+
+@asynccontextmanager
+async def _served(_app: FastAPI) -> AsyncIterator[None]:
+    """From the start of the server to its end."""
+    current_default_thread_limiter().total_tokens = THREADS
+    yield
+
+
+def _guard(app: FastAPI, database: Database, security: Security) -> None:
+    """Nothing is asked but through the guard; it looks at every route, and raises Undeclared for one that says nothing."""
+    anybody = Requirement(None, recorded=False)
+    public = {PREFIX + path: anybody for path in DOCUMENTATION}
+    app.state.security = security
+    app.state.operations = Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
+    app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
+    app.state.visibility = Visibility(database)
+    app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.add_middleware(
+        Guard,
+        database=database,
+        operations=app.state.operations,
+        authentication=app.state.authentication,
+        visibility=app.state.visibility,
+        requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
+        failures=app.state.failures,
+        public_url=security.public_url,
+        names_checked=security.names_checked,
+    )
+    app.add_middleware(AnswerHeaders)

@@ -8,9 +8,10 @@ from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Reading, database, instant
 from service.api.paging import ByTime
 from service.api.problems import CHANGES, RESPONSES
+from service.security.requirement import ANALYST, VIEWER
 from storage import baselines, machines
 
-router = APIRouter(tags=["machines"], responses=RESPONSES)
+router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
@@ -22,7 +23,11 @@ def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> l
 
 
 @router.post(
-    "/machines/{machine_id}/baselines", operation_id="begin_baseline", status_code=status.HTTP_201_CREATED, responses=CHANGES
+    "/machines/{machine_id}/baselines",
+    operation_id="begin_baseline",
+    dependencies=[ANALYST],
+    status_code=status.HTTP_201_CREATED,
+    responses=CHANGES,
 )
 def begin_baseline(request: Request, machine_id: MachineId, said: schemas.BaselineIn) -> schemas.BaselineOut:
     """Compare what is measured from a moment on with the first runs after it, or with identifications that are named."""

@@ -15,8 +15,9 @@ from service.api.problems import RESPONSES, Unsuitable
 from service.api.trend_columns import texts
 from service.api.units import UnitChoice, Units, column
 from service.identified import Identified, UsedRun, used_runs
+from service.security.requirement import VIEWER
 
-router = APIRouter(tags=["models"], responses=RESPONSES)
+router = APIRouter(tags=["models"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/identifications/{identification_id}/bode", operation_id="read_bode")

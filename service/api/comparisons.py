@@ -11,9 +11,10 @@ from service.api.access import Number, Reading
 from service.api.model import kept
 from service.api.problems import RESPONSES, Unsuitable
 from service.identified import Identified
+from service.security.requirement import VIEWER
 from storage import identifications
 
-router = APIRouter(prefix="/identifications", tags=["identifications"], responses=RESPONSES)
+router = APIRouter(prefix="/identifications", tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 
 STRONG = 0.9
 """Two coordinates more correlated than this are told apart by little."""

@@ -1,5 +1,6 @@
 """Samples of a run as they are asked for: as measured, or without slow-roll vectors."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from typing import Annotated, cast
 
@@ -10,6 +11,7 @@ from estimator.machine import Machine
 from estimator.slow_roll import SlowRoll
 from service import requesting
 from service.api import rendering, schemas
+from service.api.units import Units
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
 from storage.clock import now
@@ -46,10 +48,18 @@ def chosen(session: Session, machine: Machine, choice: str) -> tuple[int | None,
     return version, slow_roll.vectors(row, machine), slow_roll.doubtful(row, machine)
 
 
-def corrected_phasors(session: Session, machine: Machine, held: Samples, choice: str) -> schemas.Phasors:
-    """The answer that holds samples, without the vectors that were chosen."""
+def corrected_phasors(
+    session: Session,
+    machine: Machine,
+    held: Samples,
+    choice: str,
+    units: Units | None,
+    include: Collection[schemas.Beside] = (),
+) -> schemas.Phasors:
+    """The answer that holds samples, without the vectors that were chosen; also in other units where they are asked for."""
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))
-    answer = rendering.phasors(machine, held)
-    return answer.model_copy(update={"slow_roll_version": version, "slow_roll_left_out": left_out})
+    answer = rendering.phasors(machine, held, include)
+    in_units = None if units is None else rendering.phasors_in_units(held, units)
+    return answer.model_copy(update={"slow_roll_version": version, "slow_roll_left_out": left_out, "in_units": in_units})

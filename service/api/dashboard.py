@@ -14,6 +14,9 @@ from pathlib import Path
 from fastapi import APIRouter, Request, Response
 from starlette.exceptions import HTTPException
 
+from service.api.compression import takes_gzip
+from service.security.requirement import ANYBODY
+
 FOLDER = Path(__file__).parents[1] / "dashboard"
 FIRST = "index.html"
 STAMP = "built-from.txt"
@@ -40,7 +43,7 @@ SAFE = {
 FOR_EVER = "public, max-age=31536000, immutable"
 ASK_AGAIN = "no-cache"
 
-router = APIRouter(include_in_schema=False)
+router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
 
 
 @dataclass(frozen=True)
@@ -75,21 +78,18 @@ def _file(path: Path) -> File:
 
 
 @router.get("/")
-@router.head("/")
 def read_page(request: Request) -> Response:
     """The page itself; where in it one is stands behind the # of the address."""
     return _answer(request, FIRST)
 
 
 @router.get("/assets/{name}")
-@router.head("/assets/{name}")
 def read_asset(request: Request, name: str) -> Response:
     """A script or style sheet of the page."""
     return _answer(request, f"assets/{name}")
 
 
 @router.get("/icon.svg")
-@router.head("/icon.svg")
 def read_icon(request: Request) -> Response:
     """The sign in the browser's tab."""
     return _answer(request, "icon.svg")
@@ -102,14 +102,6 @@ def _answer(request: Request, name: str) -> Response:
     headers = SAFE | {"ETag": file.etag, "Cache-Control": file.cache, "Vary": "Accept-Encoding"}
     if file.etag in [tag.strip().removeprefix("W/") for tag in request.headers.get("if-none-match", "").split(",")]:
         return Response(status_code=304, headers=headers)
-    if file.compressed is None or not _takes_gzip(request.headers.get("accept-encoding", "")):
+    if file.compressed is None or not takes_gzip(request.headers.get("accept-encoding", "")):
         return Response(file.body, headers=headers, media_type=file.media_type)
     return Response(file.compressed, headers=headers | {"Content-Encoding": "gzip"}, media_type=file.media_type)
-
-
-def _takes_gzip(accepted: str) -> bool:
-    for part in accepted.lower().split(","):
-        coding, _, weight = part.partition(";")
-        if coding.strip() in ("gzip", "*"):
-            return weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000")
-    return False

@@ -2,9 +2,10 @@
 
 import cmath
 import math
-from typing import Annotated, cast
+from typing import Annotated, Any, cast
 
 from fastapi import APIRouter, Query, Request
+from pydantic import Field
 from sqlalchemy.orm import Session
 
 from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
@@ -18,6 +19,7 @@ from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import time_or_none
 from service.comparing import WEEK, Compared, compared, like_conditions, points, readings
 from service.limits import Level, Limits, rule_of, severity_of
+from service.security.requirement import VIEWER
 from service.setting_limits import limits_in_force
 from storage import identifications, machines
 from storage.clock import to_datetime
@@ -25,12 +27,17 @@ from storage.identifications import IdentificationUnknown
 from storage.jobs import RUN
 from storage.tables import IdentificationRow
 
-router = APIRouter(tags=["deviations"], responses=RESPONSES)
+router = APIRouter(tags=["deviations"], responses=RESPONSES, dependencies=[VIEWER])
 
 CENTURY = 5218.0
 """[weeks] A limit that is reached later is not reached."""
 
 Which = Annotated[int | None, Query(alias="identification", ge=0, le=2**62, description="by default the newest accepted one")]
+Name = Annotated[str, Field(pattern=r"^\w+\.\S{1,200}$", description="what it is a part of, a dot, and which")]
+
+
+def _names(words: str) -> Any:
+    return Query(default_factory=list, max_length=100, description=f"{words}; default: all")
 
 
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
@@ -54,8 +61,8 @@ def read_trend_tests(
     request: Request,
     session: Reading,
     machine_id: MachineId,
-    parameter: Annotated[list[str] | None, Query(max_length=100, description="such as bearing.B1.kxx; default: all")] = None,
-    element: Annotated[list[str] | None, Query(max_length=100, description="such as coupling.C1; default: all")] = None,
+    parameter: Annotated[list[Name], _names("such as bearing.B1.kxx")],
+    element: Annotated[list[Name], _names("such as coupling.C1")],
     which: Which = None,
 ) -> schemas.TrendTestsOut:
     """Steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
@@ -67,15 +74,15 @@ def read_trend_tests(
         return schemas.TrendTestsOut(**_about(session, found, {}), run_length=RUN_LENGTH, tests=[])
     baseline, after = points(session, found, found.baseline), readings(session, found)
     limits = limits_in_force(session, machine_id)
-    everything = parameter is None and element is None
+    everything = not parameter and not element
     tests: list[schemas.TrendTestOut] = []
-    if everything or parameter is not None:
-        names = _coordinates(after[-1].point, parameter)
+    if everything or parameter:
+        names = _coordinates(after[-1].point, parameter or None)
         tests += [_coordinate_test(one, limits) for one in trend_tests(baseline, after, names)]
-    if everything or element is not None:
-        tests += [_distance_test(one) for one in distance_trends(baseline, after, element)]
+    if everything or element:
+        tests += [_distance_test(one) for one in distance_trends(baseline, after, element or None)]
     left_out = _left_out(session, found, baseline, after[-1].point)
-    asked = left_out if everything else [*(parameter or ()), *(element or ())]
+    asked = left_out if everything else [*parameter, *element]
     told = {name for one in tests for name in (one.name, parameter_of(one.name))}
     unknown = f"machine '{machine_id}' has nothing of that name"
     reasons = {name: left_out.get(name, unknown) for name in asked if name not in told}

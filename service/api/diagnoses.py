@@ -8,11 +8,12 @@ from pydantic import BaseModel, Field
 
 from service.api.access import MachineId, Number, Reading
 from service.api.problems import RESPONSES, Unsuitable
+from service.security.requirement import VIEWER
 from storage import diagnoses, identifications, machines
 from storage.clock import to_datetime
 from storage.tables import DiagnosisRow
 
-router = APIRouter(tags=["diagnosis"], responses=RESPONSES)
+router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 class DiagnosisOut(BaseModel):

@@ -7,9 +7,10 @@ from estimator.machine import Machine
 from estimator.train_layout import disc_body, shaft_begins
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES
+from service.security.requirement import VIEWER
 from storage import machines
 
-router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 class SectionOut(BaseModel):

@@ -6,21 +6,25 @@ that does not read is let go: it comes back with its `Last-Event-ID` and loses n
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator
+import threading
+from collections import OrderedDict
+from collections.abc import AsyncIterator, Awaitable, Callable
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, cast
 
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 from sqlalchemy.exc import DBAPIError
 
 from service.alert_messages import AlertEvent, alert_event
-from service.api.access import database
+from service.api.access import database, principal
+from service.security.requirement import VIEWER
+from service.security.scope import Visibility
 from storage import alerts
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
-router = APIRouter(tags=["alerts"])
+router = APIRouter(tags=["alerts"], dependencies=[VIEWER])
 
 POLL_S = 0.05
 """How often the event table is asked for news: a bell inside the process would not ring for events that another one wrote."""
@@ -37,16 +41,29 @@ EVENT_SCHEMA = {
         "data": {"type": "string", "description": "an AlertEvent", "contentMediaType": "application/json"},
     },
 }
-PAGE = 500
-"""Events read at once for a client that was away."""
+PAGE = 100
+"""Events read at once for clients that were away, who share them: …"""
+PAGES = 8
+"""… so many of these pages are kept."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into."""
+
+    event: AlertEvent
+    text: bytes
 
 
 @dataclass(eq=False)
 class Client:
-    """One reader. joined: it gets every event behind this one; slow: it gets no more, and must come back."""
+    """One reader. joined: it gets every event behind this one; slow: it gets no more, and must come back.
+
+    None in its queue: the service stops.
+    """
 
     joined: int
-    queue: asyncio.Queue[AlertEvent] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
+    queue: asyncio.Queue[Told | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
     slow: bool = False
 
 
@@ -59,6 +76,9 @@ class Broadcaster:
         self._joining = asyncio.Lock()
         self._task: asyncio.Task[None] | None = None
         self._last = 0
+        self._ended = False
+        self._pages: OrderedDict[int, list[Told]] = OrderedDict()
+        self._lock = threading.Lock()  # of the pages
 
     @property
     def clients(self) -> int:
@@ -69,30 +89,56 @@ class Broadcaster:
         """A new client."""
         async with self._joining:
             if self._task is None or self._task.done():
-                self._last = await asyncio.to_thread(self._newest)
+                self._last = await asyncio.to_thread(self.newest)
                 self._task = asyncio.create_task(self._run())
             client = Client(self._last)
-            self._clients.add(client)
+            if self._ended:
+                client.slow = True
+            else:
+                self._clients.add(client)
             return client
 
     def leave(self, client: Client) -> None:
         """A client is gone."""
         self._clients.discard(client)
 
-    def page(self, after: int) -> list[AlertEvent]:
-        """Some events behind a number, oldest first."""
-        with self._database.reading() as session:
-            return [alert_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
+    def end(self) -> None:
+        """The service stops: all streams end, once their clients have what there is."""
+        self._ended = True
+        for client in self._clients:
+            client.slow = True
+            if client.queue.empty():
+                client.queue.put_nowait(None)
+        self._clients.clear()
 
-    def _newest(self) -> int:
+    def page(self, after: int) -> list[Told]:
+        """Some events behind a number, oldest first; none only where there are no more."""
+        first = after // PAGE * PAGE
+        with self._lock:
+            page = self._pages.get(first)
+            if page is None:
+                page = self._read(first)
+                if len(page) == PAGE:  # nothing will be added to it
+                    self._pages[first] = page
+                    while len(self._pages) > PAGES:
+                        self._pages.popitem(last=False)
+        return [one for one in page if one.event.id > after]
+
+    def _read(self, after: int) -> list[Told]:
+        with self._database.reading() as session:
+            events = [alert_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
+        return [Told(event, _text(event)) for event in events]
+
+    def newest(self) -> int:
+        """Number of the newest event."""
         with self._database.reading() as session:
             return alerts.newest_event(session)
 
     async def _run(self) -> None:
         while True:
             try:
-                for event in await asyncio.to_thread(self.page, self._last):
-                    self._hand_out(event)
+                for one in await asyncio.to_thread(self._read, self._last):
+                    self._hand_out(one)
                 pause = POLL_S
             except DBAPIError as error:
                 logger.error("alert events cannot be read, trying again: %s", error.orig)
@@ -101,39 +147,66 @@ class Broadcaster:
             if not self._clients:
                 return
 
-    def _hand_out(self, event: AlertEvent) -> None:
-        self._last = event.id
+    def _hand_out(self, one: Told) -> None:
+        self._last = one.event.id
         for client in list(self._clients):
             if client.queue.full():
                 client.slow = True
                 self._clients.discard(client)
             else:
-                client.queue.put_nowait(event)
+                client.queue.put_nowait(one)
 
 
-def _text(event: AlertEvent) -> str:
-    return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n"
+def _text(event: AlertEvent) -> bytes:
+    return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
 
 
-async def stream(broadcaster: Broadcaster, after: int | None) -> AsyncIterator[str]:
-    """Events behind `after`, or from now on, for ever; ends when the client does not keep up."""
+async def _anybody_still() -> bool:
+    return True
+
+
+def _everything(_event: AlertEvent) -> bool:
+    return True
+
+
+async def stream(
+    broadcaster: Broadcaster,
+    after: int | None,
+    *,
+    sees: Callable[[AlertEvent], bool] = _everything,
+    still: Callable[[], Awaitable[bool]] = _anybody_still,
+) -> AsyncIterator[bytes]:
+    """Events behind `after` that the client sees, or from now on, for ever. It begins with the id behind which it begins.
+
+    An `after` that no event has reached yet is of another store, such as the one before a restore: it begins from now on.
+    Ends when the client does not keep up, and when its credentials are `still` good no more.
+    """
     client = await broadcaster.join()
     try:
-        yield ": who comes back with the last id in Last-Event-ID misses nothing\nretry: 1000\n\n"
         last = client.joined if after is None else after
+        if last > client.joined and last > await asyncio.to_thread(broadcaster.newest):
+            yield f": there is no event {last}: this begins behind the newest one, ask for the alerts anew\n".encode()
+            last = client.joined
+        yield f": who comes back with the last id in Last-Event-ID misses nothing\nid: {last}\nretry: 1000\n\n".encode()
         while last < client.joined and (page := await asyncio.to_thread(broadcaster.page, last)):
-            for event in page:
-                yield _text(event)
-            last = page[-1].id
+            for one in page:
+                if sees(one.event):
+                    yield one.text
+            last = page[-1].event.id
         while not (client.slow and client.queue.empty()):
             try:
                 news = await asyncio.wait_for(client.queue.get(), KEEP_ALIVE_S)
             except TimeoutError:
-                yield ": still here\n\n"
+                if not await still():
+                    return
+                yield b": still here\n\n"
                 continue
-            if news.id > last:
-                yield _text(news)
-                last = news.id
+            if not await still():
+                return
+            if news is not None and news.event.id > last:
+                if sees(news.event):
+                    yield news.text
+                last = news.event.id
     finally:
         broadcaster.leave(client)
 
@@ -153,5 +226,7 @@ async def stream_alert_events(
     broadcaster: Broadcaster = request.app.state.broadcaster
     database(request).check()
     begin = last_event_id if last_event_id is not None else after
+    who, visibility = principal(request), cast(Visibility, request.app.state.visibility)
+    events = stream(broadcaster, begin, sees=lambda event: visibility.sees(who, event.machine), still=request.state.still)
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(stream(broadcaster, begin), media_type="text/event-stream", headers=headers)
+    return StreamingResponse(events, media_type="text/event-stream", headers=headers)

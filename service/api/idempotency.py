@@ -49,19 +49,22 @@ class Idempotency:
         if body is None:
             return  # the client has gone
         fingerprint = hashlib.sha256(_asked(scope) + body).hexdigest()
-        earlier = await asyncio.to_thread(self._earlier, name, fingerprint)
+        who = scope["state"]["principal"]
+        # Everybody's keys are their own, and so are the answers under them.
+        place = hashlib.sha256(f"{who.identity} {name}".encode()).hexdigest() if who.known else name
+        earlier = await asyncio.to_thread(self._earlier, place, name, fingerprint)
         if earlier is not None:
             await earlier(scope, receive, send)
             return
-        await self._work(name, scope, body, receive, send)
+        await self._work(place, scope, body, receive, send)
 
-    def _earlier(self, name: str, fingerprint: str) -> Response | None:
+    def _earlier(self, place: str, name: str, fingerprint: str) -> Response | None:
         """The answer to a key that was taken before; None where it is new, and taken now."""
         try:
             with self._database.transaction() as session:
-                row = idempotency.claim(session, name, fingerprint)
+                row = idempotency.claim(session, place, fingerprint)
         except IntegrityError:  # somebody else was a moment faster
-            return self._earlier(name, fingerprint)
+            return self._earlier(place, name, fingerprint)
         if row is None:
             return None
         if row.fingerprint != fingerprint:
@@ -82,7 +85,7 @@ class Idempotency:
         answer.headers[REPLAYED] = "true"
         return answer
 
-    async def _work(self, name: str, scope: Scope, body: bytes, receive: Receive, send: Send) -> None:
+    async def _work(self, place: str, scope: Scope, body: bytes, receive: Receive, send: Send) -> None:
         given = False
 
         async def again() -> Message:
@@ -103,25 +106,32 @@ class Idempotency:
                 parts.append(message.get("body", b""))
                 if not message.get("more_body", False):
                     # Kept before it is sent: a client that got it can rely on it.
-                    await asyncio.to_thread(self._keep, name, Answer(status, headers, b"".join(parts)))
+                    answer = Answer(status, headers, b"".join(parts))
+                    await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
             await send(message)
 
         try:
             await self._app(scope, again, noted)
         except BaseException:
-            await asyncio.to_thread(self._release, name)
+            if not _done(scope):  # else nobody knows what the client would have been told: the key stays taken
+                await asyncio.to_thread(self._release, place)
             raise
 
-    def _keep(self, name: str, answer: Answer) -> None:
+    def _keep(self, place: str, answer: Answer, *, done: bool) -> None:
         with self._database.transaction() as session:
-            if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT:
-                idempotency.release(session, name)  # nothing was done, and what was wrong can be mended: the key stays good
+            if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
+                idempotency.release(session, place)  # nothing was done, and what was wrong can be mended: the key stays good
             else:
-                idempotency.answered(session, name, answer)
+                idempotency.answered(session, place, answer)
 
-    def _release(self, name: str) -> None:
+    def _release(self, place: str) -> None:
         with self._database.transaction() as session:
-            idempotency.release(session, name)
+            idempotency.release(session, place)
+
+
+def _done(scope: Scope) -> bool:
+    """Whether something was committed in the course of the request."""
+    return bool(getattr(scope["state"].get("store"), "written", False))
 
 
 def _asked(scope: Scope) -> bytes:

@@ -2,16 +2,17 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Request, status
+from fastapi import APIRouter, Body, Request, Response, status
 
 from service import requesting
 from service.api import rendering, schemas
 from service.api.access import MachineId, Number, Period, Reading, database
 from service.api.paging import ById, ByTime
 from service.api.problems import RESPONSES, Problem
+from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines
 
-router = APIRouter(tags=["identifications"], responses=RESPONSES)
+router = APIRouter(tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/machines/{machine_id}/identifications", operation_id="list_identifications")
@@ -42,18 +43,28 @@ def read_identification(session: Reading, identification_id: Number, covariance:
 @router.post(
     "/runs/{run_id}/identifications",
     operation_id="identify_run",
+    dependencies=[ANALYST],
     status_code=status.HTTP_202_ACCEPTED,
     responses={409: {"model": Problem}},
 )
-def identify_run(request: Request, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]) -> schemas.JobOut:
-    """Identify a closed run again; the answer is the job.
+def identify_run(
+    request: Request, response: Response, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]
+) -> schemas.JobOut:
+    """Identify a closed run again; the answer is the job, and its Location says where to see what becomes of it.
 
     With the usual options the new identification takes the place of earlier ones of this run in trends and baselines, once it
     is accepted. With other ones it stands beside them, as a variant that nothing follows.
     """
     with database(request).transaction() as session:
         row = requesting.ask(session, run_id, requesting.Request(**body.model_dump()))
+    response.headers["Location"] = f"/api/v1/jobs/{row.id}"
     return rendering.job(row)
+
+
+@router.get("/jobs/{job_id}", operation_id="read_job")
+def read_job(session: Reading, job_id: Number) -> schemas.JobOut:
+    """One identification job: whether it waits, runs, is done, or failed and why."""
+    return rendering.job(jobs.get(session, job_id))
 
 
 @router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")

@@ -14,7 +14,8 @@ from fastapi import APIRouter, HTTPException, Request, status
 from service.api import schemas
 from service.api.access import MachineId
 from service.api.problems import RESPONSES, Problem
-from service.submissions import Busy, NotStoring, Submissions
+from service.security.requirement import SOURCE
+from service.submissions import Busy, NotStoring, Taking
 from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
@@ -47,14 +48,20 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
 }
 
 
-@router.post("/machines/{machine_id}/samples", operation_id="add_samples", responses=_ANSWERS, openapi_extra=_SCHEMA)
+@router.post(
+    "/machines/{machine_id}/samples",
+    operation_id="add_samples",
+    dependencies=[SOURCE],
+    responses=_ANSWERS,
+    openapi_extra=_SCHEMA,
+)
 async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submitted:
     """Store a batch of samples, each once: the same batch may be sent again until an answer comes.
 
     What is answered is durable. Samples that cannot be taken are listed with the reason, the others are stored; a batch that
     is rejected as a whole may be sent again corrected, under the same numbers.
     """
-    submissions = cast(Submissions | None, request.app.state.submissions)
+    submissions = cast(Taking | None, request.app.state.submissions)
     if submissions is None:
         raise _again(status.HTTP_503_SERVICE_UNAVAILABLE, "this process takes no samples")
     encoding = request.headers.get("content-type", "")

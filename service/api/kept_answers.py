@@ -11,7 +11,7 @@ from fastapi import HTTPException, status
 T = TypeVar("T")
 
 MOST_KEPT = 256
-MOST_WAITING = 8
+MOST_WAITING = 3
 """Who comes when so many wait is asked to come back: each holds a thread that other requests could use."""
 RETRY_AFTER_S = 5
 

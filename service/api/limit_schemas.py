@@ -5,8 +5,9 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from service.api.alert_schemas import Comment, Name
+from service.api.alert_schemas import Comment
 from service.limits import Limits
+from service.security.principal import Author
 
 
 class LimitsIn(BaseModel):
@@ -14,7 +15,7 @@ class LimitsIn(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    by: Name
+    by: Author
     comment: Annotated[Comment, Field(min_length=1)]
     limits: Limits
 

@@ -8,14 +8,15 @@ from service.api.access import MachineId, Reading, database
 from service.api.limit_schemas import LimitsIn, LimitsOut
 from service.api.paging import ById
 from service.api.preconditions import ANYTHING, IfMatch, PreconditionMissing
-from service.api.problems import RESPONSES, STALE
+from service.api.problems import RESPONSES
 from service.limits import Limits
+from service.security.requirement import OPERATOR, VIEWER
 from service.setting_limits import LimitsChanged, set_limits
 from storage import limits, machines
 from storage.clock import to_datetime
 from storage.tables import LimitsRow
 
-router = APIRouter(tags=["limits"], responses=RESPONSES)
+router = APIRouter(tags=["limits"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/machines/{machine_id}/limits", operation_id="read_limits")
@@ -27,7 +28,7 @@ def read_limits(session: Reading, response: Response, machine_id: MachineId) -> 
     return found
 
 
-@router.put("/machines/{machine_id}/limits", operation_id="set_limits", responses=STALE)
+@router.put("/machines/{machine_id}/limits", operation_id="set_limits", dependencies=[OPERATOR])
 def replace_limits(
     request: Request, response: Response, machine_id: MachineId, said: LimitsIn, if_match: IfMatch = None
 ) -> LimitsOut:

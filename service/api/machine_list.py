@@ -9,24 +9,31 @@ from sqlalchemy.orm import Session
 from storage import fleet
 from storage.fleet import ListedMachine
 from storage.paging import Keys
+from storage.plant_scope import Plants, plants_of
+
+Stamp = tuple[int | None, ...]
+MOST_KEPT = 32
+"""Lists for so many different sets of plants."""
 
 
 class MachineList:
-    """The machines of a store."""
+    """The machines of a store, as each session sees them."""
 
     def __init__(self) -> None:
-        self._stamp: tuple[int | None, ...] | None = None
-        self._machines: list[ListedMachine] = []
+        self._kept: dict[Plants | None, tuple[Stamp, list[ListedMachine]]] = {}
         self._lock = threading.Lock()
 
     def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:
         """Machines by id; after: the one before the first."""
-        stamp = fleet.stamp(session)
+        stamp, seen = fleet.stamp(session), plants_of(session)
         with self._lock:
-            machines = self._machines if self._stamp == stamp else None
+            kept = self._kept.get(seen)
+        machines = kept[1] if kept is not None and kept[0] == stamp else None
         if machines is None:
             machines = fleet.every(session)
             with self._lock:
-                self._stamp, self._machines = stamp, machines
+                if len(self._kept) >= MOST_KEPT:
+                    self._kept.clear()
+                self._kept[seen] = stamp, machines
         begin = 0 if after is None else bisect_right(machines, str(after[0]), key=lambda one: one.id)
         return machines[begin : begin + limit]

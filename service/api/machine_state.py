@@ -15,10 +15,11 @@ from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.collection import Standing, standing
+from service.security.requirement import VIEWER
 from storage import machines, runs
 from storage.clock import to_datetime
 
-router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 class OpenRun(BaseModel):

@@ -2,35 +2,51 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, Request, Response, status
+from fastapi import APIRouter, Body, HTTPException, Request, Response, status
 from sqlalchemy.orm import Session
 
 from estimator.machine import DocumentError, Machine
 from service import baselining
 from service.api import rendering, schemas
-from service.api.access import MachineId, Reading, database
+from service.api.access import MachineId, Reading, database, principal
+from service.api.fresh_answers import Fresh
 from service.api.machine_list import MachineList
 from service.api.paging import ById, ByName
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import RESPONSES, Problem
+from service.security.requirement import ADMIN, VIEWER
 from storage import machines
 
-router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES)
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 Document = Annotated[Machine, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
-def list_machines(request: Request, session: Reading, paging: ByName) -> Response:
+async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Response:
     """All machines, by id."""
     known: MachineList = request.app.state.machine_list
-    rows = known.page(session, limit=paging.wanted, after=paging.after)
-    return paging.json([rendering.listed_machine(one) for one in paging.page(rows, lambda one: (one.id,))])
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            rows = known.page(session, limit=paging.wanted, after=paging.after)
+        return paging.json([rendering.listed_machine(one) for one in paging.page(rows, lambda one: (one.id,))])
+
+    return await fresh.answer(request, ("machines", "machine_revisions"), read)
 
 
-@router.post("", operation_id="create_machine", status_code=status.HTTP_201_CREATED, responses={409: {"model": Problem}})
+@router.post(
+    "",
+    operation_id="create_machine",
+    dependencies=[ADMIN],
+    status_code=status.HTTP_201_CREATED,
+    responses={409: {"model": Problem}},
+)
 def create_machine(request: Request, response: Response, document: Document) -> schemas.MachineRevision:
     """Create a machine from its document. Its sources may publish from now on."""
+    who = principal(request)
+    if not who.sees(document.plant):
+        raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{document.plant}' is not one of those of {who.name}")
     with database(request).transaction() as session:
         row = machines.create(session, document)
     response.headers["Location"] = f"/api/v1/machines/{document.id}"
@@ -43,7 +59,7 @@ def read_machine(session: Reading, response: Response, machine_id: MachineId) ->
     return tagged(response, _in_force(session, machine_id))
 
 
-@router.put("/{machine_id}", operation_id="revise_machine", responses={409: {"model": Problem}})
+@router.put("/{machine_id}", operation_id="revise_machine", dependencies=[ADMIN], responses={409: {"model": Problem}})
 def revise_machine(
     request: Request, response: Response, machine_id: MachineId, document: Document, if_match: IfMatch = None
 ) -> schemas.MachineRevision:

@@ -9,11 +9,15 @@ from service.api.access import MachineId, Number, Period, Reading
 from service.api.corrections import SlowRollChoice, corrected_phasors, run_samples
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
+from service.api.units import UnitsIfAsked
+from service.security.requirement import VIEWER
 from storage import machines, runs, samples
 
-router = APIRouter(tags=["measurements"], responses=RESPONSES)
+router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 
 LARGEST_SAMPLE_COUNT = 10_000
+
+Include = Annotated[tuple[schemas.Beside, ...], Query(max_length=3, description="what else the sources send of each value")]
 
 
 @router.get("/machines/{machine_id}/samples", operation_id="read_samples")
@@ -21,20 +25,33 @@ def read_samples(
     session: Reading,
     machine_id: MachineId,
     period: Period,
+    units: UnitsIfAsked,
     limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
     slow_roll: SlowRollChoice = "none",
+    include: Include = (),
+    revision: Annotated[int | None, Query(ge=1, le=2**31, description="of the document; by default the one in force")] = None,
 ) -> schemas.Phasors:
-    """The newest samples of a time range, as they were received under the document in force, oldest of them first.
+    """The newest samples of a time range, as they were received, oldest of them first.
 
+    They are those of the document in force, or of a revision, and of all that describe the same machine with the same channels
+    and operating conditions: the answer lists these. Samples of any other revision are had by naming it.
     Where there are as many as `limit`, older ones follow: ask again with `to` before the first of them.
     """
-    revision = machines.get(session, machine_id).revision
-    machine = machines.document(session, machine_id, revision)
-    channels = len(machine.probes)
+    chosen = revision or machines.get(session, machine_id).revision
+    machine = machines.document(session, machine_id, chosen)
+    alike = machines.measured_alike(session, machine_id, chosen)
     newest = samples.latest(
-        session, machine_id, revision=revision, channels=channels, count=limit, first=period.first, last=period.last
+        session,
+        machine_id,
+        revision=chosen,
+        also=alike,
+        channels=len(machine.probes),
+        count=limit,
+        first=period.first,
+        last=period.last,
     )
-    return corrected_phasors(session, machine, newest, slow_roll)
+    answer = corrected_phasors(session, machine, newest, slow_roll, units, include)
+    return answer.model_copy(update={"revisions": alike})
 
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
@@ -52,7 +69,9 @@ def read_run(session: Reading, run_id: Number) -> schemas.Run:
 
 
 @router.get("/runs/{run_id}/phasors", operation_id="read_run_phasors")
-def read_run_phasors(session: Reading, run_id: Number, slow_roll: SlowRollChoice = "none") -> schemas.Phasors:
+def read_run_phasors(
+    session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollChoice = "none", include: Include = ()
+) -> schemas.Phasors:
     """The run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
     machine, held = run_samples(session, run_id)
-    return corrected_phasors(session, machine, held, slow_roll)
+    return corrected_phasors(session, machine, held, slow_roll, units, include)

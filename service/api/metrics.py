@@ -11,11 +11,12 @@ from prometheus_client.openmetrics.exposition import CONTENT_TYPE_LATEST, genera
 from prometheus_client.registry import Collector
 
 from service.api.access import Reading
+from service.security.requirement import VIEWER
 from storage import jobs, quarantine, samples
 from storage.clock import now
 from storage.samples import Totals
 
-router = APIRouter(tags=["operations"])
+router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 
 LARGEST_MACHINE_COUNT = 1_000
 """Machines that are told apart; …"""
@@ -27,7 +28,7 @@ class _Figures(Collector):
     """One scrape: families of metrics from figures that were read before."""
 
     def __init__(
-        self, totals: list[Totals], rejected: Mapping[str, int], by_state: Mapping[str, int], gauges: Mapping[str, int]
+        self, totals: list[Totals], rejected: Mapping[str, int], by_state: Mapping[str, int], gauges: Mapping[str, float]
     ) -> None:
         self._totals = totals
         self._rejected = rejected
@@ -69,6 +70,13 @@ _GAUGES = {
     "rundown_ingest_queue_messages": "messages from zenoh that waited when the ingest last looked",
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_ingest_storing": "1 while samples can be stored",
+    "rundown_database_bytes": "size of the database with its log",
+    "rundown_disk_free_bytes": "free on the file system of the database",
+    "rundown_disk_budget_bytes": "how large the database may become",
+    "rundown_disk_used_ratio": "part of the budget or of the file system that is used, whichever is nearer to its end",
+    "rundown_released_sample_blocks": "sample blocks that retention let go of since the start",
+    "rundown_released_runs": "runs whose samples retention let go of since the start",
+    "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
 }
 
 
@@ -76,7 +84,7 @@ _GAUGES = {
 def read_metrics(request: Request, session: Reading) -> Response:
     """Counters and gauges as OpenMetrics text."""
     state = request.app.state
-    gauges = {}
+    gauges = dict(state.gauges())
     if state.depth is not None:
         gauges["rundown_ingest_queue_messages"] = state.depth()
     if state.submissions is not None:

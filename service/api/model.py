@@ -29,8 +29,11 @@ from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import direction
 from service.api.units import UnitChoice, Units, column
 from service.identified import Identified, identified
+from service.security.requirement import VIEWER
 
-router = APIRouter(prefix="/identifications/{identification_id}/model", tags=["models"], responses=RESPONSES)
+router = APIRouter(
+    prefix="/identifications/{identification_id}/model", tags=["models"], responses=RESPONSES, dependencies=[VIEWER]
+)
 
 ABOVE_TRIP = 1.25
 """Speeds are looked at up to this part of the speed range's end."""

@@ -14,8 +14,10 @@ from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.access import Number, Reading
 from service.api.corrections import SlowRollChoice, chosen, run_samples
 from service.api.problems import RESPONSES
+from service.api.units import Units, UnitsIfAsked
+from service.security.requirement import VIEWER
 
-router = APIRouter(tags=["measurements"], responses=RESPONSES)
+router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 
 UNDETERMINED_DEG = 45.0
 """An inclination with a larger standard error than this is not told."""
@@ -26,6 +28,20 @@ class AxisPhasor(BaseModel):
 
     real_um: float
     imaginary_um: float
+
+
+class OrbitInUnits(BaseModel):
+    """Speed and size of an orbit in the units asked for; phases of x and y as units of phase say."""
+
+    speed: float
+    x: float | None = Field(description="amplitude")
+    x_phase: float | None
+    y: float | None = Field(description="amplitude")
+    y_phase: float | None
+    semi_major: float | None
+    semi_major_error: float | None
+    semi_minor: float | None = Field(description="positive with the rotation, negative against it")
+    semi_minor_error: float | None
 
 
 class OrbitOut(BaseModel):
@@ -45,6 +61,7 @@ class OrbitOut(BaseModel):
     inclination_deg: float | None = Field(description="of the major axis, from +x towards +y; null for too round an orbit")
     inclination_error_deg: float | None
     sense: str = Field(description="forward, backward, or undecided where the orbit is too flat for the noise")
+    in_units: OrbitInUnits | None = Field(default=None, description="where `units` are asked for")
 
 
 class FindingOut(BaseModel):
@@ -61,6 +78,7 @@ class Orbits(BaseModel):
     run: int
     asked_rpm: float
     slow_roll_version: int | None
+    units: Units | None = Field(default=None, description="of `in_units` of each orbit; null where none are asked for")
     orbits: list[OrbitOut]
     without: list[list[str]] = Field(description="channels of the stations that have no orbit")
     findings: list[FindingOut]
@@ -71,6 +89,7 @@ def read_orbits(
     session: Reading,
     run_id: Number,
     rpm: Annotated[float, Query(ge=0.1, lt=1e6, description="speed; the nearest sample with all it takes is used")],
+    units: UnitsIfAsked,
     slow_roll: SlowRollChoice = "none",
 ) -> Orbits:
     """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
@@ -84,7 +103,12 @@ def read_orbits(
         run=run_id,
         asked_rpm=rpm,
         slow_roll_version=version,
-        orbits=[_rendered(one, sample, without.speed) for one, sample in nearest if sample is not None],
+        units=units,
+        orbits=[
+            _rendered(one, sample, without.speed).model_copy(update={"in_units": _in_units(one, sample, without.speed, units)})
+            for one, sample in nearest
+            if sample is not None
+        ],
         without=[list(place.channels) for place in probe_stations(machine) if place.channels not in seen],
         findings=[_finding(one) for one in orbit_findings(machine, measurement)],
     )
@@ -117,6 +141,26 @@ def _rendered(one: StationOrbits, sample: int, speed: Floats) -> OrbitOut:
         inclination_deg=float(one.inclination[sample]) / RADIANS["deg"] if told else None,
         inclination_error_deg=error if told else None,
         sense=one.sense(sample),
+    )
+
+
+def _in_units(one: StationOrbits, sample: int, speed: Floats, units: Units | None) -> OrbitInUnits | None:
+    if units is None:
+        return None
+    axes = np.array([one.x[sample], one.y[sample]])
+    lengths = np.array([one.semi_major, one.semi_major_error, one.semi_minor, one.semi_minor_error])[:, sample]
+    (x, y), (x_phase, y_phase) = units.amplitudes(np.abs(axes)), units.phases(axes)
+    major, major_error, minor, minor_error = units.amplitudes(lengths)
+    return OrbitInUnits(
+        speed=units.speed_of(float(speed[sample])),
+        x=x,
+        x_phase=x_phase,
+        y=y,
+        y_phase=y_phase,
+        semi_major=major,
+        semi_major_error=major_error,
+        semi_minor=minor,
+        semi_minor_error=minor_error,
     )
 
 

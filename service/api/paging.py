@@ -3,6 +3,7 @@
 import base64
 import binascii
 import json
+import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
@@ -38,7 +39,7 @@ class Paging:
         if len(rows) <= self.limit:
             return rows
         shown = rows[: self.limit]
-        cursor = _written(_kinds(keys(shown[-1])), keys(shown[-1]))
+        cursor = _written(_list_of(self.request), keys(shown[-1]))
         following = self.request.url.include_query_params(cursor=cursor, limit=self.limit)
         self.response.headers["Link"] = f'<{following.path}?{following.query}>; rel="next"'
         return shown
@@ -48,20 +49,21 @@ class Paging:
         return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 
 
-def _written(kind: str, keys: Keys) -> str:
-    return base64.urlsafe_b64encode(json.dumps([kind, *keys]).encode()).decode().rstrip("=")
+def _list_of(request: Request) -> int:
+    """Tells lists apart: a cursor of one says nothing in another."""
+    return zlib.crc32(request.url.path.encode())
 
 
-def _kinds(keys: Keys) -> str:
-    return "".join("i" if isinstance(key, int) else "s" for key in keys)
+def _written(which: int, keys: Keys) -> str:
+    return base64.urlsafe_b64encode(json.dumps([which, *keys]).encode()).decode().rstrip("=")
 
 
-def _read(cursor: str, kind: str) -> Keys:
+def _read(cursor: str, kind: str, which: int) -> Keys:
     try:
         found = json.loads(base64.b64decode(cursor + "=" * (-len(cursor) % 4), altchars=b"-_", validate=True))
     except (binascii.Error, ValueError, RecursionError):
         found = None
-    if isinstance(found, list) and found[:1] == [kind] and len(found) == 1 + len(kind):
+    if isinstance(found, list) and found[:1] == [which] and len(found) == 1 + len(kind):
         keys = tuple(found[1:])
         if _fits(keys, kind):
             return keys
@@ -85,7 +87,7 @@ def _paging(kind: str, default: int) -> Any:
             str | None, Query(min_length=1, max_length=200, description="from the Link header of the part before")
         ] = None,
     ) -> Paging:
-        return Paging(limit, None if cursor is None else _read(cursor, kind), request, response)
+        return Paging(limit, None if cursor is None else _read(cursor, kind, _list_of(request)), request, response)
 
     return Depends(paging)
 

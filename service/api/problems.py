@@ -16,18 +16,20 @@ from estimator.machine import DocumentError, problems_of
 from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
 from service.api.preconditions import PreconditionMissing, Stale
-from service.baselining import BaselineRefused
+from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
 from service.identified import NoModel
 from service.limits import LimitsRefused
 from service.requesting import NotToIdentify
+from service.security.answer_headers import ALWAYS
 from service.setting_limits import LimitsChanged
 from storage.alerts import AlertUnknown
-from storage.database import DatabaseUnusable
+from storage.claim import DatabaseUnusable
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
+from storage.jobs import JobUnknown
 from storage.machines import MachineExists, MachineUnknown, PlantChanged
-from storage.runs import RunUnknown
+from storage.runs import RunUnknown, SamplesReleased
 from storage.slow_roll import SlowRollUnknown
 from storage.suppressions import SuppressionUnknown
 
@@ -53,21 +55,34 @@ class Unsuitable(ValueError):
     """What is asked for cannot be made from what is given, and why."""
 
 
+UNREADABLE = "There was an error parsing the body"
+"""What the framework says of a body that is no JSON at all."""
+OF_MACHINE = "GET /api/v1/machines/<id>"
+
 _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
-    MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}"),
-    RunUnknown: (HTTPStatus.NOT_FOUND, "no run {0}"),
-    IdentificationUnknown: (HTTPStatus.NOT_FOUND, "no identification {0}"),
-    SlowRollUnknown: (HTTPStatus.NOT_FOUND, "no slow-roll vectors: {0}"),
+    MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}: GET /api/v1/machines lists those there are"),
+    RunUnknown: (HTTPStatus.NOT_FOUND, f"no run {{0}}: {OF_MACHINE}/runs lists those of a machine"),
+    IdentificationUnknown: (
+        HTTPStatus.NOT_FOUND,
+        f"no identification {{0}}: {OF_MACHINE}/identifications lists them",
+    ),
+    SlowRollUnknown: (HTTPStatus.NOT_FOUND, f"no slow-roll vectors: {{0}}; {OF_MACHINE}/slow-roll lists the versions"),
     NotSlowRoll: (HTTPStatus.UNPROCESSABLE_ENTITY, "no slow roll: {0}"),
     Unsuitable: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
     NoModel: (HTTPStatus.CONFLICT, "{0}"),
+    SamplesReleased: (HTTPStatus.GONE, "{0}"),
     NotToIdentify: (HTTPStatus.CONFLICT, "{0}"),
-    AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}"),
-    SuppressionUnknown: (HTTPStatus.NOT_FOUND, "no suppression {0}"),
-    SubscriptionUnknown: (HTTPStatus.NOT_FOUND, "no subscription {0}"),
-    DeliveryUnknown: (HTTPStatus.NOT_FOUND, "no delivery {0}"),
+    JobUnknown: (HTTPStatus.NOT_FOUND, f"no job {{0}}: {OF_MACHINE}/jobs lists those of a machine"),
+    AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}: GET /api/v1/alerts lists those there are"),
+    SuppressionUnknown: (HTTPStatus.NOT_FOUND, f"no suppression {{0}}: {OF_MACHINE}/suppressions lists those in force"),
+    SubscriptionUnknown: (HTTPStatus.NOT_FOUND, "no subscription {0}: GET /api/v1/subscriptions lists those there are"),
+    DeliveryUnknown: (
+        HTTPStatus.NOT_FOUND,
+        "no delivery {0}: GET /api/v1/subscriptions/<id>/deliveries lists them",
+    ),
     Forbidden: (HTTPStatus.CONFLICT, "{0}"),
     BaselineRefused: (HTTPStatus.CONFLICT, "{0}"),
+    NotYet: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
     SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
@@ -109,16 +124,25 @@ def add_handlers(app: FastAPI) -> None:
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", errors=problems)
 
     @app.exception_handler(RequestValidationError)
-    async def request(_request: Request, error: RequestValidationError) -> JSONResponse:
+    async def wrong(request: Request, error: RequestValidationError) -> JSONResponse:
+        if _mislabelled(request, error):
+            said = request.headers.get("content-type", "nothing")
+            detail = f"the body says that it is {said}: send JSON, with Content-Type: application/json"
+            return problem_response(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, detail)
         problems = [FieldProblem(field=field, message=message) for field, message in problems_of(_worded(error))]
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(StarletteHTTPException)
     async def http(request: Request, error: StarletteHTTPException) -> JSONResponse:
-        headers = dict(error.headers or {})
+        headers, detail = dict(error.headers or {}), str(error.detail)
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            headers["Allow"] = ", ".join(_methods(app, request)) or headers.get("Allow", "GET")
-        return problem_response(error.status_code, str(error.detail), headers)
+            headers["Allow"] = ", ".join(_methods(app, request))
+            detail = f"{request.method} is not for {request.url.path}: it takes {headers['Allow']}"
+        elif error.status_code == HTTPStatus.NOT_FOUND and detail == HTTPStatus.NOT_FOUND.phrase:
+            detail = f"there is nothing at {request.url.path}: /api/v1/docs shows what there is"
+        elif error.status_code == HTTPStatus.BAD_REQUEST and detail == UNREADABLE:
+            detail = "the body cannot be read: it must be JSON in UTF-8, and not nested without end"
+        return problem_response(error.status_code, detail, headers)
 
     @app.exception_handler(DBAPIError)
     async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:
@@ -127,8 +151,17 @@ def add_handlers(app: FastAPI) -> None:
     @app.exception_handler(Exception)
     async def unexpected(_request: Request, error: Exception) -> JSONResponse:
         return problem_response(
-            HTTPStatus.INTERNAL_SERVER_ERROR, f"unexpected {type(error).__name__}; the log has the details"
+            HTTPStatus.INTERNAL_SERVER_ERROR,
+            f"unexpected {type(error).__name__}; the log has the details",
+            {name.decode(): value.decode() for name, value in ALWAYS},  # answered outside of all middleware
         )
+
+
+def _mislabelled(request: Request, error: RequestValidationError) -> bool:
+    """Whether a body was not looked into because it is not called JSON."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    labelled = kind == "application/json" or (kind.startswith("application/") and kind.endswith("+json"))
+    return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
 
 
 def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
@@ -149,7 +182,8 @@ def _methods(app: FastAPI, request: Request) -> list[str]:
         pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))
         if re.fullmatch(pattern, request.url.path):
             found |= {method.upper() for method in item}
-    return sorted(found) or ["GET"]
+    found = found or {"GET"}
+    return sorted(found | {"HEAD"} if "GET" in found else found)
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {
@@ -162,12 +196,3 @@ CHANGES: dict[int | str, dict[str, Any]] = {
     409: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus.CONFLICT.phrase}
 }
 """The same for operations that what is there may forbid."""
-
-STALE: dict[int | str, dict[str, Any]] = {
-    412: {
-        "model": Problem,
-        "content": {"application/problem+json": {}},
-        "description": HTTPStatus.PRECONDITION_FAILED.phrase,
-    }
-}
-"""The same for operations that replace what a person has read."""

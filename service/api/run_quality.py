@@ -6,9 +6,10 @@ from estimator.quality import MEANING, Flag
 from service.api import schemas
 from service.api.access import Number, Reading
 from service.api.problems import RESPONSES
+from service.security.requirement import VIEWER
 from storage import machines, runs
 
-router = APIRouter(tags=["measurements"], responses=RESPONSES)
+router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/runs/{run_id}/quality", operation_id="read_run_quality")

@@ -3,9 +3,11 @@
 from datetime import datetime
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, NonNegativeFloat, PositiveFloat, model_validator
+from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat, model_validator
 
 from estimator.machine import Machine
+from estimator.written import Written
+from service.api.units import Units
 
 
 class MachineSummary(BaseModel):
@@ -27,16 +29,39 @@ class MachineRevision(BaseModel):
     document: Machine
 
 
+class PhasorsInUnits(BaseModel):
+    """The same in the units asked for."""
+
+    units: Units
+    speed: list[float | None]
+    amplitude: list[list[float | None]] = Field(description="per channel; null where unusable")
+    phase: list[list[float | None]] = Field(description="per channel, not negative and less than a turn")
+
+
+Beside = Literal["2x", "scatter", "status"]
+"""What comes with the 1× where a source sends it."""
+
+
 class Phasors(BaseModel):
     """1× phasors in columns; the rows of each table belong to `channels`."""
 
     machine: str
+    revisions: list[int] | None = Field(default=None, description="of the document, whose samples were looked for")
     channels: list[str]
     time: list[datetime]
     speed_rpm: list[float]
     direction: list[str] = Field(description="positive turns +x towards +y")
     amplitude_um_pp: list[list[float | None]] = Field(description="per channel, peak-to-peak [µm]; null where unusable")
     phase_lag_deg: list[list[float | None]] = Field(description="per channel, lag behind the keyphasor [°], 0 to 360")
+    amplitude_2x_um_pp: list[list[float | None]] | None = Field(default=None, description="where `include=2x` asks for it")
+    phase_2x_lag_deg: list[list[float | None]] | None = Field(default=None, description="in degrees of the 2×")
+    scatter_um_pp: list[list[float | None]] | None = Field(
+        default=None, description="rms of the complex error of the 1×, where `include=scatter` asks for it; null: not known"
+    )
+    status: list[list[str]] | None = Field(
+        default=None, description="good, not_available, bad or out_of_range, where `include=status` asks for it"
+    )
+    in_units: PhasorsInUnits | None = Field(default=None, description="where `units` are asked for")
     slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")
     slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
     conditions: dict[str, list[float | None]] = Field(
@@ -102,6 +127,7 @@ class Run(BaseModel):
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
     reopened_at: datetime | None = Field(description="when late samples made it anew; its newest identification counts")
+    samples_released_at: datetime | None = Field(description="when its samples were let go of; null while it has them")
     coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")
 
@@ -189,10 +215,8 @@ class JobOut(BaseModel):
     options: dict[str, Any] | None = Field(description="what differs from the usual")
 
 
-class IdentificationAsked(BaseModel):
+class IdentificationAsked(Written):
     """How to identify a run again; what is left out stays as usual."""
-
-    model_config = ConfigDict(extra="forbid")
 
     slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
         default="in_force", description="vectors to subtract: `none`, `in_force` or a version"
@@ -224,7 +248,8 @@ class SourceOut(BaseModel):
     duplicates: int
     lost: int
     late: int = Field(description="older than what run collection had seen when they were stored; they reopen runs")
-    newest_sample_at: datetime | None
+    newest_sample_at: datetime | None = Field(description="when it was measured, by the source's clock")
+    newest_received_at: datetime | None = Field(description="when it came, by the service's clock")
 
 
 class QuarantineEntry(BaseModel):
@@ -260,6 +285,8 @@ class Health(BaseModel):
     version: str
     ready: bool
     parts: dict[str, str] = Field(description="`ok`, or what is wrong, per part")
+    database: str = Field(description="product and version that keep the data")
+    warnings: list[str] = Field(description="what does not hinder the service yet and should be seen to")
     jobs: dict[str, int] = Field(description="identification jobs by state")
 
 

@@ -7,35 +7,36 @@ from datetime import datetime
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from fastapi import APIRouter, Body, Request, status
+from fastapi import APIRouter, Body, Request, Response, status
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sqlalchemy.orm import Session
 
 from estimator.machine import Identifier, Machine
 from estimator.slow_roll import SlowRoll, capture
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.written import Written
 from service import requesting
 from service.api.access import MachineId, Reading, database, moment
 from service.api.paging import ById
+from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.times import Time
+from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.slow_roll import CAPTURED, GIVEN, Provenance
 from storage.tables import SlowRollRow
 
-router = APIRouter(prefix="/machines/{machine_id}/slow-roll", tags=["slow roll"], responses=RESPONSES)
+router = APIRouter(prefix="/machines/{machine_id}/slow-roll", tags=["slow roll"], responses=RESPONSES, dependencies=[VIEWER])
 
 LONGEST_CAPTURE_S = 7 * 86_400
 """Longest time from which vectors are captured [s]: temperature and load move the shaft."""
 MICROMETRES = METRES["um"] * PEAK["peak-to-peak"]
 
 
-class VectorIn(BaseModel):
+class VectorIn(Written):
     """A slow-roll vector of one channel as a person gives it."""
-
-    model_config = ConfigDict(extra="forbid")
 
     amplitude_um_pp: float = Field(ge=0, le=2e4, allow_inf_nan=False, description="peak-to-peak [µm]")
     phase_lag_deg: float = Field(ge=-3600, le=3600, allow_inf_nan=False, description="lag behind the keyphasor [°]")
@@ -44,10 +45,10 @@ class VectorIn(BaseModel):
     )
 
 
-class SlowRollIn(BaseModel):
+class SlowRollIn(Written):
     """Vectors to store: `vectors`, or `band_rpm` with the run or the time range to capture them from."""
 
-    model_config = ConfigDict(extra="forbid", populate_by_name=True)
+    model_config = ConfigDict(populate_by_name=True)
 
     vectors: dict[Identifier, VectorIn] | None = Field(default=None, min_length=1)
     direction: Literal["positive", "negative"] | None = Field(
@@ -110,10 +111,15 @@ class SlowRollList(BaseModel):
     versions: list[SlowRollOut]
 
 
-class InForce(BaseModel):
-    """Which version identifications subtract from now on."""
+class VersionInForce(BaseModel):
+    """Which version identifications of a machine subtract."""
 
-    model_config = ConfigDict(extra="forbid")
+    machine: str
+    version: int | None = Field(description="null: none")
+
+
+class InForce(Written):
+    """Which version identifications subtract from now on."""
 
     version: int | None = Field(ge=1, le=2**62, description="null: none")
     identify_again: int = Field(
@@ -134,7 +140,7 @@ def _listed(session: Session, machine_id: str, rows: Sequence[SlowRollRow]) -> S
     return SlowRollList(machine=machine_id, in_force=in_force, versions=[_rendered(row, document, in_force) for row in rows])
 
 
-@router.post("", operation_id="add_slow_roll", status_code=status.HTTP_201_CREATED)
+@router.post("", operation_id="add_slow_roll", dependencies=[ANALYST], status_code=status.HTTP_201_CREATED)
 def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowRollIn, Body()]) -> SlowRollOut:
     """Store vectors, given or captured from stored samples, as a new version. It is not in force yet."""
     with database(request).transaction() as session:
@@ -143,17 +149,34 @@ def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowR
         return _rendered(row, machines.document(session, machine_id), in_force)
 
 
-@router.put("/in-force", operation_id="put_slow_roll_in_force")
-def put_in_force(request: Request, machine_id: MachineId, body: Annotated[InForce, Body()]) -> SlowRollList:
-    """Say which version identifications subtract from now on. Baselines hold identifications of one version only."""
+@router.get("/in-force", operation_id="read_slow_roll_in_force")
+def read_in_force(session: Reading, response: Response, machine_id: MachineId) -> VersionInForce:
+    """Which version identifications subtract, and the ETag with which that can be changed."""
+    return tagged(response, _in_force(session, machine_id))
+
+
+@router.put("/in-force", operation_id="put_slow_roll_in_force", dependencies=[OPERATOR])
+def put_in_force(
+    request: Request, response: Response, machine_id: MachineId, body: Annotated[InForce, Body()], if_match: IfMatch = None
+) -> SlowRollList:
+    """Say which version identifications subtract from now on. Baselines hold identifications of one version only.
+
+    If-Match and ETag are those of what GET answers here.
+    """
     with database(request).transaction() as session:
+        require(if_match, _in_force(session, machine_id))
         slow_roll.put_in_force(session, machine_id, body.version)
         revision = machines.get(session, machine_id).revision
         if body.identify_again:
             for run in runs.newest_closed(session, machine_id, revision=revision, limit=body.identify_again):
                 requesting.ask(session, run.id, requesting.Request())
     with database(request).reading() as session:
+        tagged(response, _in_force(session, machine_id))
         return _listed(session, machine_id, slow_roll.versions(session, machine_id, limit=100))
+
+
+def _in_force(session: Session, machine_id: str) -> VersionInForce:
+    return VersionInForce(machine=machine_id, version=machines.get(session, machine_id).slow_roll_version)
 
 
 def _given(session: Session, machine_id: str, body: SlowRollIn) -> SlowRollRow:
@@ -197,8 +220,10 @@ def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machin
         raise Unsuitable(f"from must be before to, by at most {LONGEST_CAPTURE_S // 86_400} days")
     revision = machines.get(session, machine_id).revision
     document = machines.document(session, machine_id, revision)
-    channels = len(document.probes)
-    return document, samples.between(session, machine_id, revision=revision, channels=channels, first=first, last=last)
+    channels, also = len(document.probes), machines.measured_alike(session, machine_id, revision)
+    return document, samples.between(
+        session, machine_id, revision=revision, also=also, channels=channels, first=first, last=last
+    )
 
 
 def _rendered(row: SlowRollRow, document: Machine, in_force: int | None) -> SlowRollOut:

@@ -9,10 +9,11 @@ from pydantic import BaseModel, Field
 
 from service.api.access import Reading
 from service.api.rendering import time_or_none
+from service.security.requirement import VIEWER
 from storage.clock import now, to_datetime
 from storage.stages import Figures, figures
 
-router = APIRouter(tags=["operations"])
+router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 
 A_DAY_NS = 24 * 3600 * 1_000_000_000
 AN_HOUR_NS = 3600 * 1_000_000_000

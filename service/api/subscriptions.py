@@ -2,24 +2,25 @@
 
 from collections.abc import Awaitable, Callable
 
-from fastapi import APIRouter, Request, Response, status
+from fastapi import APIRouter, HTTPException, Request, Response, status
 
 from service.alert_life import Forbidden
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import Number, Reading, database
+from service.api.access import Number, Reading, database, principal
 from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
 from service.delivery.channel import Outcome
 from service.delivery.signing import new_secret
+from service.security.requirement import ADMIN, OPERATOR
 from storage import deliveries
 
 TryOut = Callable[[int], Awaitable[Outcome]]
 """Sends a test message to a subscription."""
 
-router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES)
+router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
 
 
 @router.get("", operation_id="list_subscriptions")
@@ -29,14 +30,19 @@ def list_subscriptions(session: Reading, paging: ById) -> list[schemas.Subscript
     return [rendering.subscription(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
-@router.post("", operation_id="subscribe", status_code=status.HTTP_201_CREATED, responses=CHANGES)
+@router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
 def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     """Be told of every event from now on. A webhook's secret is shown here, once."""
     if said.kind in ("webhook", "alertmanager"):
         parsed(said.target)
+    who = principal(request)
+    plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
+    for plant in plants or ():
+        if not who.sees(plant):
+            raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{plant}' is not one of those of {who.name}")
     secret = new_secret() if said.kind == "webhook" else None
     with database(request).transaction() as session:
-        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=secret)
+        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=secret, plants=plants)
         return schemas.SubscriptionCreated(**rendering.subscription(row).model_dump(), secret=secret)
 
 
@@ -46,7 +52,7 @@ def read_subscription(session: Reading, response: Response, subscription_id: Num
     return tagged(response, rendering.subscription(deliveries.get(session, subscription_id)))
 
 
-@router.post("/{subscription_id}/disable", operation_id="disable_subscription")
+@router.post("/{subscription_id}/disable", operation_id="disable_subscription", dependencies=[ADMIN])
 def disable_subscription(
     request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
 ) -> schemas.SubscriptionOut:
@@ -58,7 +64,7 @@ def disable_subscription(
         return tagged(response, rendering.subscription(row))
 
 
-@router.post("/{subscription_id}/enable", operation_id="enable_subscription")
+@router.post("/{subscription_id}/enable", operation_id="enable_subscription", dependencies=[ADMIN])
 def enable_subscription(
     request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
 ) -> schemas.SubscriptionOut:
@@ -78,7 +84,9 @@ def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> 
     return [rendering.delivery(row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
-@router.post("/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", responses=CHANGES)
+@router.post(
+    "/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", dependencies=[ADMIN], responses=CHANGES
+)
 def redeliver(request: Request, subscription_id: Number, delivery_id: Number) -> schemas.DeliveryOut:
     """Deliver an event once more, now, whatever became of it."""
     with database(request).transaction() as session:
@@ -91,7 +99,7 @@ def redeliver(request: Request, subscription_id: Number, delivery_id: Number) ->
         return rendering.delivery(row)
 
 
-@router.post("/{subscription_id}/test", operation_id="test_subscription", responses=CHANGES)
+@router.post("/{subscription_id}/test", operation_id="test_subscription", dependencies=[ADMIN], responses=CHANGES)
 async def test_subscription(request: Request, subscription_id: Number) -> schemas.TestOut:
     """Send it a message that says it is a test, now, and answer how that went. It is not in the delivery log."""
     try_out: TryOut | None = request.app.state.try_out

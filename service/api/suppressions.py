@@ -1,6 +1,6 @@
 """Machines, probes and rules whose alerts call nobody for a while, and notes on machines' timelines."""
 
-from fastapi import APIRouter, Request, status
+from fastapi import APIRouter, Request, Response, status
 
 from service import alerting, baselining
 from service.alert_life import Forbidden, Suppression
@@ -9,11 +9,13 @@ from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading, database, instant
 from service.api.paging import ById, ByTime
+from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
+from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import machines, suppressions, timeline
 from storage.clock import now
 
-router = APIRouter(tags=["alerts"], responses=RESPONSES)
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 
 @router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
@@ -27,10 +29,13 @@ def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> 
 @router.post(
     "/machines/{machine_id}/suppressions",
     operation_id="begin_suppression",
+    dependencies=[OPERATOR],
     status_code=status.HTTP_201_CREATED,
     responses=CHANGES,
 )
-def begin_suppression(request: Request, machine_id: MachineId, said: schemas.SuppressionIn) -> schemas.SuppressionOut:
+def begin_suppression(
+    request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
+) -> schemas.SuppressionOut:
     """A machine in maintenance, a probe out of service: alerts open and to come call nobody until it is ended."""
     until = None if said.until is None else instant(said.until)
     if until is not None and until <= now():
@@ -46,16 +51,25 @@ def begin_suppression(request: Request, machine_id: MachineId, said: schemas.Sup
             element=said.element,
             until=until,
         )
-        return rendering.suppression(row)
+        return tagged(response, rendering.suppression(row))
 
 
-@router.post("/suppressions/{suppression_id}/end", operation_id="end_suppression", responses=CHANGES)
-def end_suppression(request: Request, suppression_id: Number, said: schemas.By) -> schemas.SuppressionOut:
+@router.get("/suppressions/{suppression_id}", operation_id="read_suppression")
+def read_suppression(session: Reading, response: Response, suppression_id: Number) -> schemas.SuppressionOut:
+    """One suppression, in force or ended, and the ETag with which it can be ended."""
+    return tagged(response, rendering.suppression(suppressions.get(session, suppression_id)))
+
+
+@router.post("/suppressions/{suppression_id}/end", operation_id="end_suppression", dependencies=[OPERATOR], responses=CHANGES)
+def end_suppression(
+    request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.SuppressionOut:
     """Alerts whose cause is there call again."""
     with database(request).transaction() as session:
         row = suppressions.get(session, suppression_id)
+        require(if_match, rendering.suppression(row))
         alerting.release(session, row, Person(said.by, said.comment))
-        return rendering.suppression(row)
+        return tagged(response, rendering.suppression(row))
 
 
 @router.get("/machines/{machine_id}/timeline", operation_id="read_timeline")
@@ -68,7 +82,12 @@ def read_timeline(session: Reading, machine_id: MachineId, period: Period, pagin
     return [rendering.timeline_entry(row) for row in paging.page(rows, lambda row: (row.at, row.id))]
 
 
-@router.post("/machines/{machine_id}/timeline", operation_id="add_timeline_entry", status_code=status.HTTP_201_CREATED)
+@router.post(
+    "/machines/{machine_id}/timeline",
+    operation_id="add_timeline_entry",
+    dependencies=[ANALYST],
+    status_code=status.HTTP_201_CREATED,
+)
 def add_timeline_entry(request: Request, machine_id: MachineId, said: schemas.TimelineIn) -> schemas.TimelineOut:
     """Put a note, a marker or a maintenance on a machine's timeline; a maintenance begins a new baseline."""
     with database(request).transaction() as session:

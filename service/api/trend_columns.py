@@ -2,7 +2,7 @@
 
 import threading
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from service.api.downsampling import Chosen, min_max
 from service.trend_baselines import BaselineBand, baseline_bands
 from storage import machines, trends
+from storage.changes import Changes
 from storage.database import Database
 from storage.jobs import RUN
 from storage.trends import Floats, History, Stamp, Texts
@@ -44,21 +45,38 @@ class Columns:
         return len(self.history)
 
 
+@dataclass(frozen=True)
+class _Kept:
+    """A history; mark, stamp: of the whole store and of the machine before it was read."""
+
+    mark: Hashable | None
+    stamp: Stamp
+    columns: Columns
+
+
 class KeptHistories:
     """Histories by machine, parameter and scope, read again when something was stored that changes them."""
 
     def __init__(self, database: Database, *, baseline_runs: int) -> None:
         self._database = database
+        self._changes = Changes(database)
         self._baseline_runs = baseline_runs
-        self._kept: OrderedDict[tuple[str, str, str], tuple[Stamp, Columns]] = OrderedDict()
+        self._kept: OrderedDict[tuple[str, str, str], _Kept] = OrderedDict()
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
         """The columns of each parameter. Raises MachineUnknown."""
+        mark = self._changes.mark(trends.TABLES)
+        found = self._still_good(machine_id, parameters, scope, lambda kept: mark is not None and kept.mark == mark)
+        if not parameters or len(found) < len(parameters):
+            found = self._read(machine_id, parameters, scope, mark)
+        return {name: found[name] for name in parameters}
+
+    def _read(self, machine_id: str, parameters: Sequence[str], scope: str, mark: Hashable | None) -> dict[str, Columns]:
         with self._database.reading() as session:
             machines.get(session, machine_id)
             stamp = trends.stamp(session, machine_id)
-            found = self._still_good(machine_id, parameters, scope, stamp)
+            found = self._still_good(machine_id, parameters, scope, lambda kept: kept.stamp == stamp)
             missing = [name for name in parameters if name not in found]
             read = trends.histories(session, machine_id, missing, scope=scope) if missing else {}
             for name, history in read.items():
@@ -66,24 +84,27 @@ class KeptHistories:
                 if scope == RUN:  # only single runs are compared with a baseline
                     bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
                 found[name] = _columns(history, bands)
-                self._keep((machine_id, name, scope), stamp, found[name])
-        return {name: found[name] for name in parameters}
+        for name, columns in found.items():
+            self._keep((machine_id, name, scope), _Kept(mark, stamp, columns))
+        return found
 
-    def _still_good(self, machine_id: str, parameters: Sequence[str], scope: str, stamp: Stamp) -> dict[str, Columns]:
+    def _still_good(
+        self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_Kept], bool]
+    ) -> dict[str, Columns]:
         found = {}
         with self._lock:
             for name in parameters:
                 kept = self._kept.get((machine_id, name, scope))
-                if kept is not None and kept[0] == stamp:
-                    found[name] = kept[1]
+                if kept is not None and holds(kept):
+                    found[name] = kept.columns
                     self._kept.move_to_end((machine_id, name, scope))
         return found
 
-    def _keep(self, key: tuple[str, str, str], stamp: Stamp, columns: Columns) -> None:
-        if not len(columns):
+    def _keep(self, key: tuple[str, str, str], kept: _Kept) -> None:
+        if not len(kept.columns):
             return  # anybody can ask for names that are not there
         with self._lock:
-            self._kept[key] = stamp, columns
+            self._kept[key] = kept
             self._kept.move_to_end(key)
             while len(self._kept) > MOST_KEPT:
                 self._kept.popitem(last=False)

@@ -10,11 +10,15 @@ from pydantic import BaseModel, Field
 from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
+from service.api.fresh_answers import Fresh
 from service.api.problems import RESPONSES
 from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table, text
+from service.api.trend_units import TrendUnitChoice, in_units
+from service.security.requirement import VIEWER
 from service.trend_baselines import BaselineBand
+from storage import trends
 
-router = APIRouter(tags=["trends"], responses=RESPONSES)
+router = APIRouter(tags=["trends"], responses=RESPONSES, dependencies=[VIEWER])
 
 MOST_PARAMETERS = 100
 MOST_POINTS = 20_000
@@ -25,7 +29,7 @@ MaxPoints = Annotated[
     Query(ge=10, le=MOST_POINTS, description="most points of each series; a longer one is thinned out, which the answer says"),
 ]
 Parameters = Annotated[
-    list[Annotated[str, Field(min_length=1, max_length=160)]],
+    list[Annotated[str, Field(max_length=160, pattern=r"^\w+\.\S+$")]],
     Query(
         min_length=1,
         max_length=MOST_PARAMETERS,
@@ -61,7 +65,7 @@ class Series(BaseModel):
     """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
 
     parameter: str
-    unit: str | None = Field(description="null for a parameter that was never identified")
+    unit: str | None = Field(description="of all its values; null for a parameter that was never identified")
     down_sampling: DownSampling
     baselines: list[BaselineOut] = Field(description="empty until a baseline is complete, and for gathered runs")
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
@@ -101,11 +105,13 @@ class Trends(BaseModel):
         }
     },
 )
-def read_trends(
+async def read_trends(
     request: Request,
+    fresh: Fresh,
     machine_id: MachineId,
     period: Period,
     parameter: Parameters,
+    units: TrendUnitChoice,
     max_points: MaxPoints = 5000,
     scope: Scope = "run",
     chosen: FormatChoice = None,
@@ -117,15 +123,26 @@ def read_trends(
     """
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories
-    found = kept.columns(machine_id, list(dict.fromkeys(parameter)), scope=scope)
-    points = {name: cut(columns, first=period.first, last=period.last, most=max_points) for name, columns in found.items()}
-    if wanted == "json":
-        series = [_series(name, columns, points[name]) for name, columns in found.items()]
-        body = msgspec.json.encode({"machine": machine_id, "scope": scope, "series": series})
-    else:
-        rows = _rows(found, points)
-        body = csv_bytes(rows) if wanted == "csv" else parquet_bytes(rows, times=("measured_at", "computed_at"))
-    return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
+    names = list(dict.fromkeys(parameter))
+
+    def read() -> Response:
+        stored = kept.columns(machine_id, names, scope=scope)
+        found = {name: in_units(columns, units) for name, columns in stored.items()}
+        points = {name: cut(columns, first=period.first, last=period.last, most=max_points) for name, columns in found.items()}
+        body = _json(machine_id, scope, found, points) if wanted == "json" else _file(wanted, found, points)
+        return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
+
+    return await fresh.answer(request, trends.TABLES, read)
+
+
+def _json(machine_id: str, scope: str, found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> bytes:
+    series = [_series(name, columns, points[name]) for name, columns in found.items()]
+    return msgspec.json.encode({"machine": machine_id, "scope": scope, "series": series})
+
+
+def _file(wanted: Format, found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> bytes:
+    rows = _rows(found, points)
+    return csv_bytes(rows) if wanted == "csv" else parquet_bytes(rows, times=("measured_at", "computed_at"))
 
 
 def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:

@@ -58,17 +58,22 @@ def column(values: NDArray[Any]) -> Column:
     return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 
 
-async def _units(
-    units: Annotated[
-        str | None,
-        Query(
-            max_length=60,
-            description=f"of the answer, at most one of each, with commas between: {', '.join(get_args(Speed))}; "
-            f"{', '.join(get_args(Amplitude))}; {', '.join(get_args(Phase))}. By default rpm,um_pp,deg_lag",
-            examples=["mil_pp,rpm,deg_lag"],
-        ),
-    ] = None,
-) -> Units:
+Asked = Annotated[
+    str | None,
+    Query(
+        max_length=60,
+        description=f"of the answer, at most one of each, with commas between: {', '.join(get_args(Speed))}; "
+        f"{', '.join(get_args(Amplitude))}; {', '.join(get_args(Phase))}. By default rpm,um_pp,deg_lag",
+        examples=["mil_pp,rpm,deg_lag"],
+    ),
+]
+
+
+async def _units_if_asked(units: Asked = None) -> Units | None:
+    return None if units is None else await _units(units)
+
+
+async def _units(units: Asked = None) -> Units:
     chosen: dict[str, Any] = {}
     for name in [] if units is None else units.split(","):
         kind = next((kind for kind, known in _KINDS.items() if name in known), None)
@@ -87,3 +92,5 @@ def _wrong(given: str | None, message: str) -> RequestValidationError:
 _KINDS: dict[str, tuple[str, ...]] = {"speed": get_args(Speed), "amplitude": get_args(Amplitude), "phase": get_args(Phase)}
 
 UnitChoice = Annotated[Units, Depends(_units)]
+UnitsIfAsked = Annotated[Units | None, Depends(_units_if_asked)]
+"""For answers whose fields have units in their names: what is asked for in others stands beside them."""

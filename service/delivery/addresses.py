@@ -16,6 +16,11 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
+NAT64 = (ipaddress.IPv6Network("64:ff9b::/96"), ipaddress.IPv6Network("64:ff9b:1::/48"))
+METADATA = (ipaddress.IPv4Address("168.63.129.16"), ipaddress.IPv4Address("192.0.0.192"))
+"""Where clouds tell a machine about itself at an address that counts as public (Azure, Oracle); others have private ones."""
+
+
 class TargetRefused(ValueError):
     """Nothing is sent there; the message says why and what would be right."""
 
@@ -58,13 +63,18 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
 
 
 def _address(text: str) -> Address:
+    """The address at which it ends: some of IPv6 stand for one of IPv4 behind a gateway (RFC 4291, 3056, 4380, 6052)."""
     address = ipaddress.ip_address(text.split("%")[0])
-    mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
-    return mapped or address
+    if not isinstance(address, ipaddress.IPv6Address):
+        return address
+    behind = address.ipv4_mapped or address.sixtofour or (address.teredo[1] if address.teredo else None)
+    if behind is None and any(address in network for network in NAT64):
+        behind = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
+    return behind or address
 
 
 def _require(host: str, address: Address, allowed: tuple[Network, ...]) -> None:
-    if address.is_global and not address.is_multicast:
+    if address.is_global and not address.is_multicast and address not in METADATA:
         return
     if any(address.version == network.version and address in network for network in allowed):
         return

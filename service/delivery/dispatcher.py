@@ -23,6 +23,7 @@ from service.delivery.mail import Mail
 from service.delivery.network import Network
 from service.delivery.webhook import TIMEOUT_S, Webhook
 from service.settings import Settings
+from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, deliveries, machines
 from storage.clock import now, to_datetime
 from storage.database import Database
@@ -88,8 +89,9 @@ def new_client() -> ClientSession:
 class Dispatcher:
     """Delivers until it is stopped; what is then under way is delivered again after the next start."""
 
-    def __init__(self, database: Database, session: zenoh.Session, settings: Settings) -> None:
+    def __init__(self, database: Database, session: zenoh.Session, settings: Settings, share: Share | None = None) -> None:
         self._database = database
+        self._share = share or Whole()
         self._session = session
         self._settings = settings
         self._stop = threading.Event()
@@ -145,6 +147,8 @@ class Dispatcher:
             await asyncio.to_thread(self._record, finished)
             for number in finished:
                 del self._under_way[number], self._tasks[number]
+        if not self._share.leads(DELIVERY):
+            return
         moment = time.monotonic()
         if moment >= self._expire_at:
             self._expire_at = moment + EXPIRY_S
@@ -208,8 +212,9 @@ class Dispatcher:
             return
         for row in targets:
             channel = channels.of(row)
-            if messages and isinstance(channel, Alertmanager):
-                outcome = await channel.push(messages)
+            own = [one for one in messages if deliveries.tells(row, one.plant)]
+            if own and isinstance(channel, Alertmanager):
+                outcome = await channel.push(own)
                 if outcome.result != "delivered":
                     logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
 

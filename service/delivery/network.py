@@ -8,6 +8,7 @@ import zenoh
 
 from service.alert_messages import AlertEvent, alert_event
 from service.delivery.channel import Message, Outcome
+from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, machines
 from storage.database import Database
 
@@ -39,7 +40,8 @@ class Network:
 class LastStates:
     """Answers queries on the alerts' keys with the last event of each open alert."""
 
-    def __init__(self, session: zenoh.Session, database: Database) -> None:
+    def __init__(self, session: zenoh.Session, database: Database, share: Share | None = None) -> None:
+        self._share = share or Whole()
         self._database = database
         self._lock = threading.Lock()
         self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
@@ -49,6 +51,9 @@ class LastStates:
         self._queryable.undeclare()
 
     def _answer(self, query: zenoh.Query) -> None:
+        if not self._share.leads(DELIVERY):
+            query.drop()
+            return
         with query, self._lock, self._database.reading() as reading:
             plants = {row.id: row.plant for row in machines.every(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):

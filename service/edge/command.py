@@ -12,6 +12,7 @@ from service.edge.topic import Topic
 from service.source import Source
 from service.stream import session as zenoh_session
 from service.stream import wait_connected
+from service.stream_access import from_environment
 from service.wire import Key
 
 LINGER_S = 5.0
@@ -19,9 +20,9 @@ LINGER_S = 5.0
 
 
 def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float | None) -> None:
-    """Run until `stop`; with `leave` files end it, too. Raises UnreadableFile, StreamUnusable, LogError."""
+    """Run until `stop`; with `leave` files end it, too. Raises UnreadableFile, StreamUnusable, AccessUnusable, LogError."""
     configuration = read_configuration(path)
-    with zenoh_session(listen=[], connect=configuration.connect) as session:
+    with zenoh_session(listen=[], connect=configuration.connect, security=from_environment()) as session:
         key = Key(configuration.plant, configuration.machine)
         with Source(
             session,

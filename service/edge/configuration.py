@@ -4,11 +4,12 @@ from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
+from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from estimator.keyphasor import Edge
 from estimator.machine import Identifier, Positive, Real, SpeedRange, field_path
 from estimator.units import METRES
+from estimator.written import Written
 from service.documents import UnreadableFile, read_yaml
 from service.settings import DEFAULT_ZENOH_ENDPOINT
 from service.source_log import LOG_BYTES, LOG_SAMPLES
@@ -20,8 +21,8 @@ SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav"}
 Range = tuple[Real, Real]
 
 
-class _Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+class _Part(Written):
+    model_config = ConfigDict(frozen=True)
 
 
 class ProbeChannel(_Part):
@@ -116,7 +117,7 @@ class EdgeConfiguration(_Part):
     source: Identifier = "edge"
     direction: Literal["positive", "negative"] = "positive"
     speed_range: SpeedRange = Field(description="as in the machine's document")
-    connect: Annotated[list[str], Field(min_length=1)] = [DEFAULT_ZENOH_ENDPOINT]
+    connect: list[str] = Field(default=[DEFAULT_ZENOH_ENDPOINT], min_length=1)
     encoding: Literal["binary", "msgpack", "json"] = "binary"
     waveforms: Waveforms
     keyphasor: KeyphasorChannel

@@ -14,7 +14,7 @@ from service.wire.conversion import (
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
-from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, IDENTIFIER, Key
+from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
 from service.wire.rejection import Fault, Reason, Rejected
 from service.wire.schema import (
     DIRECTIONS,
@@ -32,6 +32,7 @@ __all__ = [
     "ALL_LIVE",
     "ALL_RECEIVED",
     "ALL_SAMPLES",
+    "ALL_SUBMIT",
     "BINARY",
     "DIRECTIONS",
     "EARLIEST_TIME",

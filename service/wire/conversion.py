@@ -13,6 +13,7 @@ from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
 from storage.blocks import Samples
 from storage.clock import now
+from storage.packing import on_grid
 
 LARGEST_AMPLITUDE = 0.02
 """No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
@@ -21,8 +22,8 @@ LARGEST_PHASE = 1e5
 OVERSPEED = 1.3
 """A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
-FUTURE_TOLERANCE = 60_000_000_000
-"""A sample may be ahead of this machine's clock by a minute [ns]; clocks that differ by more want mending."""
+FUTURE_TOLERANCE = 600_000_000_000
+"""A sample may be ahead of this machine's clock by ten minutes [ns]; clocks that differ by more want mending."""
 
 _NO_PHASOR = complex(np.nan, np.nan)
 
@@ -69,7 +70,8 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     for index, column in np.argwhere(np.isinf(conditions)).tolist():
         faults.append(Fault(index, "not_finite", f"condition {machine.condition_names[column]} is infinite"))
         conditions[index, column] = np.nan
-    return Samples(time, speed, direction, phasor, status, scatter, second, conditions), taken, faults
+    phasor, second = (on_grid(one.view(np.float64)).view(np.complex128) for one in (phasor, second))
+    return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions), taken, faults
 
 
 def is_ahead(time_ns: int) -> bool:
@@ -166,5 +168,5 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
             detail = f"speed {speed[index]:.6g} rad/s is not between 0 and {fastest:.6g} rad/s"
             yield Fault(index, "speed_out_of_range", detail)
         else:
-            detail = f"time {time[index]} ns is before 2000 or more than a minute ahead"
+            detail = f"time {time[index]} ns is before 2000 or more than ten minutes ahead"
             yield Fault(index, "time_out_of_range", detail)

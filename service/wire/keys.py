@@ -11,6 +11,7 @@ IDENTIFIER = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
 ALL_SAMPLES = "rundown/v1/*/*/samples"
 ALL_LIVE = "rundown/v1/live/*/*"
 ALL_RECEIVED = "rundown/v1/*/*/received"
+ALL_SUBMIT = "rundown/v1/*/*/submit"
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class Key:
     def received(self) -> str:
         """Where the service says how far it has received the machine's sources."""
         return f"rundown/v1/{self.plant}/{self.machine}/received"
+
+    @property
+    def submit(self) -> str:
+        """Where one replica of the service hands samples that came over HTTP to the one that stores them."""
+        return f"rundown/v1/{self.plant}/{self.machine}/submit"
 
     @property
     def live(self) -> str:

@@ -216,6 +216,7 @@ def test_bounds_of_rates_and_parts_are_the_exact_ones() -> None:
     assert math.exp(-bound) * (1 + bound + bound**2 / 2) == pytest.approx(0.025)
 
 
+@pytest.mark.long
 def test_the_short_report_prints_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
     main(["--short", "--processes", "1", "--only", "unbalance step", "misalignment step"])
     page = capsys.readouterr().out

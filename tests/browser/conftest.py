@@ -6,7 +6,7 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 from tests.browser.story import BASELINE_RUNS, installed, launch, tell
 from tests.end_to_end.processes import ROOT, Service
@@ -78,6 +78,19 @@ def seen(browser: Browser, service: Service, request: pytest.FixtureRequest) -> 
     """A fresh page in a window of a laptop; a screenshot of its last state is left behind."""
     size = {"width": 1440, "height": 900}
     context = browser.new_context(viewport=size, color_scheme="light", timezone_id="Europe/Berlin", locale="en-GB")
+    yield from shown(context, service, request)
+
+
+@pytest.fixture
+def phone(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
+    """The same on a phone: small, and with fingers."""
+    size = {"width": 390, "height": 844}
+    context = browser.new_context(viewport=size, has_touch=True, is_mobile=True, timezone_id="Europe/Berlin", locale="en-GB")
+    yield from shown(context, service, request)
+
+
+def shown(context: BrowserContext, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
+    """A page, while a test looks at it."""
     context.set_default_timeout(PATIENCE_MS)
     one = Seen(context.new_page(), f"http://127.0.0.1:{service.port}")
     yield one

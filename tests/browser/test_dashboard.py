@@ -4,6 +4,7 @@ import re
 import signal
 import subprocess
 import threading
+from datetime import UTC, datetime, timedelta
 
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
@@ -80,6 +81,128 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     assert seen.errors == []
 
 
+def test_an_element_of_the_train_is_chosen_by_keys(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}")
+    coupling = seen.page.get_by_role("button", name=re.compile("^coupling C1"))
+    coupling.focus()
+    expect(coupling).to_be_focused()
+    seen.page.keyboard.press("Enter")
+    expect(seen.page).to_have_url(re.compile("/trends.*coupling.C1"))
+
+
+def trend(seen: Seen) -> Locator:
+    """A trend of the coupling, drawn and in sight."""
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    plot = seen.page.get_by_role("group", name=re.compile("coupling.C1.kxx over time"))
+    until(
+        lambda: plot.locator("canvas").count() == 1 and plot.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="drawn"
+    )
+    plot.evaluate("plot => plot.scrollIntoView({ block: 'center' })")
+    return plot
+
+
+def point_of(plot: Locator) -> tuple[float, float]:
+    """Where one of its points is [px]: the read-out by keys marks it."""
+    plot.focus()
+    plot.page.keyboard.press("ArrowLeft")
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    for box in [mark.bounding_box() for mark in plot.locator(".u-cursor-pt").all()]:
+        if box is not None and box["x"] > plane["x"]:
+            return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    raise AssertionError("no point is marked")
+
+
+def test_a_click_picks_only_what_it_is_near_to(seen: Seen) -> None:
+    plot = trend(seen)
+    x, y = point_of(plot)
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    away = 40 if y < plane["y"] + plane["height"] / 2 else -40
+    seen.page.mouse.click(x, y + away)
+    seen.page.wait_for_timeout(200)
+    expect(seen.page).to_have_url(re.compile("/trends"))
+    seen.page.mouse.click(x + 5, y)
+    expect(seen.page).to_have_url(re.compile("/identified"))
+    assert seen.errors == []
+
+
+def test_a_tap_reads_out_and_a_second_one_picks(phone: Seen) -> None:
+    plot = trend(phone)
+    x, y = point_of(plot)
+    phone.page.keyboard.press("Escape")
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    phone.page.touchscreen.tap(plane["x"] + 8, plane["y"] + plane["height"] / 2)
+    elsewhere = plot.locator(".readout").inner_text()
+    phone.page.touchscreen.tap(x + 5, y)
+    expect(plot.locator(".readout")).not_to_have_text(elsewhere)
+    expect(plot.locator(".readout")).to_contain_text("kN/m")
+    phone.page.wait_for_timeout(200)
+    expect(phone.page).to_have_url(re.compile("/trends"))
+    phone.page.touchscreen.tap(x + 5, y)
+    expect(phone.page).to_have_url(re.compile("/identified"))
+    assert phone.errors == []
+
+
+def test_fingers_zoom_a_plot_and_scroll_the_page_over_it(phone: Seen) -> None:
+    plot = trend(phone)
+    canvas = plot.locator("canvas")
+    whole = looks(canvas)
+    plot.get_by_role("button", name="Zoom in").tap()
+    until(lambda: looks(canvas) != whole, within_s=5, what="it zooms in")
+    plot.get_by_role("button", name="Zoom out").tap()
+    plot.get_by_role("button", name="Zoom out").focus()
+    zoomed_out = looks(canvas)
+    phone.page.keyboard.press("Enter")
+    until(lambda: looks(canvas) != zoomed_out, within_s=5, what="it zooms out by keys too")
+    plot.get_by_role("button", name="Show all").tap()
+    until(lambda: looks(canvas) == whole, within_s=5, what="it shows all again")
+    pinch(plot.locator(".u-over"))
+    until(lambda: looks(canvas) != whole, within_s=5, what="two fingers zoom")
+    zoomed_in = looks(canvas)
+    before = phone.page.evaluate("scrollY")
+    swipe(plot.locator(".u-over"))
+    until(lambda: phone.page.evaluate("scrollY") > before + 50, within_s=5, what="the page scrolls")
+    assert looks(canvas) == zoomed_in
+    assert phone.page.evaluate("visualViewport.scale") == 1
+    phone.page.emulate_media(media="print")
+    expect(plot.get_by_role("button", include_hidden=True)).to_have_count(3)
+    for button in plot.get_by_role("button", include_hidden=True).all():
+        expect(button).to_be_hidden()
+    assert phone.errors == []
+
+
+def looks(canvas: Locator) -> str:
+    """What is drawn, to be compared."""
+    return str(canvas.evaluate("canvas => canvas.toDataURL()"))
+
+
+def pinch(place: Locator) -> None:
+    """Two fingers, apart."""
+    touches(place, [[(0.45, 0.5), (0.55, 0.5)], [(0.4, 0.5), (0.6, 0.5)], [(0.3, 0.5), (0.7, 0.5)]])
+
+
+def swipe(place: Locator) -> None:
+    """One finger, upwards."""
+    touches(place, [[(0.5, 0.9 - 0.1 * step)] for step in range(9)])
+
+
+def touches(place: Locator, steps: list[list[tuple[float, float]]]) -> None:
+    """Fingers at parts of a place, put down, moved and lifted."""
+    box = place.bounding_box()
+    assert box is not None
+    session = place.page.context.new_cdp_session(place.page)
+    for number, fingers in enumerate(steps):
+        at = [
+            {"x": box["x"] + x * box["width"], "y": box["y"] + y * box["height"], "id": id}
+            for id, (x, y) in enumerate(fingers)
+        ]
+        session.send("Input.dispatchTouchEvent", {"type": "touchMove" if number else "touchStart", "touchPoints": at})
+    session.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    session.detach()
+
+
 def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}/response")
     wait_drawn(seen.page, 3)  # amplitude, phase, residuals
@@ -87,6 +210,51 @@ def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None
     expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
     for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
         assert path.evaluate("path => path.getTotalLength()") > 100
+    assert seen.errors == []
+
+
+def test_polar_plots_are_read_out_by_keys(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/response")
+    wait_drawn(seen.page, 3)
+    plot = seen.page.get_by_role("group", name=re.compile("Polar plot of B1X"))
+    said = seen.page.locator(".polar", has=plot).locator("figcaption .muted")
+    expect(said).to_contain_text("rings of")
+    plot.focus()
+    seen.page.keyboard.press("ArrowRight")
+    expect(said).to_contain_text(re.compile(r"rpm, .* µm pp, -?\d+° lag"))
+    first, at = said.inner_text(), plot.locator(".chosen").bounding_box()
+    seen.page.keyboard.press("Shift+ArrowRight")
+    expect(said).not_to_have_text(first)
+    assert plot.locator(".chosen").bounding_box() != at
+    seen.page.keyboard.press("Shift+ArrowLeft")
+    expect(said).to_have_text(first)
+    seen.page.keyboard.press("ArrowDown")
+    expect(said).not_to_have_text(first)
+    expect(said).to_contain_text("° lag")
+    seen.page.keyboard.press("Escape")
+    expect(said).to_contain_text("rings of")
+    assert seen.errors == []
+
+
+def test_correlations_are_read_out_by_keys(seen: Seen, service: Service) -> None:
+    found = service.get("/identifications/1/correlation")
+    names = found["coordinates"]
+    seen.open(f"machines/{MACHINE}/identified?identification=1")
+    matrix = seen.page.get_by_role("group", name=re.compile("Correlation of"))
+    said = seen.page.locator(".correlation figcaption")
+    matrix.focus()
+    seen.page.keyboard.press("ArrowRight")
+    expect(said).to_have_text(f"{names[0]} and {names[0]}: 1.0")
+    seen.page.keyboard.press("ArrowRight")
+    seen.page.keyboard.press("ArrowRight")
+    seen.page.keyboard.press("ArrowDown")
+    expect(said).to_contain_text(f"{names[1]} and {names[2]}: ")
+    expect(matrix.locator(".chosen")).to_be_visible()
+    for _ in range(len(names) // 10 + 1):
+        seen.page.keyboard.press("Shift+ArrowDown")
+    expect(said).to_contain_text(f"{names[-1]} and {names[2]}: ")
+    seen.page.keyboard.press("Escape")
+    expect(matrix.locator(".chosen")).to_have_count(0)
     assert seen.errors == []
 
 
@@ -127,6 +295,52 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     assert seen.errors == []
 
 
+def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, service: Service) -> None:
+    coupling = seen.page.locator("[data-element='coupling.C1']")
+    newest = next(one for one in service.get(f"/machines/{MACHINE}/identifications", scope="run") if one["accepted"])
+    seen.open(f"reports/{MACHINE}")
+    expect(coupling).to_have_class(re.compile("alert|danger"))
+    expect(seen.page.get_by_text(f"those of identification {newest['id']} ")).to_be_visible()
+    deviations = service.get(f"/machines/{MACHINE}/deviations", identification=newest["id"])
+    changed = {one["element"] for one in deviations["elements"] if one["probability"] < 1e-3}
+    assert "coupling.C1" in changed
+    for one in deviations["elements"]:
+        level = "changed" if one["element"] in changed else "normal"
+        expect(seen.page.locator(f".element[data-element='{one['element']}']")).to_have_class(
+            re.compile(f"{level}|alert|danger")
+        )
+    last = (datetime.now(UTC) - timedelta(days=3)).date()
+    before = next(
+        one
+        for one in service.get(f"/machines/{MACHINE}/identifications", scope="run", to=f"{last}T00:00:00Z")
+        if one["accepted"]
+    )
+    seen.open(f"reports/{MACHINE}?to={last}")
+    expect(seen.page.get_by_text(f"those of identification {before['id']} ")).to_be_visible()
+    expect(seen.page.get_by_text("No alert in this period")).to_be_visible()
+    expect(coupling).to_have_class(re.compile("changed|normal"))
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("closed", "word", "marked"), [(timedelta(), "closed", "changed"), (timedelta(days=9), "open", "alert|danger")]
+)
+def test_report_says_an_alert_s_state_at_the_end_of_the_period(seen: Seen, closed: timedelta, word: str, marked: str) -> None:
+    at = (datetime.now(UTC) + closed).isoformat()
+
+    def later(route: Route) -> None:  # as if it had been closed
+        alerts = route.fetch().json()
+        route.fulfill(json=[{**one, "state": "normal", "closed_at": at, "updated_at": at} for one in alerts])
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), later)
+    seen.open(f"reports/{MACHINE}")
+    row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
+    expect(row.locator("td").nth(2)).to_have_text(word)
+    expect(seen.page.get_by_text(f"of which {int(word == 'open')} open at the end")).to_be_visible()
+    expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
+    assert seen.errors == []
+
+
 @pytest.mark.parametrize(("width", "height", "scheme"), [(390, 844, "light"), (1440, 900, "dark")])
 def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, scheme: str) -> None:
     seen.page.set_viewport_size({"width": width, "height": height})
@@ -139,7 +353,9 @@ def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, s
         f"machines/{MACHINE}/response": ".polar svg",
         f"machines/{MACHINE}/shapes": ".shapes svg",
         f"machines/{MACHINE}/model": "table",
-        f"machines/{MACHINE}/identified": ".elements table",
+        f"machines/{MACHINE}/identified": ".correlation svg",
+        f"machines/{MACHINE}/settings": "table.limits",
+        "subscriptions": ".panel",
     }.items():
         seen.open(place)
         expect(seen.page.locator(sign).first).to_be_attached()

@@ -78,13 +78,15 @@ def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
 
 
 class Service:
-    """A place where `rundown serve` runs: its database file, its ports. It can be killed and started again.
+    """A place where `rundown serve` runs: its database, its ports. It can be killed and started again.
 
-    endpoint: where sources connect, to the service itself or, if one is given, to that router.
+    endpoint: where sources connect, to the service itself or, if one is given, to that router. database: its URL; by default
+    the file rundown.db in the folder.
     """
 
-    def __init__(self, folder: Path, *, router: str | None = None, **environment: str) -> None:
+    def __init__(self, folder: Path, *, router: str | None = None, database: str | None = None, **environment: str) -> None:
         self.folder = folder
+        self.database = database or f"sqlite:///{folder / 'rundown.db'}"
         self.port = free_port()
         self.endpoint = router or f"tcp/127.0.0.1:{free_port()}"
         self._network = "--zenoh-connect" if router else "--zenoh-listen"
@@ -94,7 +96,7 @@ class Service:
 
     def started(self) -> AbstractContextManager[subprocess.Popen[bytes]]:
         """The service, on its way to be ready."""
-        flags = ["--database", f"sqlite:///{self.folder / 'rundown.db'}", "--port", str(self.port)]
+        flags = ["--database", self.database, "--port", str(self.port)]
         return process(self.log, "serve", *flags, self._network, self.endpoint, **self._environment)
 
     @contextlib.contextmanager

@@ -40,6 +40,7 @@ def interrupted(process: psutil.Popen) -> list[psutil.Process]:
     return list(psutil.wait_procs(children, timeout=5)[1])
 
 
+@pytest.mark.long
 def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None:
     log = tmp_path / "demo.log"
     with demonstration(log) as process:
@@ -57,6 +58,7 @@ def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None
         assert interrupted(process) == []
 
 
+@pytest.mark.long
 def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
     log = tmp_path / "demo.log"
     with demonstration(log) as process:

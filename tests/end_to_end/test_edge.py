@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 import yaml
 from sqlalchemy import select
 
@@ -30,7 +31,7 @@ def write_configuration(folder: Path, service: Service, machine: str, **changes:
 
 def stored(service: Service, machine: str) -> Samples:
     """Read from the service's database, in the order of the source's numbers."""
-    database = Database(f"sqlite:///{service.folder / 'rundown.db'}")
+    database = Database(service.database)
     try:
         with database.reading() as session:
             query = select(SampleBlockRow.first_sequence).where(SampleBlockRow.machine_id == machine)
@@ -55,6 +56,7 @@ def kill(one: "subprocess.Popen[bytes]") -> None:
     one.wait()
 
 
+@pytest.mark.long
 def test_edge_and_service_killed_the_store_is_that_of_an_undisturbed_run(service: Service, tmp_path: Path) -> None:
     """The same file for two machines: for one nothing happens, for the other edge, service and edge again are killed."""
     waveforms = recorded(SECONDS, rpm=600.0, ramp=10.0, noise=0.02)  # too short a sweep to be identified

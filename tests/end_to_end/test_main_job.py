@@ -6,6 +6,8 @@ import subprocess
 import time
 from pathlib import Path
 
+import pytest
+
 from tests.end_to_end.processes import EXAMPLES, Service, process, until
 
 CYCLES = 9
@@ -81,6 +83,7 @@ def check_trend_follows_truth(service: Service, truth: Path) -> None:
     assert part["value"] == series["value"][CYCLES:]
 
 
+@pytest.mark.long
 def test_service_killed_twice_resumes_with_nothing_lost_and_nothing_twice(service: Service, tmp_path: Path) -> None:
     truth = tmp_path / "truth.jsonl"
     arguments = simulation(service, truth, f"{EXAMPLES / DRIFTING}.yaml:misalignment", rate=150)

@@ -136,9 +136,10 @@ def test_prometheus_reads_the_service_and_notices_when_it_is_gone(
         return found if all(one["health"] == "ok" for one in found.values()) else None
 
     def active() -> set[str]:
-        return {name for name, one in (rules() or {}).items() if one["state"] != "inactive"}
+        """Alarms, but for the one of the disk on which the tests happen to run."""
+        return {name for name, one in (rules() or {}).items() if one["state"] != "inactive"} - {"RundownDiskTight"}
 
-    assert len(until(rules, within_s=20, what="all rules were evaluated")) == 8
+    assert len(until(rules, within_s=20, what="all rules were evaluated")) == 10
     # The samples of the test are of 2023.
     until(lambda: active() == {"RundownSilentMachine"}, within_s=20, what="the silent machine, and nothing else")
     service[1].kill()

@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.end_to_end.processes import EXAMPLES, Service, until
 
 PUBLISHERS = EXAMPLES / "publishers"
@@ -28,6 +30,7 @@ def test_the_python_publisher_is_short_and_needs_zenoh_only() -> None:
     assert not [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
 
 
+@pytest.mark.long
 def test_what_a_source_without_a_log_lost_while_the_service_was_dead_is_counted_exactly(service: Service) -> None:
     """It goes on publishing; the numbers it used meanwhile are missing, and no other."""
     samples = 800

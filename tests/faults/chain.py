@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal, Self
 
 from tests.end_to_end.processes import Service, free_port, process, python, until
-from tests.faults.measured import expected, stored
+from tests.faults.measured import expected, stored_at
 from tests.faults.network import Wire
 from tests.plant import assert_same_samples, document
 
@@ -25,7 +25,7 @@ class Chain:
     wire: between router and service, and held or cut at will, where `wired`.
     """
 
-    def __init__(self, folder: Path, *, samples: int, rate: float, wired: bool = False) -> None:
+    def __init__(self, folder: Path, *, samples: int, rate: float, wired: bool = False, database: str | None = None) -> None:
         self.folder = folder
         self.samples = samples
         self._rate = rate
@@ -33,7 +33,7 @@ class Chain:
         self.endpoint = f"tcp/127.0.0.1:{port}"
         self._around = contextlib.ExitStack()
         self.wire = Wire(port) if wired else None
-        self.service = Service(folder, router=self.wire.endpoint if self.wire else self.endpoint)
+        self.service = Service(folder, router=self.wire.endpoint if self.wire else self.endpoint, database=database)
         self._running: dict[Part, tuple[AbstractContextManager[subprocess.Popen[bytes]], subprocess.Popen[bytes]]] = {}
 
     def start(self, part: Part) -> None:
@@ -80,22 +80,39 @@ class Chain:
         self.service.client.close()
         self._around.close()
 
+    def pid(self, part: Part) -> int:
+        """Its process id."""
+        return self._running[part][1].pid
+
+    def wait_ready(self, *, ready: bool, within_s: float) -> float:
+        """Until the service says that it is ready, or that it is not; returns after how long [s]."""
+        began = time.monotonic()
+        status = 200 if ready else 503
+        until(
+            lambda: self.service.client.get("/ready").status_code == status,
+            within_s=within_s,
+            what=f"the service is {'ready' if ready else 'not ready'}",
+        )
+        return time.monotonic() - began
+
     def wait_received(self, count: int, *, within_s: float = 60.0) -> None:
         """Until so many samples are stored."""
-        until(lambda: self._received() >= count, within_s=within_s, what=f"{count} samples stored")
+        until(lambda: self.received() >= count, within_s=within_s, what=f"{count} samples stored")
 
     def check_exact(self) -> None:
         """The store holds what was measured, in order, once."""
         self.wait_received(self.samples)
         (row,) = self.service.get("/sources")
         assert (row["received"], row["next_sequence"], row["lost"]) == (self.samples, self.samples, 0)
-        numbers, samples = stored(self.folder / "rundown.db")
+        numbers, samples = stored_at(self.service.database)
         assert numbers == list(range(self.samples))
         assert_same_samples(samples, expected(self.samples))
         for log in ("edge.log", "serve.log"):
-            assert "Traceback" not in (self.folder / log).read_text()
+            text = (self.folder / log).read_text()
+            assert "Traceback" not in text, text[text.index("Traceback") :][:4000]
 
-    def _received(self) -> int:
+    def received(self) -> int:
+        """How many samples are stored, as far as the service says; 0 while it says nothing."""
         with contextlib.suppress(Exception):
             return sum(row["received"] for row in self.service.get("/sources"))
         return 0

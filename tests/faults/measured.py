@@ -42,7 +42,12 @@ def expected(count: int) -> Samples:
 
 def stored(file: Path) -> tuple[list[int], Samples]:
     """Samples of the only source and which of those measured they are, in the order in which they were stored."""
-    database = Database(sqlite_url(file))
+    return stored_at(sqlite_url(file))
+
+
+def stored_at(url: str) -> tuple[list[int], Samples]:
+    """The same of a database by URL."""
+    database = Database(url)
     try:
         with database.reading() as session:
             rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()

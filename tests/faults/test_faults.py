@@ -5,9 +5,12 @@ These are the short forms; `python -m benchmarks.faults` runs every order of kil
 
 from pathlib import Path
 
+import pytest
+
 from tests.faults import scenarios, telling
 
 
+@pytest.mark.long
 def test_a_chain_that_is_frozen_parted_and_killed(tmp_path: Path) -> None:
     scenarios.frozen_parted_killed(tmp_path, samples=2000)
 
@@ -24,6 +27,7 @@ def test_of_a_source_without_a_log_exactly_what_never_came_is_lost(tmp_path: Pat
     assert len(mangler.intact) < 800
 
 
+@pytest.mark.long
 def test_alerts_are_told_though_the_service_is_killed(tmp_path: Path) -> None:
     told = telling.told_through_kills(tmp_path, seed=1, kills=2)
     assert told.events > 10

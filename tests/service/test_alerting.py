@@ -89,7 +89,7 @@ def test_the_database_itself_allows_one_open_alert(plant: Database, found: Ident
         session.add(AlertRow(**values | {"closed_at": START}))
         session.flush()
         session.add(AlertRow(**values))
-        with pytest.raises(IntegrityError, match="UNIQUE"):
+        with pytest.raises(IntegrityError, match=r"(?i)unique"):
             session.flush()
         session.rollback()
 
@@ -121,10 +121,10 @@ def test_a_shelved_alert_calls_nobody_until_its_time_is_over(plant: Database, fo
     with plant.transaction() as session:
         row = raised(session, found)
         alerting.acknowledge(session, row, ANNA)
-        alerting.shelve(session, row, ANNA, until=time.time_ns() + SECOND // 20)
+        alerting.shelve(session, row, ANNA, until=time.time_ns() + SECOND // 2)
         assert row.state == "shelved"
         assert alerting.release_over(session) == 0
-    time.sleep(0.1)
+    time.sleep(0.6)
     with plant.transaction() as session:
         assert alerting.release_over(session) == 1
         assert alerting.release_over(session) == 0

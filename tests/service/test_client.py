@@ -14,6 +14,8 @@ from benchmarks.serving import served
 from service import alerting
 from service.alerting import Finding, Person
 from service.client import ChangedMeanwhile, Refused, Rundown
+from service.security import api_keys
+from service.security.principal import Role
 from storage import alerts
 from storage.database import Database
 from tests.asking import Api
@@ -53,6 +55,16 @@ def test_answers_are_models(rundown: Rundown) -> None:
     assert rundown.deviations(KEY.machine).missing is not None
     assert rundown.critical_speeds(1, units="hz").units.speed == "hz"
     assert rundown.bode(1).measured == []
+
+
+def test_a_key_opens_the_service_and_says_who_does_it(plant: Database) -> None:
+    with plant.transaction() as session:
+        _, key = api_keys.create(session, name="historian", role=Role.ANALYST, plants=[KEY.plant], days=1)
+    with Rundown(http=Api(plant).http) as nobody, pytest.raises(Refused, match="401"):
+        list(nobody.machines())
+    with Rundown(key=key, http=Api(plant).http) as client:
+        assert client.note(KEY.machine, "looked", by="x", at=datetime(2026, 1, 1, tzinfo=UTC)).by == "historian"
+    assert Rundown("https://plant.example", key=key)._http.headers["Authorization"] == f"Bearer {key}"
 
 
 def test_long_lists_are_followed_to_their_end(rundown: Rundown, plant: Database) -> None:
@@ -141,6 +153,29 @@ def test_events_stream_and_are_repeated_from_where_they_broke_off(url: str, plan
         assert next(events).by == "anna"
         timer.cancel()
         events.close()  # type: ignore[attr-defined]
+
+
+def test_a_stream_that_breaks_before_its_first_event_goes_on_where_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("service.client.PAUSE_S", 0.0)
+    asked: list[str | None] = []
+
+    class Broken(httpx.SyncByteStream):
+        def __iter__(self) -> Iterator[bytes]:
+            yield b": a word\nid: 7\nretry: 1000\n\n"
+            yield b"id: 8\nevent: al"
+            raise httpx.ReadError("gone")
+
+    def answer(request: httpx.Request) -> httpx.Response:
+        asked.append(request.headers.get("last-event-id"))
+        return httpx.Response(200, stream=Broken()) if len(asked) < 3 else httpx.Response(500, text="enough")
+
+    transport = httpx.MockTransport(answer)
+    with (
+        Rundown(http=httpx.Client(transport=transport, base_url="http://plant")) as client,
+        pytest.raises(httpx.HTTPStatusError, match="500"),
+    ):
+        next(client.events())
+    assert asked == [None, "7", "7"]
 
 
 def test_the_example_prints_the_fleet(url: str) -> None:

@@ -274,4 +274,4 @@ def test_what_cannot_be_compared_is_refused(plant: Database, api: httpx.Client) 
         assert "no identification 99" in refused(api.get(path, params={"identification": 99}), 404)
         assert refused(api.get(path, params={"identification": -1}), 422)
         elsewhere = str(api.base_url).replace("pump-7", "nobody").rstrip("/")
-        assert refused(api.get(elsewhere + path), 404) == "no machine nobody"
+        assert refused(api.get(elsewhere + path), 404).startswith("no machine nobody")

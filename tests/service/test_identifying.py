@@ -12,15 +12,12 @@ import numpy as np
 import psutil
 import pytest
 
-from estimator.channel_status import ChannelStatus
 from estimator.machine import Condition, Machine, Operation
-from estimator.simulation import draw_truth, measured_phasors, speed_law
-from service.documents import read_machine
 from service.identifying import Identifying
 from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, runs
-from storage.blocks import Samples
 from storage.database import Database
+from tests.identification import chapter_3, close_run, counts
 from tests.plant import wait_until
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -29,29 +26,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 @pytest.fixture
 def train() -> Machine:
     """The train of the thesis's Chapter 3."""
-    return read_machine(EXAMPLES / "thesis-chapter-3.yaml")
-
-
-def close_run(database: Database, train: Machine, *, seed: int, start_s: int, ask: bool = True) -> int:
-    """Store a run-down as the collector would, with its job."""
-    rng = np.random.default_rng(seed)
-    seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
-    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
-    held = Samples(
-        time=(start_s * 1_000_000_000 + seconds * 1e9).astype(np.int64),
-        speed=speed,
-        direction=np.ones(speed.size, np.int8),
-        phasor=phasor,
-        status=np.where(np.isfinite(phasor), ChannelStatus.GOOD, ChannelStatus.NOT_AVAILABLE).astype(np.uint8),
-        scatter=np.full(phasor.shape, np.nan),
-        second=np.full(phasor.shape, complex(np.nan, np.nan)),
-    )
-    with database.transaction() as session:
-        row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))
-        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
-        if ask:
-            jobs.ask(session, train.id, scope=jobs.RUN, run_ids=[row.id])
-        return row.id
+    return chapter_3()
 
 
 @contextmanager
@@ -63,12 +38,6 @@ def identifying(database: Database, **changes: object) -> Iterator[Identifying]:
         yield work
     finally:
         work.stop()
-
-
-def counts(database: Database) -> dict[str, int]:
-    """Jobs by state."""
-    with database.reading() as session:
-        return jobs.count(session)
 
 
 def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: Database, train: Machine) -> None:

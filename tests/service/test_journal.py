@@ -1,16 +1,14 @@
 """The journal: every sample stored once, whatever comes twice or in pieces; what is missing counted, what is wrong kept
 apart; all of a call or nothing of it; and a restart that nobody notices in the data."""
 
-import shutil
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sqlalchemy import select, text
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.collection import Collector
@@ -23,6 +21,7 @@ from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import QuarantineRow, SourceRow
+from tests.databases import Databases, NewDatabase, opened
 from tests.plant import (
     KEY,
     SECOND,
@@ -32,7 +31,6 @@ from tests.plant import (
     batch,
     few_examples,
     machine,
-    sqlite_url,
     sweep_rpm,
 )
 
@@ -109,33 +107,32 @@ def test_a_gap_is_counted_as_lost(plant: Database, journal: Journal) -> None:
 @few_examples
 @given(st.lists(st.tuples(st.integers(0, 11), st.integers(1, 6), st.booleans()), min_size=1, max_size=8))
 def test_any_pieces_in_any_order_store_each_sample_at_most_once(
-    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
+    databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory, pieces: list[tuple[int, int, bool]]
 ) -> None:
     """Each sample that comes at all is stored, once; what never came is lost, and what came again a duplicate."""
-    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("journal"))))
-    journal = Journal(database, Collector())
-    waiting: list[Arrived] = []
-    expected: set[int] = set()
-    sent = 0
-    for first, size, last_of_call in pieces:
-        last = min(first + size, 12)
-        expected |= set(range(first, last))
-        sent += last - first
-        waiting.append(arrived(piece(first, last)))
-        if last_of_call:
-            journal.store(waiting, [])
-            waiting = []
-    journal.store(waiting, [])
-    assert numbers(database) == sorted(expected)
-    next_sequence, received, duplicates, lost = counts(database)
-    assert next_sequence == max(expected) + 1
-    assert received == len(expected)
-    assert received + lost == next_sequence
-    assert received + duplicates == sent
-    with database.reading() as session:
-        missing = sample_store.source(session, MONITOR).missing or []
-    assert {n for first, last, *_ in missing for n in range(first, last + 1)} == set(range(next_sequence)) - expected
-    database.close()
+    with opened(databases, plant_template, tmp_path_factory.mktemp("journal") / "journal.db") as database:
+        journal = Journal(database, Collector())
+        waiting: list[Arrived] = []
+        expected: set[int] = set()
+        sent = 0
+        for first, size, last_of_call in pieces:
+            last = min(first + size, 12)
+            expected |= set(range(first, last))
+            sent += last - first
+            waiting.append(arrived(piece(first, last)))
+            if last_of_call:
+                journal.store(waiting, [])
+                waiting = []
+        journal.store(waiting, [])
+        assert numbers(database) == sorted(expected)
+        next_sequence, received, duplicates, lost = counts(database)
+        assert next_sequence == max(expected) + 1
+        assert received == len(expected)
+        assert received + lost == next_sequence
+        assert received + duplicates == sent
+        with database.reading() as session:
+            missing = sample_store.source(session, MONITOR).missing or []
+        assert {n for first, last, *_ in missing for n in range(first, last + 1)} == set(range(next_sequence)) - expected
 
 
 def test_the_next_sequence_outlives_the_service(plant: Database, journal: Journal) -> None:
@@ -272,7 +269,7 @@ def test_nothing_is_stored_when_the_transaction_fails(plant: Database, journal: 
         session.execute(text("ALTER TABLE quarantine_counts RENAME TO away"))
     sweep = batch(sweep_rpm(1200.0, 2500.0, 12), sequence=12, start=START + 12 * 10**9)
     noise = Rejection(START, "some/key", None, "bad_frame", "no frame", b"noise")
-    with pytest.raises(OperationalError):
+    with pytest.raises(DBAPIError, match="quarantine_counts"):
         journal.store([arrived(sweep)], [noise])
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE away RENAME TO quarantine_counts"))
@@ -307,11 +304,9 @@ def collected_samples(session: Session) -> list[Samples]:
 
 
 @pytest.fixture
-def at_a_stretch(tmp_path: Any) -> Database:
+def at_a_stretch(new_database: NewDatabase, plant_template: str) -> Database:
     """What one service makes of the story in one message."""
-    database = Database(f"sqlite:///{tmp_path / 'stretch.db'}")
-    with database.transaction() as session:
-        machines.create(session, machine())
+    database = new_database(plant_template)
     store(Journal(database, Collector()), piece(0, len(STORY), STORY))
     return database
 
@@ -327,7 +322,6 @@ def test_a_run_over_restarts_is_the_run_at_a_stretch(plant: Database, at_a_stret
         for found, wanted in zip(collected_samples(session), collected_samples(other), strict=True):
             assert_same_samples(found, wanted)
         assert jobs.count(session) == jobs.count(other) == {jobs.QUEUED: 2}
-    at_a_stretch.close()
 
 
 def test_a_revision_takes_effect_with_the_next_message(plant: Database, journal: Journal) -> None:

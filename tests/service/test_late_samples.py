@@ -1,8 +1,6 @@
 """Samples that come late: holes filled, runs reopened once, whole runs found afterwards, and what comes too late counted."""
 
 import random
-import shutil
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +20,8 @@ from storage.database import Database
 from storage.identifications import Like, Origin
 from storage.samples import SourceKey
 from storage.tables import JobRow, RunRow, SourceRow
-from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sqlite_url, sweep_rpm
+from tests.databases import Databases, opened
+from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sweep_rpm
 
 MONITOR = SourceKey(KEY.machine, "monitor", 1)
 DOWN = sweep_rpm(2990.0, 310.0, 80)
@@ -141,7 +140,7 @@ def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, jour
 @settings(few_examples, max_examples=15)
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.3), st.floats(0.0, 0.3))
 def test_any_order_of_arrival_stores_the_same_samples(
-    plant_file: Path, tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
+    databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory, seed: int, lost: float, twice: float
 ) -> None:
     """Batches of all sizes, lost, doubled and shuffled: what came is stored, once, and the counters are exact."""
     rng = random.Random(seed)
@@ -150,17 +149,16 @@ def test_any_order_of_arrival_stores_the_same_samples(
     sent = [piece for piece in whole if rng.random() >= lost] or whole[:1]
     sent += [piece for piece in sent if rng.random() < twice]
     rng.shuffle(sent)
-    database = Database(sqlite_url(shutil.copy(plant_file, tmp_path_factory.mktemp("late"))))
-    journal = Journal(database, Collector())
-    speeds = sweep_rpm(2900.0, 400.0, 60)
-    for first, last in sent:
-        send(journal, speeds, first, last)
-    expected = sorted({number for first, last in sent for number in range(first, last)})
-    assert times(database) == [START + number * SECOND for number in expected]
-    row = source(database)
-    database.close()
-    assert (row.received, row.lost) == (len(expected), max(expected) + 1 - len(expected))
-    assert row.received + row.duplicates == sum(last - first for first, last in sent)
+    with opened(databases, plant_template, tmp_path_factory.mktemp("late") / "late.db") as database:
+        journal = Journal(database, Collector())
+        speeds = sweep_rpm(2900.0, 400.0, 60)
+        for first, last in sent:
+            send(journal, speeds, first, last)
+        expected = sorted({number for first, last in sent for number in range(first, last)})
+        assert times(database) == [START + number * SECOND for number in expected]
+        row = source(database)
+        assert (row.received, row.lost) == (len(expected), max(expected) + 1 - len(expected))
+        assert row.received + row.duplicates == sum(last - first for first, last in sent)
 
 
 # --- runs -----------------------------------------------------------------------------------------------------------

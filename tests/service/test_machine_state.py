@@ -10,6 +10,7 @@ from service.journal import Journal
 from storage import machines, runs
 from storage.database import Database
 from tests.asking import Api
+from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
 
 CYCLE = [
@@ -93,10 +94,10 @@ def test_the_history_tells_every_state_in_turn(journal: Journal, api: Api) -> No
 
 
 @pytest.mark.parametrize("every", [1, 7, 333])
-def test_a_restart_at_any_message_changes_neither_states_nor_runs(plant: Database, every: int, tmp_path: Any) -> None:
-    one_service = Database(f"sqlite:///{tmp_path / 'other.db'}")
-    with one_service.transaction() as session:
-        machines.create(session, machine())
+def test_a_restart_at_any_message_changes_neither_states_nor_runs(
+    plant: Database, new_database: NewDatabase, plant_template: str, every: int
+) -> None:
+    one_service = new_database(plant_template)
     send(Journal(one_service, Collector()), CYCLE, 0, len(CYCLE))
     step = max(every, 50)
     for first in range(0, len(CYCLE), step):
@@ -112,7 +113,6 @@ def test_a_restart_at_any_message_changes_neither_states_nor_runs(plant: Databas
             now = standing(session, KEY.machine)
             assert now is not None
             told.append((states, found, now.stored()))
-    one_service.close()
     assert told[0] == told[1]
 
 

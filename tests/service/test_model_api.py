@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from storage import machines, runs
 from storage.blocks import Samples
 from storage.database import Database
 from tests.asking import Api, fields, problem
-from tests.conftest import opened_copy
+from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 
 MICROMETRE_PP = 5e-7
@@ -55,10 +54,8 @@ def outcome(**how: Any) -> Any:
 
 
 @pytest.fixture(scope="module")
-def api(plant_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
+def api(databases: Databases, plant_template: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Api]:
     """Over two identifications: one of a stored run that the model made, with its noise, and one of a run that is gone."""
-    opened = opened_copy(plant_file, tmp_path_factory.mktemp("model") / "rundown.db")
-    database = next(opened)
     names, point, covariance = values()
     speed = np.linspace(rpm_to_rad_per_s(2900.0), rpm_to_rad_per_s(400.0), COUNT)
     turning = np.ones(COUNT)
@@ -77,14 +74,14 @@ def api(plant_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         scatter=np.full(exact.shape, np.nan),
         second=np.full(exact.shape, complex(np.nan, np.nan)),
     )
-    with database.transaction() as session:
-        machines.revise(session, machine(speed_range={"minimum_rpm": 300, "maximum_rpm": MAXIMUM_RPM}))
-        row = runs.open_run(session, KEY.machine, revision=2, kind="run-down", direction=1, time_first=START)
-        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
-        store_identification(session, outcome(), run_id=row.id, revision=2)
-        store_identification(session, outcome(stiffer=1.1), run_id=99, measured_at=START + SECOND, revision=2)
-    yield Api(database)
-    next(opened, None)
+    with opened(databases, plant_template, tmp_path_factory.mktemp("model") / "model.db") as database:
+        with database.transaction() as session:
+            machines.revise(session, machine(speed_range={"minimum_rpm": 300, "maximum_rpm": MAXIMUM_RPM}))
+            row = runs.open_run(session, KEY.machine, revision=2, kind="run-down", direction=1, time_first=START)
+            runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+            store_identification(session, outcome(), run_id=row.id, revision=2)
+            store_identification(session, outcome(stiffer=1.1), run_id=99, measured_at=START + SECOND, revision=2)
+        yield Api(database)
 
 
 def test_critical_speeds_are_those_of_the_updated_model(api: Api) -> None:

@@ -11,6 +11,7 @@ from service.journal import Journal
 from storage import identifications, jobs, machines, runs
 from storage.database import Database
 from storage.tables import RunRow
+from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, identification, machine, store_identification
 
 RULES = {"bins": 10, "samples_per_bin": 4, "spacing_s": 5.0, "recency_s": 3600.0, "coverage": 0.8, "interval_s": 600.0}
@@ -82,20 +83,18 @@ def test_old_samples_do_not_count(rolling: Database, journal: Journal) -> None:
     assert found_runs(rolling) == []
 
 
-def test_a_restart_at_any_message_changes_nothing(rolling: Database, tmp_path: Any) -> None:
+def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_database: NewDatabase, plant_template: str) -> None:
     speeds = wander(1300)
     for first in range(0, 1300, 60):
         send(Journal(rolling, Collector()), speeds, first, min(first + 60, 1300))
-    at_a_stretch = Database(f"sqlite:///{tmp_path / 'stretch.db'}")
+    at_a_stretch = new_database(plant_template)
     with at_a_stretch.transaction() as session:
-        machines.create(session, machine())
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": RULES}))
     send(Journal(at_a_stretch, Collector()), speeds, 0, 1300)
     told = [
         [(run.time_first, run.time_last, run.count, run.coverage) for run in found_runs(one)]
         for one in (rolling, at_a_stretch)
     ]
-    at_a_stretch.close()
     assert told[0] == told[1]
     assert len(told[0]) == 2
 

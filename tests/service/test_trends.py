@@ -211,13 +211,13 @@ def test_the_format_is_chosen_by_parameter_or_accept(api: Api, asked: dict[str, 
     answer = api.ask("GET", f"/api/v1{PATH}", **asked)
     assert answer.status_code == 200
     assert answer.headers["content-type"].split(";")[0] == media
-    assert answer.headers["vary"] == "Accept"
+    assert answer.headers["vary"] == "Accept, Accept-Encoding"
 
 
 def test_another_format_is_refused(api: Api) -> None:
-    answer = api.ask("GET", f"/api/v1{PATH}?parameter=x", headers={"accept": "application/pdf"})
+    answer = api.ask("GET", f"/api/v1{PATH}?parameter=bearing.B1.kxx", headers={"accept": "application/pdf"})
     assert "text/csv" in problem(answer, 406)["detail"]
-    assert fields(api.get(PATH, parameter="x", format="xlsx")) == ["query.format"]
+    assert fields(api.get(PATH, parameter="bearing.B1.kxx", format="xlsx")) == ["query.format"]
 
 
 def test_csv_and_parquet_hold_what_json_holds(api: Api) -> None:
@@ -273,11 +273,11 @@ def test_times_in_parquet_are_exact_to_the_microsecond() -> None:
     ("asked", "field"),
     [
         ({}, "query.parameter"),
-        ({"parameter": "x", "scope": "all"}, "query.scope"),
-        ({"parameter": "x", "max_points": 9}, "query.max_points"),
-        ({"parameter": "x", "max_points": 20_001}, "query.max_points"),
-        ({"parameter": ["x"] * 101}, "query.parameter"),
-        ({"parameter": "x", "from": "yesterday"}, "query.from"),
+        ({"parameter": "bearing.B1.kxx", "scope": "all"}, "query.scope"),
+        ({"parameter": "bearing.B1.kxx", "max_points": 9}, "query.max_points"),
+        ({"parameter": "bearing.B1.kxx", "max_points": 20_001}, "query.max_points"),
+        ({"parameter": ["bearing.B1.kxx"] * 101}, "query.parameter"),
+        ({"parameter": "bearing.B1.kxx", "from": "yesterday"}, "query.from"),
     ],
 )
 def test_a_wrong_question_is_refused_by_field(api: Api, asked: dict[str, Any], field: str) -> None:
@@ -285,4 +285,15 @@ def test_a_wrong_question_is_refused_by_field(api: Api, asked: dict[str, Any], f
 
 
 def test_of_an_unknown_machine_there_are_none(api: Api) -> None:
-    problem(api.get("/machines/nobody/trends", parameter="x"), 404)
+    problem(api.get("/machines/nobody/trends", parameter="bearing.B1.kxx"), 404)
+
+
+def test_units_of_vibration_change_nothing_in_trends(plant: Database) -> None:
+    api, asked = Api(plant), {"parameter": "coupling.C1.kxx"}
+    plain = api.value("/machines/pump-7/trends", **asked)
+    assert api.value("/machines/pump-7/trends", **asked, units="um_pp,deg_lag") == plain
+    assert fields(api.get("/machines/pump-7/trends", **asked, units="um_pp,furlong")) == ["query.units"]
+
+
+def test_what_is_no_name_of_a_parameter_is_refused(plant: Database) -> None:
+    assert fields(Api(plant).get("/machines/pump-7/trends", parameter="nope")) == ["query.parameter[0]"]

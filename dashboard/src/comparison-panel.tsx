@@ -1,0 +1,101 @@
+// What changed from an earlier identification to the one that is shown.
+import type { Comparison, ComparedChange, IdentificationSummary } from "./answers";
+import { query } from "./api";
+import { elementName, number, percent, when } from "./format";
+import { Empty, Panel, Shown } from "./parts";
+import { useResource } from "./resource";
+import { choose, place } from "./router";
+import { useStore } from "./store";
+
+/** A change larger than this many standard errors stands out. */
+const CLEAR = 3;
+
+export function ComparisonPanel({ shown, all }: { shown: string; all: IdentificationSummary[] }) {
+  const { query: chosen } = useStore(place);
+  const others = all.filter((one) => String(one.id) !== shown);
+  const earlier = chosen.get("against") ?? "";
+  const answer = useResource<Comparison>(earlier ? `/identifications/compare${query({ first: earlier, second: shown })}` : null);
+  return (
+    <Panel
+      title="What changed against another identification"
+      aside={
+        <label class="switch">
+          Against{" "}
+          <select value={earlier} onChange={(event) => choose({ against: event.currentTarget.value || null })}>
+            <option value="">none</option>
+            {others.map((one) => (
+              <option key={one.id} value={one.id}>
+                {one.id} {one.run_kind}, {when(one.measured_at)}
+                {one.accepted ? "" : ", not accepted"}
+              </option>
+            ))}
+          </select>
+        </label>
+      }
+    >
+      {earlier === "" ? (
+        <Empty>Choose one: each parameter's change is shown in per cent, and in standard errors of both fits.</Empty>
+      ) : (
+        <Shown answer={answer} lines={12}>
+          {(found) => <Changes found={found} />}
+        </Shown>
+      )}
+    </Panel>
+  );
+}
+
+function Changes({ found }: { found: Comparison }) {
+  const changes = [...found.changes].sort((a, b) => Math.abs(b.sigma ?? 0) - Math.abs(a.sigma ?? 0));
+  return (
+    <>
+      <p>
+        From identification {found.first} to {found.second}, elements by how unlikely such a change is by the fits' errors alone:{" "}
+        {[...found.elements]
+          .sort((a, b) => a.probability - b.probability)
+          .map((one) => `${elementName(one.element)} ${chance(one.probability)}`)
+          .join(", ")}
+        .
+      </p>
+      <div class="scroll">
+        <table class="comparison">
+          <thead>
+            <tr>
+              <th>Parameter</th>
+              <th class="number">{found.first}</th>
+              <th class="number">{found.second}</th>
+              <th class="number">Change</th>
+              <th class="number">σ</th>
+            </tr>
+          </thead>
+          <tbody>
+            {changes.map((one) => (
+              <Row key={one.parameter} one={one} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+      {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.join(", ")}.</p>}
+      {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.join(", ")}.</p>}
+    </>
+  );
+}
+
+function Row({ one }: { one: ComparedChange }) {
+  const clear = Math.abs(one.sigma ?? 0) > CLEAR;
+  return (
+    <tr class={clear ? "clear" : undefined}>
+      <td>
+        {clear && "● "}
+        {one.parameter}
+      </td>
+      <td class="number">{number(one.first, 4)}</td>
+      <td class="number">{number(one.second, 4)}</td>
+      <td class="number">{one.per_cent === null ? "–" : percent(one.per_cent / 100)}</td>
+      <td class="number">{number(one.sigma, 2)}</td>
+    </tr>
+  );
+}
+
+function chance(probability: number): string {
+  return probability < 1e-6 ? "below 1 in a million" : `${number(100 * probability, 2)} %`;
+}

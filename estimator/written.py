@@ -1,0 +1,34 @@
+"""What people write, in documents and in requests: a field that nobody knows is refused, and a truth value is no number."""
+
+import functools
+import typing
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+
+
+class Written(BaseModel):
+    """A part of a document or of a request."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _no_truth_for_a_number(cls, value: Any, info: ValidationInfo) -> Any:
+        # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
+        if info.field_name is not None and _has_truth(value) and not _takes_truth(cls, info.field_name):
+            raise ValueError("true and false are no values of this field")
+        return value
+
+
+def _has_truth(value: Any) -> bool:
+    return isinstance(value, bool) or (isinstance(value, list | tuple) and any(map(_has_truth, value)))
+
+
+@functools.cache
+def _takes_truth(model: type[BaseModel], field: str) -> bool:
+    return _mentions_truth(model.model_fields[field].annotation)
+
+
+def _mentions_truth(annotation: Any) -> bool:
+    return annotation in (bool, Any) or any(map(_mentions_truth, typing.get_args(annotation)))

@@ -1,0 +1,49 @@
+"""The API's documentation page, from this service's own files; its one inline script is allowed by its hash, and no other."""
+
+import re
+from base64 import b64encode
+from hashlib import sha256
+
+from fastapi import FastAPI, Request
+from fastapi.openapi.docs import get_swagger_ui_html
+from fastapi.responses import HTMLResponse
+
+from service.security.requirement import ANYBODY
+
+INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
+
+
+def add_documentation(app: FastAPI, *, path: str, files: str, openapi: str) -> None:
+    """Add the page. files: where its scripts and styles are; openapi: where the document is."""
+    page = get_swagger_ui_html(
+        openapi_url=openapi,
+        title=f"{app.title} · API",
+        swagger_js_url=f"{files}/swagger-ui-bundle.js",
+        swagger_css_url=f"{files}/swagger-ui.css",
+        swagger_favicon_url="/icon.svg",
+        oauth2_redirect_url=None,
+    )
+    body = bytes(page.body)
+    policy = _policy(body)
+
+    @app.get(path, include_in_schema=False, dependencies=[ANYBODY])
+    async def read_documentation(_request: Request) -> HTMLResponse:
+        return HTMLResponse(body, headers={"Content-Security-Policy": policy})
+
+
+def _policy(body: bytes) -> str:
+    """What the page may do: run its own scripts, ask this service."""
+    scripts = " ".join(f"'sha256-{b64encode(sha256(one).digest()).decode()}'" for one in INLINE.findall(body))
+    return "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src 'self' {scripts}",
+            "style-src 'self'",
+            "img-src 'self' data:",
+            "font-src 'self' data:",
+            "connect-src 'self'",
+            "base-uri 'none'",
+            "form-action 'none'",
+            "frame-ancestors 'none'",
+        )
+    )

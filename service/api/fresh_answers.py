@@ -1,0 +1,120 @@
+"""Answers to questions that many ask again and again: kept until something is committed that bears on them.
+
+Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed.
+What is asked at once is computed once.
+"""
+
+import asyncio
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
+from fastapi import Depends, Request, Response
+from fastapi.concurrency import run_in_threadpool
+
+from service.api.access import principal
+from service.api.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
+from storage.changes import Changes
+from storage.database import Database
+
+THREADS = 2
+"""That make answers at a time: they mostly compute, and more of them would take turns and all be late."""
+MOST_KEPT_BYTES = 64 * 1024 * 1024
+LARGEST_KEPT_BYTES = 4 * 1024 * 1024
+"""A larger answer is made anew each time."""
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """An answer; mark: of the store before it was made."""
+
+    mark: Hashable | None
+    body: bytes
+    media_type: str | None
+    headers: dict[str, str]
+
+    def response(self) -> Response:
+        return Response(self.body, media_type=self.media_type, headers=self.headers)
+
+
+class FreshAnswers:
+    """Answers by what was asked. Belongs to one event loop."""
+
+    def __init__(self, database: Database) -> None:
+        self._changes = Changes(database)
+        self._kept: OrderedDict[Hashable, _Kept] = OrderedDict()
+        self._bytes = 0
+        self._threads: CapacityLimiter | None = None
+        self._made: dict[Hashable, asyncio.Task[_Kept]] = {}
+
+    async def answer(
+        self, request: Request, tables: Sequence[str], make: Callable[[], Response], *, apart: Hashable = None
+    ) -> Response:
+        """What `make` answers, made now or earlier, as long as nothing was committed to the tables that it reads.
+
+        apart: what the answer depends on beside the address, the Accept header and the plants of who asks. Raises what `make`
+        raises.
+        """
+        zipped = takes_gzip(request.headers.get("accept-encoding", ""))
+        asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        mark = await self._mark(tables)
+        kept = self._kept.get(asked)
+        if kept is not None and mark is not None and kept.mark == mark:
+            self._kept.move_to_end(asked)
+            return kept.response()
+        if mark is None:
+            return (await self._apart(make, mark, zipped=zipped)).response()
+        task = self._made.get((asked, mark))
+        if task is None:
+            task = asyncio.create_task(self._make(asked, mark, make, zipped=zipped))
+            self._made[asked, mark] = task
+        # Shielded: who goes away does not take the answer from the others.
+        return (await asyncio.shield(task)).response()
+
+    async def _apart(self, make: Callable[[], Response], mark: Hashable | None, *, zipped: bool) -> _Kept:
+        if self._threads is None:
+            self._threads = CapacityLimiter(THREADS)
+        return await run_sync(_made, make, mark, zipped, limiter=self._threads)
+
+    async def _mark(self, tables: Sequence[str]) -> Hashable | None:
+        if self._changes.waits:
+            return await run_in_threadpool(self._changes.mark, tables)
+        return self._changes.mark(tables)
+
+    async def _make(self, asked: Hashable, mark: Hashable, make: Callable[[], Response], *, zipped: bool) -> _Kept:
+        try:
+            kept = await self._apart(make, mark, zipped=zipped)
+            self._keep(asked, kept)
+            return kept
+        finally:
+            del self._made[asked, mark]
+
+    def _keep(self, asked: Hashable, kept: _Kept) -> None:
+        if len(kept.body) > LARGEST_KEPT_BYTES:
+            return
+        earlier = self._kept.pop(asked, None)
+        self._bytes += len(kept.body) - (0 if earlier is None else len(earlier.body))
+        self._kept[asked] = kept
+        while self._bytes > MOST_KEPT_BYTES:
+            self._bytes -= len(self._kept.popitem(last=False)[1].body)
+
+
+def _made(make: Callable[[], Response], mark: Hashable | None, zipped: bool) -> _Kept:
+    response = make()
+    body = bytes(response.body)
+    headers = {name: value for name, value in response.headers.items() if name not in ("content-length", "content-type")}
+    headers["vary"] = ", ".join([*filter(None, [headers.get("vary")]), "Accept-Encoding"])
+    if zipped and response.media_type in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
+        body = compressed(body)
+        headers["content-encoding"] = "gzip"
+    return _Kept(mark, body, response.media_type, headers)
+
+
+async def _fresh(request: Request) -> FreshAnswers:
+    return cast(FreshAnswers, request.app.state.fresh_answers)
+
+
+Fresh = Annotated[FreshAnswers, Depends(_fresh)]

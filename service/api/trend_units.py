@@ -1,0 +1,81 @@
+"""Units of trends: SI, and others for who asks with `?units=rpm,g_mm,n_um`; each series says which it is in."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, get_args
+
+from fastapi import Depends, Query
+from fastapi.exceptions import RequestValidationError
+
+from estimator.baseline_band import Band
+from estimator.units import RAD_PER_S
+from service.api.trend_columns import Columns
+from service.api.units import Amplitude, Phase, Speed
+
+OTHERS: Mapping[str, tuple[str, str, float]] = {
+    "rpm": ("rad/s", "rpm", RAD_PER_S["rpm"]),
+    "hz": ("rad/s", "Hz", RAD_PER_S["Hz"]),
+    "g_mm": ("kg m", "g mm", 1e-6),
+    "n_um": ("N/m", "N/µm", 1e6),
+    "ns_mm": ("N s/m", "N s/mm", 1e3),
+    "kn": ("N", "kN", 1e3),
+}
+"""By its name in a question: the SI unit in whose place it comes, how it is written, its size in that unit."""
+
+OF_PHASORS = frozenset(get_args(Amplitude) + get_args(Phase) + get_args(Speed)) - frozenset(OTHERS)
+"""Names that answers with phasors take: who asks for everything in the same units may, here they change nothing."""
+
+TrendUnits = Mapping[str, tuple[str, float]]
+"""By SI unit: how the other one is written, and its size."""
+
+
+async def _trend_units(
+    units: Annotated[
+        str | None,
+        Query(
+            max_length=60,
+            description=f"in the place of SI units, with commas between: {', '.join(OTHERS)}; one for each quantity. "
+            "Units of vibration change nothing",
+            examples=["rpm,g_mm,n_um"],
+        ),
+    ] = None,
+) -> TrendUnits:
+    chosen: dict[str, tuple[str, float]] = {}
+    for name in [] if units is None else units.split(","):
+        if name in OF_PHASORS:
+            continue
+        if name not in OTHERS:
+            raise _wrong(units, f"'{name}' is none of {', '.join(OTHERS)}")
+        si, written, size = OTHERS[name]
+        if si in chosen:
+            raise _wrong(units, f"'{name}' and '{chosen[si][0]}' are both in the place of {si}: name one")
+        chosen[si] = written, size
+    return chosen
+
+
+def _wrong(given: str | None, message: str) -> RequestValidationError:
+    return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
+
+
+TrendUnitChoice = Annotated[TrendUnits, Depends(_trend_units)]
+
+
+def in_units(columns: Columns, units: TrendUnits) -> Columns:
+    """A history, and the bands beside it, in the units chosen for it."""
+    history = columns.history
+    if history.unit is None or history.unit not in units:
+        return columns
+    written, size = units[history.unit]
+    converted = {name: getattr(history, name) / size for name in ("value", "standard_error", "lower", "upper", "imaginary")}
+    bands = [replace(one, band=_scaled(one.band, size)) for one in columns.baselines]
+    return replace(
+        columns,
+        history=replace(history, unit=written, **converted),
+        value=columns.value / size,
+        standard_error=columns.standard_error / size,
+        baselines=bands,
+    )
+
+
+def _scaled(band: Band, size: float) -> Band:
+    return replace(band, centre=band.centre / size, lower=band.lower / size, upper=band.upper / size)

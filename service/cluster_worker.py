@@ -1,0 +1,34 @@
+"""A worker of a Dask cluster: computes each identification in a process of its own, within its time and memory."""
+
+import asyncio
+import logging
+import threading
+
+from distributed import Worker
+
+from service.processes import SeparateProcesses
+
+logger = logging.getLogger(__name__)
+
+RETRY_S = 2.0
+
+
+def work(scheduler: str, *, processes: int, memory_bytes: int, stop: threading.Event) -> None:
+    """Work for a scheduler until told to stop; where it is away, it is waited for."""
+    asyncio.run(_work(scheduler, processes, memory_bytes, stop))
+
+
+async def _work(scheduler: str, processes: int, memory_bytes: int, stop: threading.Event) -> None:
+    while not stop.is_set():
+        try:
+            executor = SeparateProcesses(processes, memory_bytes=memory_bytes)
+            # The memory limit is each process's own; this process only passes tasks on.
+            worker = Worker(scheduler, nthreads=processes, executor=executor, memory_limit=0, dashboard=False)
+            async with worker:
+                logger.info("working for the scheduler at %s, %d at once", scheduler, processes)
+                while not stop.is_set() and worker.status.name in ("running", "paused", "init"):
+                    await asyncio.sleep(0.2)
+                executor.shutdown(wait=False, cancel_futures=True)
+        except (OSError, TimeoutError) as error:
+            logger.warning("no scheduler at %s: %s; trying again", scheduler, error)
+        await asyncio.sleep(0.0 if stop.is_set() else RETRY_S)

@@ -1,0 +1,262 @@
+"""`rundown doctor`: looks at a deployment from its settings to its answers, and says what is wrong and what would be right.
+
+It changes nothing, and may be run beside the service, with the service's own settings.
+"""
+
+import socket
+import ssl
+import time
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+from urllib.parse import urlsplit
+
+import httpx
+from sqlalchemy import create_engine, text
+from sqlalchemy.exc import SQLAlchemyError
+
+from service.security.exposure import host_of
+from service.security.secret_files import is_loopback
+from service.settings import Settings
+from service.stream import StreamUnusable, connected, session
+from service.stream_access import AccessUnusable, StreamSecurity
+from service.wire import Key
+from storage import disk, schema
+from storage.claim import DatabaseUnusable
+from storage.database import Database
+from storage.database_version import named, objections
+
+Level = Literal["ok", "warning", "wrong"]
+
+CONNECT_S = 5.0
+EXPIRES_SOON_DAYS = 30
+SKEW_S = 2.0
+"""Clocks of the database's and of this machine that differ by more than this want mending."""
+FULL = 0.8
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was looked at, and what came of it."""
+
+    level: Level
+    what: str
+    words: str
+
+
+def examine(settings: Settings, *, url: str | None = None, api_key: str | None = None) -> Iterator[Finding]:
+    """Every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
+    yield from _database(settings)
+    yield from _certificates(settings)
+    yield from _receivers(settings)
+    with httpx.Client(base_url=url or _address(settings), timeout=CONNECT_S, verify=_trust(settings)) as client:
+        if api_key:
+            client.headers["Authorization"] = f"Bearer {api_key}"
+        answers = yield from _api(client)
+        machine = (yield from _machines(client)) if answers else None
+    yield from _stream(settings, machine)
+
+
+def _database(settings: Settings) -> Iterator[Finding]:
+    what = "database"
+    try:
+        engine = create_engine(settings.database, pool_pre_ping=True)
+        name = engine.url.database
+        if engine.dialect.name == "sqlite" and name and not Path(name).exists():
+            yield Finding("wrong", what, f"the file {name} is not there: start the service once, or mend RUNDOWN_DATABASE")
+            return
+        with engine.connect() as connection:
+            version, against = named(engine), objections(engine)
+            revision = schema.revision_of(connection)
+            skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
+    except (SQLAlchemyError, ModuleNotFoundError) as error:
+        reason = str(getattr(error, "orig", None) or error).strip().splitlines()[0]
+        yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
+        return
+    yield Finding("ok", what, f"{version} answers")
+    for objection in against:
+        yield Finding("warning", what, objection)
+    newest = schema.known_revisions()[0]
+    if revision is None:
+        yield Finding("warning", "schema", "there is none yet: the service makes it at its first start")
+    elif revision == newest:
+        yield Finding("ok", "schema", f"revision {revision}, as this release needs it")
+    elif revision in schema.known_revisions():
+        yield Finding("warning", "schema", f"revision {revision}, older than {newest}: the next start brings it up to date")
+    else:
+        yield Finding("wrong", "schema", f"revision {revision} is of a newer release: upgrade this one, or restore a backup")
+    if skew > SKEW_S:
+        yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
+    if revision == newest:  # opening an older one would bring it up to date
+        yield from _room(settings)
+    engine.dispose()
+
+
+def _skew(connection: Any) -> float:
+    before = time.time()
+    there = float(connection.scalar(text("SELECT extract(epoch FROM clock_timestamp())")))
+    return max(0.0, abs(there - before) - (time.time() - before))
+
+
+def _room(settings: Settings) -> Iterator[Finding]:
+    budget = int(settings.disk_budget_gb * 1e9) or None
+    try:
+        database = Database(settings.database)
+        use = disk.used(database, budget=budget)
+        database.close()
+    except (DatabaseUnusable, SQLAlchemyError, OSError) as error:
+        yield Finding("warning", "room", f"cannot be told: {error}")
+        return
+    left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free"
+    level: Level = "ok" if use.part < FULL else "warning"
+    yield Finding(level, "room", f"the data take {use.data / 1e9:.2f} GB{left}; {100 * use.part:.0f} % of the room are used")
+
+
+def _certificates(settings: Settings) -> Iterator[Finding]:
+    for what, file in (("API certificate", settings.tls_certificate), ("zenoh certificate", settings.zenoh_tls_certificate)):
+        if file:
+            yield _certificate(what, Path(file))
+    if not settings.tls_certificate and not is_loopback(settings.host):
+        yield Finding("warning", "API certificate", "the API speaks plain HTTP beyond this machine: keys can be overheard")
+    try:
+        StreamSecurity.of(settings)
+    except AccessUnusable as error:
+        yield Finding("wrong", "zenoh access", str(error))
+
+
+def _certificate(what: str, file: Path) -> Finding:
+    from cryptography import x509
+
+    try:
+        until = x509.load_pem_x509_certificate(file.read_bytes()).not_valid_after_utc
+    except (OSError, ValueError) as error:
+        return Finding("wrong", what, f"{file} cannot be read: {error}")
+    days = (until - datetime.now(UTC)).days
+    if days < 0:
+        return Finding("wrong", what, f"{file} has expired on {until:%Y-%m-%d}: make a new one")
+    level: Level = "warning" if days < EXPIRES_SOON_DAYS else "ok"
+    return Finding(level, what, f"{file} is good for {days} days")
+
+
+def _receivers(settings: Settings) -> Iterator[Finding]:
+    """Whom the service itself asks or tells."""
+    if settings.smtp_host:
+        yield _reaches("mail server", settings.smtp_host, settings.smtp_port)
+    if settings.oidc_issuer:
+        yield _issuer(settings.oidc_issuer)
+    if settings.dask_scheduler:
+        where = urlsplit(settings.dask_scheduler)
+        yield _reaches("Dask scheduler", where.hostname or "", where.port or 8786)
+
+
+def _reaches(what: str, host: str, port: int) -> Finding:
+    try:
+        socket.create_connection((host, port), timeout=CONNECT_S).close()
+    except OSError as error:
+        return Finding("wrong", what, f"{host}:{port} does not answer: {error}")
+    return Finding("ok", what, f"{host}:{port} answers")
+
+
+def _issuer(issuer: str) -> Finding:
+    url = issuer.rstrip("/") + "/.well-known/openid-configuration"
+    try:
+        told = httpx.get(url, timeout=CONNECT_S).raise_for_status().json().get("issuer")
+    except (httpx.HTTPError, ValueError) as error:
+        return Finding("wrong", "issuer", f"{url} does not answer as it should: {error}")
+    if told != issuer:
+        return Finding("wrong", "issuer", f"it calls itself {told}, RUNDOWN_OIDC_ISSUER says {issuer}: they must be the same")
+    return Finding("ok", "issuer", f"{issuer} answers")
+
+
+def _api(client: httpx.Client) -> Generator[Finding, None, bool]:
+    """Looks whether the API answers; returns it."""
+    try:
+        answer = client.get("/api/v1/ready")
+        told = answer.json()
+    except (httpx.TransportError, ValueError, ssl.SSLError) as error:
+        yield Finding("wrong", "API", f"{client.base_url} does not answer: {error}; is the service running?")
+        return False
+    if not isinstance(told, dict) or "parts" not in told:
+        yield Finding("wrong", "API", f"what answers at {client.base_url} is not Rundown")
+        return False
+    yield Finding("ok", "API", f"{client.base_url} answers")
+    for name, state in told["parts"].items():
+        yield Finding("ok" if state == "ok" else "wrong", name, state)
+    for warning in told.get("warnings", []):
+        if not warning.startswith(("SQLite", "PostgreSQL")):  # said already
+            yield Finding("warning", "service", warning)
+    return True
+
+
+def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
+    """What the service knows of its machines; returns one of them, as plant and id."""
+    answer = client.get("/api/v1/machines", params={"limit": 1})
+    if answer.status_code in (401, 403):
+        yield Finding("warning", "API key", "the rest needs a key of a viewer or more: give one with --api-key-file")
+        return None
+    first = answer.json()
+    if not first:
+        yield Finding("warning", "machines", "none is known: POST a document to /api/v1/machines")
+        return None
+    for source in client.get("/api/v1/sources").json():
+        if source.get("lost"):
+            words = f"{source['lost']} samples never came: does it keep a log?"
+            yield Finding("warning", f"source {source['machine']}/{source['source']}", words)
+    yield Finding("ok", "machines", f"{first[0]['id']} and perhaps others are known")
+    return Key(first[0]["plant"], first[0]["id"])
+
+
+def _stream(settings: Settings, machine: Key | None) -> Iterator[Finding]:
+    """Whether a zenoh session reaches the service, and by way of it the store."""
+    endpoints = settings.zenoh_connect or [_here(one) for one in settings.zenoh_listen]
+    what = "zenoh"
+    try:
+        with session(listen=[], connect=endpoints, security=StreamSecurity.of(settings)) as opened:
+            if not _soon(lambda: connected(opened)):
+                yield Finding("wrong", what, f"nobody answers at {', '.join(endpoints)}: is a router or the service there?")
+                return
+            yield Finding("ok", what, f"{', '.join(endpoints)} answers")
+            if machine is None:
+                return
+            replies = [reply.ok for reply in opened.get(machine.received, timeout=CONNECT_S) if reply.ok is not None]
+    except (StreamUnusable, AccessUnusable) as error:
+        yield Finding("wrong", what, str(error))
+        return
+    if replies:
+        yield Finding("ok", "way to the store", f"it is said over zenoh how far {machine.plant}/{machine.machine} is stored")
+    else:
+        yield Finding(
+            "wrong", "way to the store", f"nobody says over zenoh how far {machine.plant}/{machine.machine} is stored"
+        )
+
+
+def _soon(look: Callable[[], bool]) -> bool:
+    deadline = time.monotonic() + CONNECT_S
+    while not look():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def _here(endpoint: str) -> str:
+    """An endpoint that is listened on, as one to connect to."""
+    host = host_of(endpoint)
+    return endpoint.replace(f"[{host}]", "127.0.0.1").replace(host, "127.0.0.1") if host in ("0.0.0.0", "::") else endpoint
+
+
+def _address(settings: Settings) -> str:
+    host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
+    scheme = "https" if settings.tls_certificate else "http"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{settings.port}"
+
+
+def _trust(settings: Settings) -> ssl.SSLContext | bool:
+    """The service's own certificate is trusted: whether it is still good is looked at by itself."""
+    if not settings.tls_certificate:
+        return True
+    context = ssl.create_default_context(cafile=settings.tls_certificate)
+    context.check_hostname = False
+    return context

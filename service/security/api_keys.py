@@ -1,0 +1,82 @@
+"""API keys: 256 random bits behind a prefix by which they are found.
+
+Only SHA-256 of a key is kept. Slow hashes as for passwords defend what can be guessed; 256 random bits cannot be, and a slow
+hash would be paid with every request.
+"""
+
+import hashlib
+import hmac
+import secrets
+from collections.abc import Sequence
+
+from sqlalchemy.orm import Session
+
+from service.security.principal import Principal, Role
+from storage import audit, keys
+from storage.audit import Entry
+from storage.clock import now
+from storage.tables import ApiKeyRow
+
+BEGIN = "rundown_"
+SECRET_BYTES = 32
+PREFIX_BYTES = 4
+A_DAY_NS = 24 * 3600 * 1_000_000_000
+COMMAND = "rundown key"
+"""Who the audit trail says it was: whoever may run commands on the store."""
+
+
+def prefix_of(text: str) -> str | None:
+    """The prefix of what looks like a key; None for anything else."""
+    parts = text.split("_", 2)
+    return parts[1] if len(parts) == 3 and text.startswith(BEGIN) and parts[1] and parts[2] else None
+
+
+def key_hash(text: str) -> str:
+    """What is kept of a key."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def create(
+    session: Session, *, name: str, role: Role, plants: Sequence[str] | None, days: float, address: str = "local"
+) -> tuple[ApiKeyRow, str]:
+    """A new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
+    prefix = secrets.token_hex(PREFIX_BYTES)
+    text = f"{BEGIN}{prefix}_{secrets.token_urlsafe(SECRET_BYTES)}"
+    expires_at = now() + round(days * A_DAY_NS)
+    row = keys.add(
+        session, prefix=prefix, key_hash=key_hash(text), name=name, role=role.label, plants=plants, expires_at=expires_at
+    )
+    scope = "all plants" if plants is None else ", ".join(sorted(plants))
+    audit.append(session, Entry(COMMAND, address, "create_key", f"{prefix} {name}: {role.label} of {scope}", "done"))
+    return row, text
+
+
+def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -> tuple[ApiKeyRow, str]:
+    """A new key in the place of an old one, which opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
+
+    overlap_days: how long both are valid.
+    """
+    old = keys.get(session, prefix)
+    if not keys.valid(old, at=now()):
+        raise ValueError(f"key {prefix} is revoked or has expired: create a new one")
+    keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
+    audit.append(session, Entry(COMMAND, "local", "rotate_key", prefix, "done"))
+    return create(session, name=old.name, role=Role.of(old.role), plants=old.plants, days=days)
+
+
+def revoke(session: Session, prefix: str) -> None:
+    """Raises KeyUnknown."""
+    keys.revoke(keys.get(session, prefix))
+    audit.append(session, Entry(COMMAND, "local", "revoke_key", prefix, "done"))
+
+
+def principal(row: ApiKeyRow) -> Principal:
+    """Who a key stands for."""
+    plants = None if row.plants is None else frozenset(row.plants)
+    return Principal(row.name, Role.of(row.role), plants, "key", f"key {row.prefix}")
+
+
+def opens(row: ApiKeyRow | None, text: str) -> bool:
+    """Whether this is that key, and valid."""
+    given = key_hash(text)
+    return hmac.compare_digest(row.hash if row else "", given) and row is not None and keys.valid(row, at=now())

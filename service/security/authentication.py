@@ -1,0 +1,161 @@
+"""From a request's credentials to a principal. What was checked is remembered for a few seconds: a look-up takes microseconds,
+and a revoked key opens nothing any more after those.
+"""
+
+import asyncio
+import hashlib
+import logging
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from sqlalchemy.exc import DBAPIError
+
+from service.security import api_keys
+from service.security.principal import ANONYMOUS, OPEN, Principal, Role
+from service.security.tokens import TokenRefused, Tokens
+from storage import keys, sessions
+from storage.clock import now
+from storage.database import Database
+
+logger = logging.getLogger(__name__)
+
+REMEMBERED_S = 3.0
+"""So long a revoked key may still open."""
+MOST_REMEMBERED = 10_000
+COOKIE = "rundown_session"
+SAFE_COOKIE = "__Host-rundown_session"
+"""Its name where the connection is encrypted: browsers then send it nowhere else."""
+SCHEME = "bearer "
+
+
+class Unauthenticated(Exception):
+    """Credentials that open nothing, and what to do."""
+
+
+@dataclass(frozen=True)
+class Credentials:
+    """What a request brings along. bearer: a key or a token; cookie: of a browser's session."""
+
+    bearer: str | None
+    cookie: str | None
+
+    @classmethod
+    def of(cls, headers: Mapping[bytes, bytes]) -> "Credentials":
+        """From a request's headers. Raises Unauthenticated for another scheme."""
+        said = headers.get(b"authorization", b"").decode("latin-1").strip()
+        if said and not said.lower().startswith(SCHEME):
+            raise Unauthenticated("Authorization must be 'Bearer' and an API key or a token")
+        return cls(said[len(SCHEME) :].strip() or None, None if said else session_cookie(headers))
+
+
+def session_cookie(headers: Mapping[bytes, bytes]) -> str | None:
+    """The cookie of a browser's session."""
+    for part in headers.get(b"cookie", b"").decode("latin-1").split(";"):
+        name, _, value = part.strip().partition("=")
+        if name in (COOKIE, SAFE_COOKIE) and value:
+            return value
+    return None
+
+
+class Authentication:
+    """Who asks. required: also where there is neither a key nor an issuer."""
+
+    def __init__(
+        self,
+        database: Database,
+        *,
+        tokens: Tokens | None = None,
+        required: bool = False,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._database = database
+        self._tokens = tokens
+        self._clock = clock
+        self._on = required or tokens is not None or self._keys_are_there()
+        self._asked_at = clock()
+        self._remembered: dict[bytes, tuple[float, Principal]] = {}
+
+    async def on(self) -> bool:
+        """Whether credentials are needed. A first key is noticed within seconds; that there was one is never forgotten."""
+        if not self._on and self._clock() - self._asked_at > REMEMBERED_S:
+            self._asked_at = self._clock()
+            self._on = await asyncio.to_thread(self._keys_are_there)
+        return self._on
+
+    async def principal(self, given: Credentials) -> Principal:
+        """Who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
+        if not await self.on():
+            return OPEN
+        text = given.bearer or given.cookie
+        if text is None:
+            return ANONYMOUS
+        place = hashlib.sha256((b"b" if given.bearer else b"c") + text.encode()).digest()
+        known = self._remembered.get(place)
+        if known is not None and self._clock() < known[0]:
+            return known[1]
+        found = await asyncio.to_thread(self._checked, given)
+        if len(self._remembered) >= MOST_REMEMBERED:
+            self._remembered.clear()
+        self._remembered[place] = self._clock() + REMEMBERED_S, found
+        return found
+
+    async def still(self, given: Credentials, who: Principal) -> bool:
+        """Whether credentials still stand for the same, for what goes on long after it was asked for."""
+        try:
+            return await self.principal(given) == who
+        except Unauthenticated:
+            return False
+
+    def forget(self, cookie: str) -> None:
+        """A session that was ended opens nothing from now on, in this process."""
+        self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
+
+    def key(self, text: str) -> Principal:
+        """Who an API key stands for. Raises Unauthenticated."""
+        prefix = api_keys.prefix_of(text)
+        with self._database.reading() as session:
+            row = None if prefix is None else keys.find(session, prefix)
+            if not api_keys.opens(row, text) or row is None:
+                raise Unauthenticated("this API key is not known, has expired or was revoked: ask an administrator for one")
+            stale = keys.use_is_stale(row, at=now())
+            found = api_keys.principal(row)
+        if stale:
+            self._note_use(row.prefix)
+        return found
+
+    def _checked(self, given: Credentials) -> Principal:
+        if given.bearer is None:
+            return self._session(given.cookie or "")
+        if given.bearer.startswith(api_keys.BEGIN):
+            return self.key(given.bearer)
+        if self._tokens is None:
+            raise Unauthenticated("this is no API key, and tokens are not taken here: no issuer is configured")
+        try:
+            return self._tokens.principal(given.bearer)
+        except TokenRefused as error:
+            raise Unauthenticated(f"the token is not valid: {error}; get a new one from the issuer") from error
+
+    def _session(self, cookie: str) -> Principal:
+        with self._database.reading() as session:
+            row = sessions.find(session, api_keys.key_hash(cookie), at=now())
+            if row is None:
+                raise Unauthenticated("the session is over: log in again")
+            if row.key_prefix is not None:
+                key = keys.find(session, row.key_prefix)
+                if key is None or not keys.valid(key, at=now()):
+                    raise Unauthenticated("the API key that you logged in with is no longer valid: log in with another one")
+            plants = None if row.plants is None else frozenset(row.plants)
+            identity = f"session of key {row.key_prefix}" if row.key_prefix else f"session {row.hash[:12]} of {row.name}"
+            return Principal(row.name, Role.of(row.role), plants, "session", identity, row.token)
+
+    def _keys_are_there(self) -> bool:
+        with self._database.reading() as session:
+            return keys.are_there(session)
+
+    def _note_use(self, prefix: str) -> None:
+        try:
+            with self._database.transaction() as session:
+                keys.note_use(session, prefix)
+        except DBAPIError as error:  # nobody is kept out for that
+            logger.warning("that key %s was used cannot be written down: %s", prefix, error.orig)

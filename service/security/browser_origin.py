@@ -1,0 +1,57 @@
+"""Changes that a page of another site makes a person's browser ask for (CSRF): they are refused.
+
+Sources: Fetch Metadata (Sec-Fetch-Site), RFC 6454 (Origin). Browsers always send one of the two with a change; programs send
+neither. Where somebody is logged in by a cookie, a token that only this site's page can read must come along as well.
+"""
+
+import hmac
+from collections.abc import Mapping
+from urllib.parse import urlsplit
+
+from service.security.principal import Principal
+from service.security.secret_files import is_address, is_loopback
+
+TOKEN_HEADER = "X-Rundown-Token"
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
+    """Why a change seems to come from another site's page; None where it does not."""
+    site = headers.get(b"sec-fetch-site", b"none").decode("latin-1")
+    if site == "same-origin":
+        return None
+    if site != "none":
+        return f"Sec-Fetch-Site says {site[:20]}"
+    origin = headers.get(b"origin")
+    if origin is None:
+        return None
+    said = urlsplit(origin.decode("latin-1"))
+    own = {headers.get(b"host", b"").decode("latin-1").lower(), urlsplit(public_url).netloc.lower()} - {""}
+    return None if said.scheme in ("http", "https") and said.netloc.lower() in own else "Origin is another site"
+
+
+def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
+    """Why a request to a service on loopback seems to come from a page whose name was made to mean it (DNS rebinding).
+
+    An address is nobody's name, and localhost is everybody's own.
+    """
+    host = urlsplit("//" + headers.get(b"host", b"").decode("latin-1")).hostname or ""
+    if not host or is_address(host) or is_loopback(host) or host == urlsplit(public_url).hostname:
+        return None
+    return f"{host[:100]} is not a name of this service: use localhost, log in, or set RUNDOWN_PUBLIC_URL"
+
+
+def refusal(
+    who: Principal, method: str, headers: Mapping[bytes, bytes], *, public_url: str, with_token: bool = True
+) -> str | None:
+    """Why a change is refused; None where it is not. with_token: logging in and out needs none."""
+    if method in SAFE_METHODS or who.kind not in ("open", "session", "anonymous"):
+        return None
+    found = foreign(headers, public_url=public_url)
+    if found is not None:
+        return f"a change that another site's page asked for is refused ({found}); behind a proxy set RUNDOWN_PUBLIC_URL"
+    if who.kind == "session" and with_token:
+        given = headers.get(TOKEN_HEADER.lower().encode(), b"")
+        if not hmac.compare_digest(given, (who.token or "").encode()):
+            return f"a change with a session's cookie needs {TOKEN_HEADER}, which GET /api/v1/me tells"
+    return None

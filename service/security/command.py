@@ -1,0 +1,153 @@
+"""`rundown key` and `rundown audit`: keys are made where the store is, not over the network."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, NoReturn
+
+import typer
+
+from service.security.principal import Role
+
+if TYPE_CHECKING:
+    from storage.database import Database
+
+key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
+audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")
+
+Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; by default as for serve")]
+Days = Annotated[float, typer.Option(min=0.001, help="until it expires")]
+Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
+A_YEAR = 365.0
+
+
+@key_app.command("create")
+def create_key(
+    name: Annotated[str, typer.Argument(help="whose it is: a person, or a program")],
+    role: Annotated[str, typer.Option(help=", ".join(one.label for one in Role))],
+    plant: Annotated[list[str] | None, typer.Option(help="only for this plant; may be given again; by default all")] = None,
+    days: Days = A_YEAR,
+    database: Store = None,
+) -> None:
+    """Make a key and print it; it is not to be had again."""
+    from service.security import api_keys
+
+    try:
+        chosen = Role.of(role)
+    except ValueError as error:
+        _fail(str(error))
+    if not re.fullmatch(r"[^\x00-\x1f]{1,120}", name):
+        _fail("the name must have 1 to 120 characters")
+    with _opened(database) as opened, opened.transaction() as session:
+        row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
+        until = _time(row.expires_at)
+    typer.echo(text)
+    typer.echo(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
+
+
+@key_app.command("list")
+def list_keys(database: Store = None) -> None:
+    """Every key there ever was, without its secret."""
+    from storage import keys
+    from storage.clock import now
+
+    with _opened(database) as opened, opened.reading() as session:
+        moment = now()
+        for row in keys.every(session):
+            state = "revoked" if row.revoked_at else "valid" if keys.valid(row, at=moment) else "expired"
+            plants = "all plants" if row.plants is None else ",".join(row.plants)
+            used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
+            typer.echo(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
+
+
+@key_app.command("rotate")
+def rotate_key(
+    prefix: Prefix,
+    overlap_days: Annotated[float, typer.Option(min=0, help="how long the old one is good beside the new one")] = 7.0,
+    days: Days = A_YEAR,
+    database: Store = None,
+) -> None:
+    """Make a new key in the place of an old one, and print it."""
+    from service.security import api_keys
+    from storage.keys import KeyUnknown
+
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
+        except (KeyUnknown, ValueError) as error:
+            _fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
+        typer.echo(text)
+        typer.echo(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+
+
+@key_app.command("revoke")
+def revoke_key(prefix: Prefix, database: Store = None) -> None:
+    """Let a key open nothing more, within seconds."""
+    from service.security import api_keys
+    from storage.keys import KeyUnknown
+
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                api_keys.revoke(session, prefix)
+        except KeyUnknown:
+            _fail(f"no key {prefix}")
+    typer.echo(f"{prefix} is revoked")
+
+
+@audit_app.command("verify")
+def verify_audit(
+    noted: Annotated[str | None, typer.Option(help="NUMBER:HASH that an earlier verify printed")] = None,
+    database: Store = None,
+) -> None:
+    """Check that no entry was changed, taken away or moved. Prints the newest number and hash: note them elsewhere.
+
+    Ends with status 1 when something does not hold.
+    """
+    from storage import audit
+
+    known = None
+    if noted is not None:
+        match = re.fullmatch(r"([0-9]{1,18}):([0-9a-f]{64})", noted)
+        if match is None:
+            _fail(f"'{noted}' is not NUMBER:HASH")
+        known = int(match[1]), match[2]
+    with _opened(database) as opened, opened.reading() as session:
+        found = audit.verify(session, known=known)
+        number, digest = audit.head(session)
+    for one in found:
+        typer.echo(f"entry {one.number}: {one.reason}", err=True)
+    if found:
+        _fail(f"the audit trail does not hold, in {len(found)} places")
+    typer.echo(f"{number} entries hold: {number}:{digest}")
+
+
+@contextmanager
+def _opened(url: str | None) -> "Iterator[Database]":
+    """The store, closed in the end."""
+    from pydantic import ValidationError
+
+    from service.settings import Settings
+    from storage.claim import DatabaseUnusable
+    from storage.database import Database
+
+    try:
+        database = Database(url or Settings().database)
+    except (DatabaseUnusable, ValidationError) as error:
+        _fail(str(error))
+    try:
+        yield database
+    finally:
+        database.close()
+
+
+def _time(nanoseconds: int) -> str:
+    from storage.clock import to_datetime
+
+    return to_datetime(nanoseconds).strftime("%Y-%m-%dT%H:%MZ")
+
+
+def _fail(message: str) -> NoReturn:
+    typer.echo(f"rundown: {message}", err=True)
+    raise typer.Exit(1)

@@ -1,0 +1,68 @@
+"""Whether the service may start as it is set up: beyond this machine nobody comes in without saying who they are."""
+
+from collections.abc import Sequence
+from urllib.parse import urlsplit
+
+from service.security.secret_files import is_loopback
+from service.settings import Settings
+
+TWICE = (
+    "to serve it to everybody who reaches it all the same, say so twice: --allow-no-authentication and "
+    "RUNDOWN_EVERYBODY_MAY_CHANGE_EVERYTHING=true"
+)
+
+TWICE_FOR_ROUTERS = (
+    "to open it to everybody all the same, say so twice: RUNDOWN_ALLOW_NO_AUTHENTICATION=true and "
+    "RUNDOWN_EVERYBODY_MAY_CHANGE_EVERYTHING=true"
+)
+
+
+class Exposed(RuntimeError):
+    """Everybody on the network could change everything; the message says what would be right."""
+
+
+def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
+    """What is open to everybody, allowed twice, for the log. Raises Exposed where it was not allowed twice."""
+    found = _open_doors(settings, keys_are_there=keys_are_there)
+    if found and not (settings.allow_no_authentication and settings.everybody_may_change_everything):
+        raise Exposed(f"{'; '.join(found)}; {TWICE}")
+    return found
+
+
+def require_guarded(settings: Settings, listen: Sequence[str]) -> list[str]:
+    """The same of a router alone, which listens on these zenoh endpoints. Raises Exposed."""
+    found = _open_endpoints(settings, listen)
+    if found and not (settings.allow_no_authentication and settings.everybody_may_change_everything):
+        raise Exposed(f"{'; '.join(found)}; {TWICE_FOR_ROUTERS}")
+    return found
+
+
+def _open_endpoints(settings: Settings, listen: Sequence[str]) -> list[str]:
+    if settings.zenoh_access:
+        return []
+    return [
+        f"anybody could publish for any machine on {endpoint}: set RUNDOWN_ZENOH_ACCESS and RUNDOWN_ZENOH_TLS_… "
+        "(docs/security.md), or listen on loopback"
+        for endpoint in beyond(listen)
+    ]
+
+
+def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
+    found = []
+    needed = keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
+    if not is_loopback(settings.host) and not needed:
+        found.append(
+            f"the API on {settings.host} would need no credentials: make a first key with "
+            "`rundown key create NAME --role admin`, or set RUNDOWN_OIDC_ISSUER"
+        )
+    return found + _open_endpoints(settings, settings.zenoh_listen)
+
+
+def beyond(endpoints: Sequence[str]) -> list[str]:
+    """Those zenoh endpoints that other machines reach."""
+    return [one for one in endpoints if not one.startswith("unix") and not is_loopback(host_of(one))]
+
+
+def host_of(endpoint: str) -> str:
+    """The host of a zenoh endpoint such as tcp/[::]:7447."""
+    return urlsplit("//" + endpoint.partition("/")[2].partition("?")[0].partition("#")[0]).hostname or ""

@@ -1,0 +1,207 @@
+"""Who may pass: each request gets its principal, or is refused, before anything of it is read or done."""
+
+import asyncio
+import logging
+import math
+from collections.abc import Mapping
+from http import HTTPStatus
+
+from sqlalchemy.exc import DBAPIError
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.api.problems import problem_response
+from service.security import browser_origin
+from service.security.authentication import Authentication, Credentials, Unauthenticated
+from service.security.key_set import KeysUnavailable
+from service.security.operations import Operation, Operations
+from service.security.principal import ANONYMOUS, Principal, current
+from service.security.rate import Rate
+from service.security.scope import NotThere, Visibility
+from service.security.store import Recorded, plain
+from storage import audit
+from storage.audit import Entry
+from storage.database import Database
+
+logger = logging.getLogger(__name__)
+
+CHALLENGE = 'Bearer realm="rundown"'
+HOW = "send 'Authorization: Bearer' with an API key or a token, or log in at /login"
+
+
+class Guard:
+    """ASGI middleware."""
+
+    def __init__(
+        self,
+        app: ASGIApp,
+        *,
+        database: Database,
+        operations: Operations,
+        authentication: Authentication,
+        visibility: Visibility,
+        requests: Rate,
+        failures: Rate,
+        public_url: str = "",
+        names_checked: bool = False,
+    ) -> None:
+        """requests: how often somebody may ask; failures: how often an address may be refused for its credentials.
+
+        names_checked: where nobody needs to log in, only under a name that is this machine's own.
+        """
+        self._app = app
+        self._database = database
+        self._operations = operations
+        self._authentication = authentication
+        self._visibility = visibility
+        self._requests = requests
+        self._failures = failures
+        self._public_url = public_url
+        self._names_checked = names_checked
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on with its principal and its store, or refuse it."""
+        if scope["type"] == "websocket":  # there is none, and one that came would come unguarded
+            await send({"type": "websocket.close", "code": 1008})
+            return
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        headers = dict(scope["headers"])
+        found = self._operations.find(scope["method"], scope["path"])
+        operation = None if found is None else found[0]
+        try:
+            who, given = await self._principal(headers, operation)
+            refused = self._refusal(who, scope, headers, operation)
+            if refused is None and found is not None and who.plants is not None:
+                await self._look(who, *found)
+        except Unauthenticated as error:
+            await self._unauthenticated(str(error), scope)(scope, receive, send)
+            return
+        except NotThere as error:
+            await problem_response(HTTPStatus.NOT_FOUND, str(error))(scope, receive, send)
+            return
+        except KeysUnavailable as error:
+            await problem_response(HTTPStatus.SERVICE_UNAVAILABLE, str(error))(scope, receive, send)
+            return
+        except DBAPIError as error:
+            detail = f"the database does not answer: {error.orig}"
+            await problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)(scope, receive, send)
+            return
+        if refused is not None:
+            if refused.status_code == HTTPStatus.FORBIDDEN and operation is not None:
+                await self._write_down(_entry(who, scope, operation, "refused"))
+            await refused(scope, receive, send)
+            return
+        await self._passed(who, given, operation, scope, receive, send)
+
+    async def _principal(
+        self, headers: Mapping[bytes, bytes], operation: Operation | None
+    ) -> tuple[Principal, Credentials | None]:
+        try:
+            given = Credentials.of(headers)
+            return await self._authentication.principal(given), given
+        except Unauthenticated:
+            if operation is not None and operation.requirement.role is None:
+                return ANONYMOUS, None  # who has a session that is over must be able to log in again
+            raise
+
+    def _refusal(
+        self, who: Principal, scope: Scope, headers: Mapping[bytes, bytes], operation: Operation | None
+    ) -> Response | None:
+        if who.kind != "open" and (wait := self._requests.take(who.identity if who.known else _address(scope))):
+            return _wait(wait)
+        if who.kind == "open" and self._names_checked:
+            stranger = browser_origin.rebound(headers, public_url=self._public_url)
+            if stranger is not None:
+                return problem_response(HTTPStatus.MISDIRECTED_REQUEST, stranger)
+        with_token = operation is None or operation.requirement.role is not None
+        reason = browser_origin.refusal(who, scope["method"], headers, public_url=self._public_url, with_token=with_token)
+        if reason is not None:
+            return problem_response(HTTPStatus.FORBIDDEN, reason)
+        if operation is None or operation.requirement.met(who):
+            return None
+        if not who.known:
+            return self._unauthenticated(f"this operation needs {operation.requirement.words}", scope)
+        is_now = "no role" if who.role is None else f"the role {who.role.label}"
+        return problem_response(
+            HTTPStatus.FORBIDDEN,
+            f"this operation needs {operation.requirement.words}, and {who.name} has {is_now}"
+            f"{'' if who.plants is None else ' for some plants'}: ask an administrator",
+        )
+
+    async def _look(self, who: Principal, operation: Operation, parameters: Mapping[str, str]) -> None:
+        wanted = {name: parameters[name] for name in operation.scoped}
+        if wanted and not self._visibility.known(who, wanted):
+            await asyncio.to_thread(self._visibility.require, who, wanted)
+
+    def _unauthenticated(self, reason: str, scope: Scope) -> Response:
+        if wait := self._failures.take(_address(scope)):
+            return _wait(wait)
+        given = any(name == b"authorization" for name, _ in scope["headers"])
+        challenge = CHALLENGE + (', error="invalid_token"' if given else "")
+        return problem_response(HTTPStatus.UNAUTHORIZED, f"{reason}: {HOW}", {"WWW-Authenticate": challenge})
+
+    async def _passed(
+        self,
+        who: Principal,
+        given: Credentials | None,
+        operation: Operation | None,
+        scope: Scope,
+        receive: Receive,
+        send: Send,
+    ) -> None:
+        changes = (
+            operation is not None and scope["method"] not in browser_origin.SAFE_METHODS and operation.requirement.recorded
+        )
+        recorded = None
+        if operation is not None and changes:
+            recorded = Recorded(self._database, who.plants, _entry(who, scope, operation, "done"))
+
+        async def still() -> bool:
+            return given is None or await self._authentication.still(given, who)
+
+        state = scope.setdefault("state", {})
+        state["principal"] = who
+        state["store"] = recorded or plain(self._database, who.plants)
+        state["still"] = still
+        code = 0
+
+        async def noted(message: Message) -> None:
+            nonlocal code
+            if message["type"] == "http.response.start":
+                code = message["status"]
+            await send(message)
+
+        reset = current.set(who)
+        try:
+            await self._app(scope, receive, noted if recorded else send)
+        finally:
+            current.reset(reset)
+        if recorded is not None and operation is not None and not recorded.written and 0 < code < HTTPStatus.BAD_REQUEST:
+            await self._write_down(_entry(who, scope, operation, f"answered {code}"))
+
+    async def _write_down(self, entry: Entry) -> None:
+        try:
+            await asyncio.to_thread(self._append, entry)
+        except DBAPIError as error:
+            logger.error("not in the audit trail: %s: %s", entry, error.orig)
+
+    def _append(self, entry: Entry) -> None:
+        with self._database.transaction() as session:
+            audit.append(session, entry)
+
+
+def _entry(who: Principal, scope: Scope, operation: Operation, outcome: str) -> Entry:
+    name = who.identity if who.name in ("", who.identity) else f"{who.name} ({who.identity})"
+    return Entry(name, _address(scope), operation.name, f"{scope['method']} {scope['path']}", outcome)
+
+
+def _address(scope: Scope) -> str:
+    return scope["client"][0] if scope.get("client") else "unknown"
+
+
+def _wait(seconds: float) -> Response:
+    whole = max(1, math.ceil(seconds))
+    detail = f"too many requests: ask again in {whole} s"
+    return problem_response(HTTPStatus.TOO_MANY_REQUESTS, detail, {"Retry-After": str(whole)})

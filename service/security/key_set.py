@@ -1,0 +1,111 @@
+"""The issuer's public keys (JWKS, RFC 7517), from a file or a URL: kept, and asked for again when a token names a new one."""
+
+import json
+import logging
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jwt
+from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1, EllipticCurvePublicKey
+from cryptography.hazmat.primitives.asymmetric.rsa import RSAPublicKey
+
+logger = logging.getLogger(__name__)
+
+KEPT_S = 600.0
+"""A key that the issuer takes back is good for no longer than this."""
+STALE_S = 6 * 3600.0
+"""While the issuer does not answer, its keys are good for this long."""
+AGAIN_S = 30.0
+"""A token with an unknown key makes the service ask no more often than this: anybody can make up tokens."""
+LARGEST = 256 * 1024
+SMALLEST_RSA_BITS = 2048
+PATIENCE_S = 5.0
+
+PublicKey = RSAPublicKey | EllipticCurvePublicKey
+ALGORITHM: dict[str, str] = {"RSA": "RS256", "EC": "ES256"}
+
+
+class KeysUnavailable(RuntimeError):
+    """The issuer's keys cannot be had; the message says from where and why."""
+
+
+class KeySet:
+    """Keys by their id. where: a path, or a URL, or what finds it out when it is needed."""
+
+    def __init__(self, where: str | Callable[[], str], *, clock: Callable[[], float] = time.monotonic) -> None:
+        self._where = where
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._keys: dict[str, tuple[str, PublicKey]] = {}
+        self._read_at: float | None = None
+        self._tried_at: float | None = None
+
+    def find(self, key_id: str | None) -> tuple[str, PublicKey] | None:
+        """Algorithm and key of an id; without an id the only key there is. Blocks while it asks. Raises KeysUnavailable."""
+        with self._lock:
+            now = self._clock()
+            old = self._read_at is None or now - self._read_at > KEPT_S
+            if old or self._chosen(key_id) is None:
+                self._ask(now)
+            if self._read_at is None or now - self._read_at > STALE_S:
+                raise KeysUnavailable(f"the issuer's keys cannot be had: it is tried again every {AGAIN_S:.0f} s")
+            return self._chosen(key_id)
+
+    def _chosen(self, key_id: str | None) -> tuple[str, PublicKey] | None:
+        if key_id is None:
+            return next(iter(self._keys.values())) if len(self._keys) == 1 else None
+        return self._keys.get(key_id)
+
+    def _ask(self, now: float) -> None:
+        if self._tried_at is not None and now - self._tried_at < AGAIN_S:
+            return
+        self._tried_at = now
+        try:
+            self._keys = _parsed(json.loads(self._text()))
+            self._read_at = now
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            logger.error("the issuer's keys cannot be read: %s", error)
+
+    def _text(self) -> bytes:
+        where = self._where if isinstance(self._where, str) else self._where()
+        return fetched(where) if where.startswith(("http://", "https://")) else Path(where).read_bytes()
+
+
+def fetched(url: str, **post: Any) -> bytes:
+    """What an issuer answers; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
+    import httpx  # half a second of every start, for those who have an issuer
+
+    parts, size = [], 0
+    try:
+        with httpx.stream("POST" if post else "GET", url, timeout=PATIENCE_S, follow_redirects=False, **post) as answer:
+            for part in answer.iter_bytes():
+                parts.append(part)
+                size += len(part)
+                if size > LARGEST:
+                    raise ValueError(f"more than {LARGEST} bytes")
+    except httpx.HTTPError as error:
+        raise ConnectionError(str(error)) from error
+    if answer.status_code != httpx.codes.OK:
+        raise ValueError(f"status {answer.status_code}: {b''.join(parts)[:200]!r}")
+    return b"".join(parts)
+
+
+def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
+    """Keys with which a signature of this service's algorithms can be checked; others are passed over."""
+    found = {}
+    for number, one in enumerate(document["keys"]):
+        algorithm = ALGORITHM.get(one.get("kty", ""))
+        if algorithm is None or one.get("use", "sig") != "sig" or one.get("alg", algorithm) != algorithm:
+            continue
+        key = jwt.PyJWK(one, algorithm).key
+        if isinstance(key, RSAPublicKey) and key.key_size < SMALLEST_RSA_BITS:
+            logger.warning("a key of the issuer has %d bits and is not used: %d are needed", key.key_size, SMALLEST_RSA_BITS)
+            continue
+        if isinstance(key, EllipticCurvePublicKey) and not isinstance(key.curve, SECP256R1):
+            continue
+        if isinstance(key, RSAPublicKey | EllipticCurvePublicKey):
+            found[str(one.get("kid", f"#{number}"))] = (algorithm, key)
+    return found

@@ -1,0 +1,195 @@
+"""Logging in on the page: with an API key, or at the issuer; a session behind a cookie that no script reads."""
+
+import asyncio
+import html
+import secrets
+from pathlib import Path
+from typing import cast
+from urllib.parse import parse_qs
+
+from fastapi import APIRouter, Request
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
+
+from service.security.api_keys import key_hash
+from service.security.authentication import COOKIE, SAFE_COOKIE, Authentication, Unauthenticated, session_cookie
+from service.security.configuration import Security
+from service.security.key_set import KeysUnavailable
+from service.security.open_id import CALLBACK, LoginFailed
+from service.security.principal import Principal, Role
+from service.security.rate import Rate
+from service.security.requirement import ANYBODY
+from service.security.tokens import TokenRefused
+from storage import audit, sessions
+from storage.audit import Entry
+from storage.clock import now
+from storage.database import Database
+
+router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
+
+LASTS_S = 12 * 3600
+LARGEST_FORM = 4096
+UNDER_WAY_COOKIE = "rundown_login"
+STYLE = Path(__file__).with_name("login.css")
+POLICY = "default-src 'none'; style-src 'self'; img-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
+REFERRER = {"Referrer-Policy": "same-origin"}
+"""Without any, browsers say of the form that it comes from nowhere (Origin: null)."""
+PAGE = """<!doctype html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Log in · Rundown</title>
+<link rel="icon" href="/icon.svg">
+<link rel="stylesheet" href="/login.css">
+</head>
+<body>
+<main>
+<h1>Rundown</h1>
+{trouble}
+<form method="post" action="/login">
+<label for="key">API key</label>
+<input id="key" name="key" type="password" autocomplete="current-password" required autofocus>
+<button type="submit">Log in</button>
+</form>
+{issuer}
+</main>
+</body>
+</html>
+"""
+
+
+@router.get("/login")
+def read_login(request: Request) -> Response:
+    """The page to log in on; who is logged in already, or need not, goes on."""
+    who: Principal = request.state.principal
+    return _page(request, "") if who.kind == "anonymous" else RedirectResponse("/", 303)
+
+
+@router.get("/login.css")
+def read_style() -> Response:
+    """How it looks."""
+    return Response(STYLE.read_bytes(), media_type="text/css", headers={"Cache-Control": "no-cache"})
+
+
+@router.post("/login")
+async def log_in(request: Request) -> Response:
+    """With an API key."""
+    address = request.client.host if request.client else "unknown"
+    body = b""
+    async for part in request.stream():
+        body += part
+        if len(body) > LARGEST_FORM:
+            return _page(request, "This is no API key.", 413)
+    given = parse_qs(body.decode("latin-1")).get("key", [""])[0].strip()
+    authentication = cast(Authentication, request.app.state.authentication)
+    try:
+        who = await asyncio.to_thread(authentication.key, given)
+    except Unauthenticated as error:
+        wait = cast(Rate, request.app.state.failures).take(address)
+        if not wait:
+            await asyncio.to_thread(_write, request, Entry("unknown", address, "log_in", "API key", "refused"))
+            return _page(request, f"Not logged in: {error}.", 401)
+        answer = _page(request, "Too many tries: wait a little.", 429)
+        answer.headers["Retry-After"] = str(round(wait) + 1)
+        return answer
+    if who.role is None or who.role is Role.SOURCE:
+        return _page(request, "This key is for sending samples only.", 403)
+    return await asyncio.to_thread(_begun, request, who, key_prefix=who.identity.removeprefix("key "))
+
+
+@router.get("/login/issuer")
+def begin_at_issuer(request: Request) -> Response:
+    """Send the browser to the issuer."""
+    security = cast(Security, request.app.state.security)
+    if security.open_id is None:
+        return _page(request, "No issuer is configured.", 404)
+    try:
+        where, cookie = security.open_id.begin(str(request.base_url))
+    except LoginFailed as error:
+        return _page(request, f"Not logged in: {error}.", 503)
+    answer = RedirectResponse(where, 303)
+    # Lax, not strict: the issuer sends the browser back to here.
+    answer.set_cookie(
+        UNDER_WAY_COOKIE, cookie, max_age=600, path="/login", httponly=True, samesite="lax", secure=_encrypted(request)
+    )
+    return answer
+
+
+@router.get(CALLBACK)
+def come_back(request: Request) -> Response:
+    """From the issuer, with a code."""
+    security = cast(Security, request.app.state.security)
+    if security.open_id is None or security.tokens is None:
+        return _page(request, "No issuer is configured.", 404)
+    address = request.client.host if request.client else "unknown"
+    try:
+        browser = request.cookies.get(UNDER_WAY_COOKIE, "")
+        token, nonce = security.open_id.finish(dict(request.query_params), browser, str(request.base_url))
+        claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=nonce)
+        who = security.tokens.stands_for(claims)
+    except (LoginFailed, TokenRefused, KeysUnavailable) as error:
+        _write(request, Entry("unknown", address, "log_in", "issuer", "refused"))
+        return _page(request, f"Not logged in: {error}.", 401)
+    if who.role is None or who.role is Role.SOURCE:
+        return _page(request, f"{who.name} has no role here: ask an administrator.", 403)
+    answer = _begun(request, who, key_prefix=None)
+    answer.delete_cookie(UNDER_WAY_COOKIE, path="/login")
+    return answer
+
+
+@router.post("/logout")
+def log_out(request: Request) -> Response:
+    """End the session."""
+    cookie = session_cookie(dict(request.scope["headers"]))
+    if cookie is not None:
+        cast(Authentication, request.app.state.authentication).forget(cookie)
+        with cast(Database, request.app.state.database).transaction() as session:
+            sessions.end(session, key_hash(cookie))
+    answer = Response(status_code=204)
+    answer.delete_cookie(_cookie_name(request), path="/", secure=_encrypted(request), httponly=True, samesite="strict")
+    return answer
+
+
+def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
+    """A new session, whose cookie was never anybody else's."""
+    cookie, role = secrets.token_urlsafe(32), who.role
+    assert role is not None
+    address = request.client.host if request.client else "unknown"
+    with cast(Database, request.app.state.database).transaction() as session:
+        sessions.begin(
+            session,
+            cookie_hash=key_hash(cookie),
+            name=who.name,
+            role=role.label,
+            plants=None if who.plants is None else list(who.plants),
+            key_prefix=key_prefix,
+            token=secrets.token_urlsafe(32),
+            expires_at=now() + LASTS_S * 1_000_000_000,
+        )
+        audit.append(session, Entry(f"{who.name} ({who.identity})", address, "log_in", "page", "done"))
+    answer = RedirectResponse("/", 303)
+    answer.set_cookie(
+        _cookie_name(request), cookie, max_age=LASTS_S, path="/", httponly=True, samesite="strict", secure=_encrypted(request)
+    )
+    return answer
+
+
+def _page(request: Request, trouble: str, status: int = 200) -> Response:
+    security = cast(Security, request.app.state.security)
+    said = f'<p role="alert">{html.escape(trouble)}</p>' if trouble else ""
+    issuer = '<p><a class="button" href="/login/issuer">Log in with your organisation</a></p>' if security.open_id else ""
+    return HTMLResponse(PAGE.format(trouble=said, issuer=issuer), status, {"Content-Security-Policy": POLICY} | REFERRER)
+
+
+def _encrypted(request: Request) -> bool:
+    security = cast(Security, request.app.state.security)
+    return request.url.scheme == "https" or security.public_url.startswith("https://")
+
+
+def _cookie_name(request: Request) -> str:
+    return SAFE_COOKIE if _encrypted(request) else COOKIE
+
+
+def _write(request: Request, entry: Entry) -> None:
+    with cast(Database, request.app.state.database).transaction() as session:
+        audit.append(session, entry)

@@ -1,0 +1,138 @@
+"""Logging in at an issuer: OpenID Connect's authorization code flow with PKCE (RFC 7636), state and nonce.
+
+What a login under way needs is kept in this process for some minutes, under a state that only this browser's cookie fits.
+"""
+
+import hashlib
+import hmac
+import json
+import secrets
+import threading
+import time
+from base64 import urlsafe_b64encode
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import urlencode
+
+from service.security.key_set import fetched
+from service.security.secret_files import encrypted
+
+PATIENCE_S = 600.0
+MOST_UNDER_WAY = 1000
+KNOWN_FOR_S = 3600.0
+CALLBACK = "/login/callback"
+
+
+class LoginFailed(ValueError):
+    """Logging in did not come to its end, and why."""
+
+
+@dataclass(frozen=True)
+class UnderWay:
+    """A login that was begun. browser: the cookie of who began it."""
+
+    verifier: str
+    nonce: str
+    browser: str
+    until: float
+
+
+class OpenId:
+    """An issuer at which people log in, as the client `client_id`."""
+
+    def __init__(
+        self,
+        *,
+        issuer: str,
+        client_id: str,
+        client_secret: str,
+        scope: str,
+        public_url: str,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._issuer = issuer
+        self.client_id = client_id
+        self._client_secret = client_secret
+        self._scope = scope
+        self._public_url = public_url.rstrip("/")
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._under_way: dict[str, UnderWay] = {}
+        self._found: tuple[float, dict[str, Any]] | None = None
+
+    def begin(self, own_url: str) -> tuple[str, str]:
+        """Where the browser is to go, and the cookie to give it. own_url: as the browser calls this service. Blocks.
+
+        Raises LoginFailed.
+        """
+        state, nonce, verifier, browser = (secrets.token_urlsafe(32) for _ in range(4))
+        with self._lock:
+            now = self._clock()
+            self._under_way = {name: one for name, one in self._under_way.items() if now < one.until}
+            while len(self._under_way) >= MOST_UNDER_WAY:
+                self._under_way.pop(next(iter(self._under_way)))
+            self._under_way[state] = UnderWay(verifier, nonce, browser, now + PATIENCE_S)
+        challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
+        asked = {
+            "response_type": "code",
+            "client_id": self.client_id,
+            "redirect_uri": self._redirect(own_url),
+            "scope": self._scope,
+            "state": state,
+            "nonce": nonce,
+            "code_challenge": challenge,
+            "code_challenge_method": "S256",
+        }
+        return f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", browser
+
+    def finish(self, answer: Mapping[str, str], browser: str, own_url: str) -> tuple[str, str]:
+        """The ID token, not checked yet, and the nonce that must be in it. Blocks. Raises LoginFailed."""
+        with self._lock:
+            one = self._under_way.pop(answer.get("state", ""), None)
+        if one is None or self._clock() >= one.until or not hmac.compare_digest(one.browser, browser):
+            raise LoginFailed("this login was not begun here, or too long ago: begin again")
+        if answer.get("iss", self._issuer) != self._issuer:
+            raise LoginFailed("another issuer answered")
+        if "code" not in answer:
+            raise LoginFailed(f"the issuer refused: {answer.get('error', 'it gave no code')[:200]}")
+        form = {
+            "grant_type": "authorization_code",
+            "code": answer["code"],
+            "redirect_uri": self._redirect(own_url),
+            "client_id": self.client_id,
+            "code_verifier": one.verifier,
+        }
+        if self._client_secret:
+            form["client_secret"] = self._client_secret
+        try:
+            said = json.loads(fetched(self._endpoint("token_endpoint"), data=form))
+            return str(said["id_token"]), one.nonce
+        except (ConnectionError, ValueError, KeyError, TypeError) as error:
+            raise LoginFailed("the issuer gave no ID token for the code") from error
+
+    def keys_url(self) -> str:
+        """Where the issuer publishes its keys. Raises LoginFailed."""
+        return self._endpoint("jwks_uri")
+
+    def _redirect(self, own_url: str) -> str:
+        return (self._public_url or own_url.rstrip("/")) + CALLBACK
+
+    def _endpoint(self, name: str) -> str:
+        with self._lock:
+            if self._found is None or self._clock() - self._found[0] > KNOWN_FOR_S:
+                self._found = self._clock(), self._discovered()
+            url = str(self._found[1].get(name, ""))
+        if not encrypted(url):
+            raise LoginFailed(f"the issuer's {name} is not an https URL")
+        return url
+
+    def _discovered(self) -> dict[str, Any]:
+        """OpenID Connect Discovery 1.0."""
+        try:
+            said = json.loads(fetched(self._issuer.rstrip("/") + "/.well-known/openid-configuration"))
+            if said["issuer"] != self._issuer:
+                raise LoginFailed(f"the issuer calls itself '{str(said['issuer'])[:200]}', not '{self._issuer}'")
+            return dict(said)
+        except (ConnectionError, ValueError, KeyError, TypeError) as error:
+            raise LoginFailed(f"the issuer's configuration cannot be read: {error}") from error

@@ -1,0 +1,80 @@
+"""Every route of the application with what it needs: a route that says nothing of it keeps the application from starting."""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.routing import iter_route_contexts
+
+from service.security.browser_origin import SAFE_METHODS
+from service.security.principal import Role
+from service.security.requirement import Requirement, strictest
+
+
+class Undeclared(RuntimeError):
+    """A route does not say who may use it, or how it is known which plant it is about."""
+
+
+@dataclass(frozen=True)
+class Operation:
+    """A route. scoped: names of its path's parameters that belong to a plant."""
+
+    name: str
+    path: str
+    methods: frozenset[str]
+    pattern: re.Pattern[str]
+    requirement: Requirement
+    scoped: tuple[str, ...]
+
+
+class Operations:
+    """All of an application. public: paths of files that anybody may read, which cannot declare anything themselves."""
+
+    def __init__(
+        self, app: FastAPI, *, public: Mapping[str, Requirement], scoped: frozenset[str], free: frozenset[str]
+    ) -> None:
+        """scoped, free: parameters of paths that belong to a plant and that do not. Raises Undeclared."""
+        self._all = tuple(_operations(app, public, scoped, free))
+
+    def __iter__(self) -> Iterator[Operation]:
+        return iter(self._all)
+
+    def find(self, method: str, path: str) -> tuple[Operation, Mapping[str, str]] | None:
+        """The operation of a request, with its path's parameters; of several that fit, the first, as it is routed."""
+        for one in self._all:
+            if method in one.methods and (match := one.pattern.match(path)):
+                return one, match.groupdict()
+        return None
+
+
+def _operations(
+    app: FastAPI, public: Mapping[str, Requirement], scoped: frozenset[str], free: frozenset[str]
+) -> Iterator[Operation]:
+    for context in iter_route_contexts(app.routes):
+        route: Any = context
+        path = str(getattr(route, "path", "") or "")
+        requirement = strictest(getattr(route, "dependencies", None)) or public.get(path)
+        if requirement is None:
+            raise Undeclared(
+                f"route {path or route} does not say which role it needs: give it one of service.security.requirement"
+            )
+        methods = frozenset(getattr(route, "methods", None) or {"GET", "HEAD"})
+        if requirement.role is Role.VIEWER and not methods <= SAFE_METHODS:
+            raise Undeclared(f"route {path}: {', '.join(methods)} changes something, and viewers change nothing")
+        pattern = getattr(route, "path_regex", None)
+        if pattern is None:
+            raise Undeclared(f"route {path or route} has no pattern: it cannot be guarded")
+        names = tuple(pattern.groupindex)
+        unknown = [name for name in names if name not in scoped and name not in free]
+        if unknown:
+            raise Undeclared(f"route {path}: say in service.security.scope which plant {{{unknown[0]}}} belongs to")
+        yield Operation(
+            name=str(getattr(route, "operation_id", None) or getattr(route, "name", None) or path),
+            path=path,
+            methods=methods,
+            pattern=pattern,
+            requirement=requirement,
+            scoped=tuple(name for name in names if name in scoped),
+        )

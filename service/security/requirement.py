@@ -1,0 +1,61 @@
+"""What an operation needs of who asks for it: declared once, where the operation is."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fastapi import Depends, HTTPException, Request, status
+from fastapi.params import Depends as Dependency
+
+from service.security.principal import Principal, Role
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """The least role; None: none, and no credentials either. sources: for the role source, too; every_plant: only for those
+    who see all plants; recorded: a change of this kind is written into the audit trail.
+    """
+
+    role: Role | None
+    sources: bool = False
+    every_plant: bool = False
+    recorded: bool = True
+
+    def met(self, who: Principal) -> bool:
+        """Whether somebody may do it; which plants they see is looked at where it is known what it is about."""
+        if self.every_plant and who.plants is not None:
+            return False
+        return self.role is None or (
+            who.role is not None and (who.role >= self.role or (self.sources and who.role is Role.SOURCE))
+        )
+
+    async def __call__(self, request: Request) -> None:
+        """The guard has looked already; without a guard nothing is opened."""
+        who = getattr(request.state, "principal", None)
+        if who is None or not self.met(who):
+            raise HTTPException(status.HTTP_403_FORBIDDEN, "this operation needs another role")
+
+    @property
+    def words(self) -> str:
+        """What it needs, for people."""
+        if self.role is None:
+            return "nothing"
+        also = " or source" if self.sources else ""
+        return f"the role {self.role.label}{also}{' for all plants' if self.every_plant else ''}"
+
+
+ANYBODY = Depends(Requirement(None, recorded=False))
+VIEWER = Depends(Requirement(Role.VIEWER))
+ANALYST = Depends(Requirement(Role.ANALYST))
+OPERATOR = Depends(Requirement(Role.OPERATOR))
+ADMIN = Depends(Requirement(Role.ADMIN))
+SOURCE = Depends(Requirement(Role.OPERATOR, sources=True, recorded=False))
+ADMIN_OF_ALL = Depends(Requirement(Role.ADMIN, every_plant=True))
+
+
+def strictest(dependencies: Sequence[Dependency] | None) -> Requirement | None:
+    """What a router and its operation need together; None where nothing is declared."""
+    found: list[Any] = [one.dependency for one in dependencies or () if isinstance(one.dependency, Requirement)]
+    if not found:
+        return None
+    return max(found, key=lambda one: -1 if one.role is None else one.role)  # type: ignore[no-any-return]

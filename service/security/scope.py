@@ -1,0 +1,83 @@
+"""What path parameters name, and whether somebody may see it: what is another plant's is not there (404)."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from service.security.principal import Principal
+from storage.database import Database
+from storage.plant_scope import PlantScope
+from storage.tables import (
+    AlertRow,
+    DeliveryRow,
+    IdentificationRow,
+    JobRow,
+    MachineRow,
+    RunRow,
+    SubscriptionRow,
+    SuppressionRow,
+)
+
+ROWS: Mapping[str, tuple[type[Any], str]] = {
+    "machine_id": (MachineRow, "machine"),
+    "job_id": (JobRow, "job"),
+    "run_id": (RunRow, "run"),
+    "identification_id": (IdentificationRow, "identification"),
+    "alert_id": (AlertRow, "alert"),
+    "suppression_id": (SuppressionRow, "suppression"),
+    "subscription_id": (SubscriptionRow, "subscription"),
+    "delivery_id": (DeliveryRow, "delivery"),
+}
+"""What a path's parameter names. One that is not here keeps the application from starting."""
+FREE = frozenset({"name", "path"})
+"""Parameters that name files of the pages, which are everybody's."""
+LARGEST = 2**62
+MOST_KEPT = 10_000
+
+
+class NotThere(LookupError):
+    """Something that somebody may not see, or that is not there: they are told the same."""
+
+
+class Visibility:
+    """What of a database somebody sees. What belongs to a plant belongs to it for ever, so that looks are remembered."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._plants: dict[str, str] = {}
+        self._seen: set[tuple[frozenset[str], str, str]] = set()
+
+    def known(self, who: Principal, parameters: Mapping[str, str]) -> bool:
+        """Whether it is remembered that somebody sees all of this."""
+        return who.plants is None or all((who.plants, name, value) in self._seen for name, value in parameters.items())
+
+    def require(self, who: Principal, parameters: Mapping[str, str]) -> None:
+        """Look. Raises NotThere."""
+        if who.plants is None:
+            return
+        with PlantScope(self._database, who.plants).reading() as session:
+            for name, value in parameters.items():
+                row, what = ROWS[name]
+                key: str | int = value
+                if row is not MachineRow:
+                    if not (value.isascii() and value.isdigit() and int(value) <= LARGEST):
+                        continue  # the endpoint says what is wrong with it
+                    key = int(value)
+                if session.get(row, key) is None:
+                    raise NotThere(f"no {what} {value[:64]}")
+                if len(self._seen) >= MOST_KEPT:
+                    self._seen.clear()
+                self._seen.add((who.plants, name, value))
+
+    def plant(self, machine_id: str) -> str | None:
+        """The plant of a machine."""
+        found = self._plants.get(machine_id)
+        if found is None:
+            with self._database.reading() as session:
+                row = session.get(MachineRow, machine_id)
+            if row is not None:
+                found = self._plants[machine_id] = row.plant
+        return found
+
+    def sees(self, who: Principal, machine_id: str) -> bool:
+        """Whether a machine concerns somebody."""
+        return who.plants is None or who.sees(self.plant(machine_id))

@@ -1,0 +1,63 @@
+"""The database as it is given to an operation: with the plants of who asks, and with what they change written down."""
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from typing import Protocol
+
+from sqlalchemy.orm import Session
+
+from storage import audit
+from storage.audit import Entry
+from storage.database import Database
+from storage.plant_scope import Plants, PlantScope
+
+
+class Store(Protocol):
+    """What operations ask of a database."""
+
+    def transaction(self) -> AbstractContextManager[Session]:
+        """A session whose changes are committed together at the end, or not at all."""
+
+    def reading(self) -> AbstractContextManager[Session]:
+        """A session for looking only."""
+
+    def check(self) -> None:
+        """Raises DatabaseUnusable."""
+
+
+class Recorded:
+    """Each transaction ends with an entry in the audit trail: no change without it, and none of it without a change."""
+
+    def __init__(self, database: Database, plants: Plants | None, entry: Entry) -> None:
+        self._database = database
+        self._store: Store = database if plants is None else PlantScope(database, plants)
+        self._entry = entry
+        self.written = False
+
+    @contextmanager
+    def transaction(self) -> Iterator[Session]:
+        """As the database's."""
+        with self._store.transaction() as session:
+            yield session
+            session.flush()
+            self._append(session)
+        self.written = True
+
+    def reading(self) -> AbstractContextManager[Session]:
+        """As the database's."""
+        return self._store.reading()
+
+    def check(self) -> None:
+        """As the database's."""
+        self._store.check()
+
+    def _append(self, session: Session) -> None:
+        # The trail is nobody's plant: in the same transaction, but not under the plants' condition.
+        with Session(session.connection(), join_transaction_mode="rollback_only") as own:
+            audit.append(own, self._entry)
+            own.commit()
+
+
+def plain(database: Database, plants: Plants | None) -> Store:
+    """The database, or some plants of it."""
+    return database if plants is None else PlantScope(database, plants)

@@ -1,0 +1,95 @@
+"""The commands that keep data safe: `rundown backup`, `restore`, `move` and `export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.ending import fail
+from service.settings import Settings
+
+DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
+
+
+def backup(
+    file: Annotated[Path, typer.Argument(help="file to write; FILE.json beside it says what it is")],
+    database: DatabaseUrl = None,
+) -> None:
+    """Copy the database as of one moment, while the service runs."""
+    from storage import backup as backups
+    from storage.claim import DatabaseUnusable
+
+    try:
+        made = backups.back_up(_url(database), file)
+    except (backups.BackupUnusable, DatabaseUnusable) as error:
+        fail(str(error))
+    typer.echo(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
+
+
+def restore(
+    file: Annotated[Path, typer.Argument(help="file that `rundown backup` wrote")],
+    database: DatabaseUrl = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="lose what the database holds now")] = False,
+) -> None:
+    """Put a backup in the place of the database, while no service runs."""
+    from storage import backup as backups
+    from storage.claim import DatabaseUnusable
+
+    try:
+        found = backups.restore(_url(database), file, overwrite=overwrite)
+    except (backups.BackupUnusable, DatabaseUnusable) as error:
+        fail(str(error))
+    typer.echo(f"{sum(found.rows.values())} rows of {found.made_at} restored")
+
+
+def move(
+    source: Annotated[str, typer.Argument(metavar="FROM_URL", help="database with the data")],
+    target: Annotated[str, typer.Argument(metavar="TO_URL", help="a new database, SQLite or PostgreSQL")],
+) -> None:
+    """Take all data over into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
+    from sqlalchemy.exc import DBAPIError
+
+    from storage.claim import DatabaseUnusable
+    from storage.moving import NotMoved
+    from storage.moving import move as move_data
+
+    try:
+        rows = move_data(source, target)
+    except (NotMoved, DatabaseUnusable) as error:
+        fail(str(error))
+    except DBAPIError as error:
+        fail(f"the data were not taken over, the new database is empty: {error.orig}")
+    for name, count in rows.items():
+        typer.echo(f"{name:24s} {count:12d}")
+    typer.echo("all of them compared: the same on both sides")
+
+
+def export(
+    machine: Annotated[str, typer.Argument(help="id of the machine")],
+    folder: Annotated[Path, typer.Argument(help="new or empty folder")],
+    database: DatabaseUrl = None,
+) -> None:
+    """Write all that is known of a machine as CSV and Parquet; columns.json says what each column means."""
+    from service.column_files import ParquetMissing
+    from service.history_export import export as export_history
+    from storage.claim import DatabaseUnusable
+    from storage.database import Database
+    from storage.machines import MachineUnknown
+
+    try:
+        opened = Database(_url(database))
+    except DatabaseUnusable as error:
+        fail(str(error))
+    try:
+        for name, count in export_history(opened, machine, folder).items():
+            typer.echo(f"{name:24s} {count:12d}")
+    except MachineUnknown:
+        fail(f"no machine '{machine}' is known")
+    except (ParquetMissing, OSError) as error:
+        fail(str(error))
+    finally:
+        opened.close()
+
+
+def _url(given: str | None) -> str:
+    return given or Settings().database

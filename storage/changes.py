@@ -1,0 +1,73 @@
+"""What tells that something was committed: a count of each table's changes, or the store's own mark of what is visible.
+
+SQLite: triggers count the rows written, inside the writer's transaction, so that whoever sees a change sees its count,
+whichever process wrote it; reading the counts takes microseconds. PostgreSQL: counting rows would make writers wait for each
+other; instead its snapshot is asked for, which differs as soon as any transaction has committed.
+"""
+
+import sqlite3
+import threading
+import weakref
+from collections.abc import Callable, Hashable, Sequence
+from typing import cast
+
+from sqlalchemy import text
+
+from storage.database import Database
+
+WATCHED = (
+    "machines",
+    "machine_revisions",
+    "collectors",
+    "runs",
+    "identifications",
+    "estimates",
+    "derived_quantities",
+    "baselines",
+    "timeline",
+    "alerts",
+    "alert_events",
+)
+"""Tables whose changes are counted; a migration that makes one anew has to make its triggers anew."""
+WRITES = ("INSERT", "UPDATE", "DELETE")
+
+
+def trigger_name(table: str, write: str) -> str:
+    """Name of the trigger that counts one kind of write to a table."""
+    return f"count_{write.lower()}_{table}"
+
+
+class Changes:
+    """Marks of what is committed. waits: whether asking for one waits for another process; then it belongs into a thread."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self.waits = database.engine.dialect.name != "sqlite"
+        self._connection: sqlite3.Connection | None = None
+        self._lock = threading.Lock()
+
+    def mark(self, tables: Sequence[str]) -> Hashable | None:
+        """Differs from an earlier one as soon as something was committed to one of the tables; None where it is not known.
+
+        What is read after it was asked for holds all that it stands for, or more. Raises DBAPIError.
+        """
+        if self.waits:
+            with self._database.reading() as session:
+                return cast(str, session.scalar(text("SELECT CAST(pg_current_snapshot() AS TEXT)")))
+        with self._lock:
+            try:
+                counts = dict(self._opened().execute("SELECT table_name, count FROM change_counts").fetchall())
+            except sqlite3.OperationalError:
+                return None  # locked for a moment: nobody should wait for that here
+        return tuple(counts[table] for table in tables)
+
+    def _opened(self) -> sqlite3.Connection:
+        """A connection outside the pool, on which each statement sees what is committed when it begins."""
+        if self._connection is None:
+            engine = self._database.engine
+            where, how = engine.dialect.create_connect_args(engine.url)
+            connect: Callable[..., sqlite3.Connection] = sqlite3.connect
+            own = {"timeout": 0.0, "isolation_level": None, "check_same_thread": False}
+            self._connection = connect(*where, **{**how, **own})
+            weakref.finalize(self, self._connection.close)
+        return self._connection

@@ -1,0 +1,96 @@
+"""The claim on a database: services hold it, on PostgreSQL several share it; whoever replaces the data holds it alone."""
+
+import fcntl
+import threading
+from pathlib import Path
+from typing import TextIO
+
+from sqlalchemy import Connection, Engine, func, select
+from sqlalchemy.exc import DBAPIError, PendingRollbackError
+
+CLAIM_KEY = 0x52554E444F574E
+"""Number of the advisory lock that is held on a PostgreSQL database."""
+
+
+class DatabaseUnusable(RuntimeError):
+    """The database cannot be opened, claimed or brought up to date; the message says which and why."""
+
+
+class Claim:
+    """A lock file beside an SQLite file, an advisory lock on a PostgreSQL database; both end with the process."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._shared = self._lost = False
+        self._connection: Connection | None = None
+        self._held: set[tuple[int, int]] = set()
+        self._file: TextIO | None = None
+        self._asking = threading.Lock()
+
+    def take(self, *, shared: bool = False) -> None:
+        """Raises DatabaseUnusable when another one holds it, where shared: alone."""
+        held = f"database {self._engine.url!r} is in use by another service: stop that one first"
+        self._shared = shared
+        if self._engine.dialect.name == "postgresql":
+            # Outside of any transaction: one that is never ended would keep the server from tidying up.
+            self._connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
+            lock = func.pg_try_advisory_lock_shared if shared else func.pg_try_advisory_lock
+            if not self._connection.scalar(select(lock(CLAIM_KEY))):
+                self.release()
+                raise DatabaseUnusable(held)
+        elif (path := file_of(self._engine)) is not None:
+            self._file = path.with_name(path.name + ".lock").open("w")
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                self.release()
+                raise DatabaseUnusable(held) from error
+
+    def keep(self) -> None:
+        """Take it again where a server that was restarted has forgotten it. Raises DatabaseUnusable, DBAPIError."""
+        with self._asking:
+            self._keep()
+
+    def hold(self, number: int, second: int) -> bool:
+        """Hold a further lock of PostgreSQL as long as the claim; False where another connection does, if only one of ours
+        that the server has not given up yet. Raises DatabaseUnusable, DBAPIError.
+        """
+        with self._asking:
+            self._keep()
+            if self._connection is None or (number, second) in self._held:
+                return True
+            if not self._connection.scalar(select(func.pg_try_advisory_lock(number, second))):
+                return False
+            self._held.add((number, second))
+            return True
+
+    def _keep(self) -> None:
+        if not self._lost and self._connection is None:
+            return  # never taken, or a file's
+        try:
+            if self._connection is not None:
+                self._connection.execute(select(1))
+                return
+        except (DBAPIError, PendingRollbackError):  # broken now, or since it was last used
+            self.release()
+        self._lost = True  # until it is taken again, however often that fails
+        self.take(shared=self._shared)
+        self._lost = False
+
+    def release(self) -> None:
+        """Let go of it."""
+        if self._connection is not None:
+            # Given back to the pool, the connection would hold the lock on.
+            self._connection.invalidate()
+            self._connection.close()
+            self._connection = None
+        self._held.clear()
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+def file_of(engine: Engine) -> Path | None:
+    """The file of an SQLite database."""
+    name = engine.url.database
+    return Path(name) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None

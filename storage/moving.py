@@ -1,0 +1,118 @@
+"""Taking all data over from one database to another, of whatever kind: all of them, compared in the end, or none."""
+
+import math
+from contextlib import closing
+from itertools import zip_longest
+from typing import Any
+
+from sqlalchemy import JSON, Connection, MetaData, Result, Table, func, insert, select, text
+
+from storage.database import Database, shown
+from storage.json_text import finite
+from storage.schema import KEPT_BY_ITSELF, row_counts
+from storage.tables import Base
+
+AT_ONCE = 200
+"""Rows on their way at a time."""
+
+
+class NotMoved(RuntimeError):
+    """The data were not taken over and the target is as it was; the message says why."""
+
+
+def move(source_url: str, target_url: str) -> dict[str, int]:
+    """Take over everything into a database that holds no data; returns the rows of each table.
+
+    The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also while a service
+    uses one of them.
+    """
+    with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
+        if source.engine.url == target.engine.url:
+            raise NotMoved("source and target are the same database")
+        source.claim()
+        target.claim()
+        with source.engine.connect() as reading, target.for_writing.begin() as writing:
+            for one in (reading, writing):
+                if one.dialect.name == "postgresql":  # each waits for the other
+                    one.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
+            held = sum(row_counts(writing).values())
+            if held:
+                raise NotMoved(f"database {shown(target_url)} holds {held} rows: it must be a new one")
+            tables = _tables()
+            for table in tables:
+                _copy(table, reading, writing)
+            found = {table.name: _compared(table, reading, writing) for table in tables}
+            if target.kind == "postgresql":
+                for table in tables:
+                    _go_on_counting(table, writing)
+        return found
+
+
+def _tables() -> list[Table]:
+    """The tables in an order in which what is referred to comes first, their JSON so that its null is not the database's."""
+    copied = MetaData()
+    for table in Base.metadata.sorted_tables:
+        for column in table.to_metadata(copied).columns:
+            if isinstance(column.type, JSON):
+                column.type = JSON(none_as_null=True)
+    return [copied.tables[table.name] for table in Base.metadata.sorted_tables if table.name not in KEPT_BY_ITSELF]
+
+
+def _rows(table: Table, connection: Connection) -> Result[Any]:
+    """All rows in the order of their keys; behind the columns, whether each is NULL."""
+    empty = [column.is_(None) for column in table.columns]
+    query = select(*table.columns, *(one.label(f"empty_{i}") for i, one in enumerate(empty)))
+    return connection.execute(query.order_by(*table.primary_key.columns), execution_options={"yield_per": AT_ONCE})
+
+
+def _values(table: Table, row: Any) -> tuple[Any, ...]:
+    """What to insert for a row."""
+    found: list[Any] = []
+    for value, empty, column in zip(row, row[len(table.columns) :], table.columns, strict=False):
+        if empty:
+            found.append(None)
+        elif isinstance(column.type, JSON):
+            found.append(JSON.NULL if value is None else finite(value))
+        else:
+            found.append(value)
+    return tuple(found)
+
+
+def _copy(table: Table, reading: Connection, writing: Connection) -> None:
+    names = [column.name for column in table.columns]
+    with _rows(table, reading) as rows:
+        for part in rows.partitions():
+            writing.execute(insert(table), [dict(zip(names, _values(table, row), strict=True)) for row in part])
+
+
+def _compared(table: Table, reading: Connection, writing: Connection) -> int:
+    """How many rows there are; raises NotMoved where one is not the same on both sides."""
+    count = 0
+    with _rows(table, reading) as before, _rows(table, writing) as after:
+        for old, new in zip_longest(before, after):
+            if old is None or new is None or _comparable(table, old) != _comparable(table, new):
+                keys = ", ".join(str((old or new)._mapping[column.name]) for column in table.primary_key.columns)
+                raise NotMoved(f"{table.name} ({keys}) was not taken over as it was")
+            count += 1
+    return count
+
+
+def _comparable(table: Table, row: Any) -> list[Any]:
+    """Values of which each equals itself: SQLite has no NaN, there is NULL in its place."""
+    return [None if isinstance(value, float) and math.isnan(value) else value for value in _values(table, row)]
+
+
+def _go_on_counting(table: Table, connection: Connection) -> None:
+    """The next row gets the number behind the highest one."""
+    column = table.autoincrement_column
+    if column is not None and (sequence := _sequence(table, column.name, connection)) is not None:
+        highest = connection.scalar(select(func.max(column)))
+        if highest is not None:
+            connection.execute(text("SELECT setval(:sequence, :highest)"), {"sequence": sequence, "highest": highest})
+
+
+def _sequence(table: Table, column: str, connection: Connection) -> str | None:
+    found = connection.scalar(
+        text("SELECT pg_get_serial_sequence(:table, :column)"), {"table": f'"{table.name}"', "column": column}
+    )
+    return None if found is None else str(found)

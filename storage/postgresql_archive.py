@@ -1,0 +1,123 @@
+"""Archives of PostgreSQL's own tools, `pg_dump -Fc` and `pg_restore`, which belong to its client programs."""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import URL, Connection, Engine, inspect, text
+
+ASIDE = "rundown_before_restore"
+"""Schema in which the old tables wait until the new ones are complete."""
+_INSTALLED = Path("/usr/lib/postgresql")
+_QUERY = {"host": "PGHOST", "port": "PGPORT", "passfile": "PGPASSFILE", "service": "PGSERVICE"} | {
+    name: f"PG{name.upper()}" for name in ("sslmode", "sslrootcert", "sslcert", "sslkey")
+}
+"""What a database's URL may say besides, and the variable in which the tools look for it."""
+_NEUTRAL = ("--no-owner", "--no-privileges", "--no-password")
+
+
+class ToolFailed(RuntimeError):
+    """A tool of PostgreSQL is missing or failed; the message is its own."""
+
+
+def dump(connection: Connection, file: Path) -> None:
+    """Write what a transaction of isolation REPEATABLE READ sees into an archive. Raises ToolFailed."""
+    connection.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))  # it waits for the tool
+    snapshot = connection.scalar(text("SELECT pg_export_snapshot()"))
+    arguments = (f"--schema={_schema(connection)}", f"--snapshot={snapshot}", f"--file={file}", *_NEUTRAL)
+    _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url)
+
+
+def load(engine: Engine, file: Path) -> None:
+    """Read an archive in one transaction. Raises ToolFailed."""
+    with engine.connect() as connection:
+        schema = _schema(connection)
+    arguments = (f"--schema={schema}", f"--dbname={engine.url.database}", *_NEUTRAL, str(file))
+    _run("pg_restore", "--single-transaction", "--exit-on-error", *arguments, url=engine.url)
+
+
+@contextmanager
+def set_aside(engine: Engine) -> Iterator[None]:
+    """Put all that is there aside while something else comes in; it is put back when that fails. Raises ToolFailed."""
+    with engine.begin() as connection:
+        schema = _schema(connection)
+        if interrupted(connection):
+            _put_back(connection, schema)
+        connection.execute(text(f"CREATE SCHEMA {ASIDE}"))
+        _move(connection, schema, ASIDE)
+    try:
+        yield
+    except BaseException:
+        with engine.begin() as connection:
+            _put_back(connection, schema)
+        raise
+    with engine.begin() as connection:
+        connection.execute(text(f"DROP SCHEMA {ASIDE} CASCADE"))
+        connection.execute(text("ANALYZE"))
+
+
+def interrupted(connection: Connection) -> bool:
+    """Whether a restore was killed: what was there before is aside, and what is there now is not to be used."""
+    return connection.engine.dialect.name == "postgresql" and inspect(connection).has_schema(ASIDE)
+
+
+def _put_back(connection: Connection, schema: str) -> None:
+    for one in _objects(connection, schema):
+        connection.execute(text(f"DROP {one} CASCADE"))
+    _move(connection, ASIDE, schema)
+    connection.execute(text(f"DROP SCHEMA {ASIDE}"))
+
+
+def _schema(connection: Connection) -> str:
+    return str(connection.scalar(text("SELECT current_schema()")))
+
+
+def _move(connection: Connection, old: str, new: str) -> None:
+    for one in _objects(connection, old):
+        connection.execute(text(f'ALTER {one} SET SCHEMA "{new}"'))
+
+
+def _objects(connection: Connection, schema: str) -> list[str]:
+    """Tables, with all that belongs to them, and functions that belong to no extension, as commands name them."""
+    functions = """
+        SELECT format('FUNCTION %I.%I(%s)', n.nspname, p.proname, pg_get_function_identity_arguments(p.oid))
+        FROM pg_proc p JOIN pg_namespace n ON n.oid = p.pronamespace
+        WHERE n.nspname = :schema AND NOT EXISTS (SELECT 1 FROM pg_depend d WHERE d.objid = p.oid AND d.deptype = 'e')
+    """
+    tables = [f'TABLE "{schema}"."{name}"' for name in inspect(connection).get_table_names(schema)]
+    return [*tables, *connection.scalars(text(functions), {"schema": schema})]
+
+
+def _run(tool: str, *arguments: str, url: URL) -> None:
+    command = [_program(tool), *arguments]
+    try:
+        ended = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | _environment(url))
+    except OSError as error:
+        raise ToolFailed(f"{tool} cannot be run: {error}") from error
+    if ended.returncode != 0:
+        raise ToolFailed(f"{tool} failed: {ended.stderr.strip()}")
+
+
+def _environment(url: URL) -> Mapping[str, str]:
+    """Where the tools connect to; in the environment, since everybody can see the arguments of a process."""
+    found = {
+        "PGHOST": url.host,
+        "PGPORT": None if url.port is None else str(url.port),
+        "PGUSER": url.username,
+        "PGPASSWORD": url.password,
+        "PGDATABASE": url.database,
+    }
+    found |= {_QUERY[name]: value for name, value in url.query.items() if name in _QUERY and isinstance(value, str)}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def _program(tool: str) -> str:
+    """The newest one that is installed: it must not be older than the server. Raises ToolFailed."""
+    versions = sorted(_INSTALLED.glob(f"*/bin/{tool}"), key=lambda path: int(path.parts[-3]))
+    found = str(versions[-1]) if versions else shutil.which(tool)
+    if found is None:
+        raise ToolFailed(f"{tool} is not installed: it belongs to PostgreSQL's client programs (package postgresql-client)")
+    return found

@@ -1,0 +1,82 @@
+"""Repository of the processes that work on one database: who is there, and who is gone.
+
+On PostgreSQL a replica holds an advisory lock under its number on a connection of its own: a process that is killed loses it
+at once. One that hangs, or whose host is cut off, is gone when it has not said for LEASE_S that it lives. An SQLite file
+belongs to one process (`Database.claim`): whatever else is written there is of an earlier one.
+"""
+
+from collections.abc import Sequence
+
+from sqlalchemy import BigInteger, cast, column, delete, func, select, table
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import ReplicaRow
+
+LEASE_S = 15.0
+"""A replica that has not been heard of for so long is gone."""
+LOCK_CLASS = 0x52554E44
+"""First number of the replicas' advisory locks; the second is the replica's own."""
+
+_LOCKS = table("pg_locks", column("locktype"), column("classid"), column("objid"), column("database"), column("granted"))
+_DATABASES = table("pg_database", column("oid"), column("datname"))
+
+
+def join(session: Session, *, role: str, host: str, process: int) -> int:
+    """Note a new replica; returns its number."""
+    moment = clock(session)
+    row = ReplicaRow(role=role, host=host, process=process, started_at=moment, seen_at=moment)
+    session.add(row)
+    session.flush()
+    return row.id
+
+
+def beat(session: Session, number: int) -> bool:
+    """Say that a replica lives. False when it was taken for gone meanwhile: then it holds nothing any more."""
+    row = session.get(ReplicaRow, number)
+    if row is None:
+        return False
+    row.seen_at = clock(session)
+    return True
+
+
+def every(session: Session) -> Sequence[ReplicaRow]:
+    """All that are written down, by number."""
+    return session.scalars(select(ReplicaRow).order_by(ReplicaRow.id)).all()
+
+
+def gone(session: Session, *, me: int) -> list[ReplicaRow]:
+    """Replicas that do not live any more. me: number of the replica that asks."""
+    others = [row for row in every(session) if row.id != me]
+    if session.get_bind().dialect.name != "postgresql":
+        return others
+    held, oldest = _holding(session), clock(session) - int(LEASE_S * 1e9)
+    # A server that has just started has forgotten all locks: who lives takes them again in a moment.
+    telling = _started(session) < oldest
+    return [row for row in others if (telling and row.id not in held) or row.seen_at < oldest]
+
+
+def forget(session: Session, number: int) -> None:
+    """Strike a replica out."""
+    session.execute(delete(ReplicaRow).where(ReplicaRow.id == number))
+
+
+def clock(session: Session) -> int:
+    """The database's clock [ns]; of an SQLite file this process's own."""
+    if session.get_bind().dialect.name != "postgresql":
+        return now()
+    epoch = func.extract("epoch", func.clock_timestamp())
+    return int(session.scalar(select(cast(epoch * 1_000_000, BigInteger))) or 0) * 1_000
+
+
+def _started(session: Session) -> int:
+    epoch = func.extract("epoch", func.pg_postmaster_start_time())
+    return int(session.scalar(select(cast(epoch * 1_000_000, BigInteger))) or 0) * 1_000
+
+
+def _holding(session: Session) -> set[int]:
+    here = select(_DATABASES.c.oid).where(_DATABASES.c.datname == func.current_database()).scalar_subquery()
+    query = select(_LOCKS.c.objid).where(
+        _LOCKS.c.locktype == "advisory", _LOCKS.c.classid == LOCK_CLASS, _LOCKS.c.granted, _LOCKS.c.database == here
+    )
+    return {int(number) for number in session.scalars(query)}

@@ -1,0 +1,84 @@
+"""Letting go of samples that are old enough: sample blocks, then the samples of runs. Everything else is kept for ever.
+
+Each call is a part of one small transaction of its own, so that ingest never waits long for it.
+"""
+
+from collections.abc import Sequence
+
+from sqlalchemy import delete, func, select, update
+from sqlalchemy.orm import Session
+
+from storage import machines
+from storage.clock import now
+from storage.jobs import QUEUED, RUNNING
+from storage.tables import BaselineRow, IdentificationRow, JobRow, RunRow, SampleBlockRow
+
+KEPT_RUNS = 20
+"""Newest runs of a machine that always keep their samples: they may be identified together yet."""
+
+
+def newest_sample(session: Session, machine_id: str) -> int | None:
+    """Time of the newest sample of a machine [ns]; None where it has none."""
+    return session.scalar(select(func.max(SampleBlockRow.time_last)).where(SampleBlockRow.machine_id == machine_id))
+
+
+def release_blocks(session: Session, machine_id: str, *, before: int, limit: int) -> int:
+    """Delete the oldest sample blocks of a machine that ended before a time [ns], at most so many; returns how many.
+
+    The machine remembers how far back its blocks reach.
+    """
+    block = SampleBlockRow
+    old = select(block.id, block.time_last).where(block.machine_id == machine_id, block.time_last < before)
+    rows = session.execute(old.order_by(block.time_last, block.id).limit(limit)).all()
+    if rows:
+        session.execute(delete(block).where(block.id.in_([number for number, _ in rows])))
+        machine = machines.get(session, machine_id)
+        machine.blocks_since = max(machine.blocks_since or 0, rows[-1].time_last + 1)
+    return len(rows)
+
+
+def release_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int, limit: int) -> int:
+    """Let go of the samples of a machine's runs that ended before a time [ns], the oldest first, but of those that are needed.
+
+    What is known of the runs stays. baseline_runs: as in `needed_runs`. Returns how many there were.
+    """
+    run = RunRow
+    needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
+    ended = select(run.id).where(run.machine_id == machine_id, run.data.is_not(None), run.time_last < before)
+    old = session.scalars(ended.where(run.id.not_in(needed)).order_by(run.time_first).limit(limit).with_for_update()).all()
+    # Until they were locked, late samples may have reopened one.
+    still = set(old) - needed_runs(session, machine_id, baseline_runs=baseline_runs)
+    session.execute(update(run).where(run.id.in_(still)).values(data=None, flags=None, released_at=now()))
+    return len(old)
+
+
+def needed_runs(session: Session, machine_id: str, *, baseline_runs: int) -> set[int]:
+    """Runs whose samples are still needed: the machine's newest, those that wait for an identification, those of a baseline.
+
+    baseline_runs: identifications that make a baseline where none are named.
+    """
+    run, job = RunRow, JobRow
+    newest = select(run.id).where(run.machine_id == machine_id).order_by(run.time_first.desc()).limit(KEPT_RUNS)
+    waiting = select(job.run_ids).where(job.machine_id == machine_id, job.state.in_((QUEUED, RUNNING)))
+    found = set(session.scalars(newest))
+    for run_ids in [*session.scalars(waiting), *_of_baselines(session, machine_id, baseline_runs)]:
+        found |= set(run_ids)
+    return found
+
+
+def _of_baselines(session: Session, machine_id: str, baseline_runs: int) -> Sequence[list[int]]:
+    """Runs of the identifications that make the baselines, those of the machine's first runs among them."""
+    begun = session.scalars(select(BaselineRow).where(BaselineRow.machine_id == machine_id)).all()
+    made = IdentificationRow
+    named = [number for row in begun for number in row.identification_ids or ()]
+    found = list(session.scalars(select(made.run_ids).where(made.machine_id == machine_id, made.id.in_(named))))
+    place = func.row_number().over(
+        partition_by=(made.revision, made.scope, made.run_kind, made.slow_roll_version), order_by=(made.measured_at, made.id)
+    )
+    for since in [0, *(row.since for row in begun if row.identification_ids is None)]:
+        accepted = select(made.run_ids, place.label("place")).where(
+            made.machine_id == machine_id, made.accepted, made.measured_at >= since
+        )
+        first = accepted.subquery()
+        found += session.scalars(select(first.c.run_ids).where(first.c.place <= baseline_runs))
+    return found

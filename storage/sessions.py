@@ -1,0 +1,48 @@
+"""Repository of browser sessions: who logged in on the page, until when."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import delete
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import BrowserSessionRow
+
+
+def begin(
+    session: Session,
+    *,
+    cookie_hash: str,
+    name: str,
+    role: str,
+    plants: Sequence[str] | None,
+    key_prefix: str | None,
+    token: str,
+    expires_at: int,
+) -> BrowserSessionRow:
+    """A new session; those that have ended by themselves are forgotten."""
+    moment = now()
+    session.execute(delete(BrowserSessionRow).where(BrowserSessionRow.expires_at <= moment))
+    row = BrowserSessionRow(
+        hash=cookie_hash,
+        name=name,
+        role=role,
+        plants=None if plants is None else sorted(plants),
+        key_prefix=key_prefix,
+        token=token,
+        created_at=moment,
+        expires_at=expires_at,
+    )
+    session.add(row)
+    return row
+
+
+def find(session: Session, cookie_hash: str, *, at: int) -> BrowserSessionRow | None:
+    """The session of a cookie, if it goes on at a moment [ns]."""
+    row = session.get(BrowserSessionRow, cookie_hash)
+    return row if row is not None and at < row.expires_at else None
+
+
+def end(session: Session, cookie_hash: str) -> None:
+    """Log out."""
+    session.execute(delete(BrowserSessionRow).where(BrowserSessionRow.hash == cookie_hash))

@@ -1,0 +1,62 @@
+"""The tables. Times are nanoseconds since 1970 in UTC; physical values are SI."""
+
+from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow, SubscriptionPlantRow, SubscriptionRow, SuppressionRow
+from storage.tables.base import Base
+from storage.tables.findings import DerivedRow, DiagnosisRow, EstimateRow, IdentificationRow, JobRow
+from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, MachineRow, RevisionRow, SlowRollRow, TimelineRow
+from storage.tables.measurements import (
+    CollectorRow,
+    MachineStateRow,
+    QuarantineCountRow,
+    QuarantineRow,
+    RunRow,
+    SampleBlockRow,
+    SourceRow,
+)
+from storage.tables.operation import (
+    ApiKeyRow,
+    AuditHeadRow,
+    AuditRow,
+    BrowserSessionRow,
+    ChangeCountRow,
+    IdempotencyKeyRow,
+    LeaseRow,
+    ReplicaRow,
+)
+
+__all__ = [
+    "AlertEventRow",
+    "AlertRow",
+    "ApiKeyRow",
+    "AuditHeadRow",
+    "AuditRow",
+    "Base",
+    "BaselineRow",
+    "BrowserSessionRow",
+    "CalibrationRow",
+    "ChangeCountRow",
+    "CollectorRow",
+    "DeliveryRow",
+    "DerivedRow",
+    "DiagnosisRow",
+    "EstimateRow",
+    "IdempotencyKeyRow",
+    "IdentificationRow",
+    "JobRow",
+    "LeaseRow",
+    "LimitsRow",
+    "MachineRow",
+    "MachineStateRow",
+    "QuarantineCountRow",
+    "QuarantineRow",
+    "ReplicaRow",
+    "RevisionRow",
+    "RunRow",
+    "SampleBlockRow",
+    "SlowRollRow",
+    "SourceRow",
+    "SubscriptionPlantRow",
+    "SubscriptionRow",
+    "SuppressionRow",
+    "TimelineRow",
+]

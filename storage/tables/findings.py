@@ -1,0 +1,128 @@
+"""What was found: identification jobs, their results and what follows from them."""
+
+from typing import Any
+
+from sqlalchemy import ForeignKey, ForeignKeyConstraint, Index, LargeBinary, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from storage.tables.base import Base, Key, Name
+
+
+class JobRow(Base):
+    """An identification that is to be computed, is being computed, or was. options: what differs from the usual."""
+
+    __tablename__ = "identification_jobs"
+    __table_args__ = (Index(None, "state"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    scope: Mapped[str] = mapped_column(Name(16))
+    run_ids: Mapped[list[int]]
+    request: Mapped[str] = mapped_column(Name(200), unique=True)
+    state: Mapped[str] = mapped_column(Name(16))
+    attempts: Mapped[int]
+    created_at: Mapped[int]
+    finished_at: Mapped[int | None]
+    error: Mapped[str | None] = mapped_column(Text)
+    options: Mapped[dict[str, Any] | None]
+    holder: Mapped[int | None]
+    """The replica that computes it, see `storage.replicas`."""
+
+
+class IdentificationRow(Base):
+    """One finished fit, with what is needed to repeat it."""
+
+    __tablename__ = "identifications"
+    __table_args__ = (
+        ForeignKeyConstraint(["machine_id", "revision"], ["machine_revisions.machine_id", "machine_revisions.revision"]),
+        Index(None, "machine_id", "measured_at"),
+        Index(None, "computed_at"),
+    )
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(Name(64))
+    revision: Mapped[int]
+    job_id: Mapped[int] = mapped_column(ForeignKey("identification_jobs.id"), unique=True)
+    scope: Mapped[str] = mapped_column(Name(16))
+    run_kind: Mapped[str] = mapped_column(Name(16))
+    run_ids: Mapped[list[int]]
+    measured_at: Mapped[int]
+    computed_at: Mapped[int]
+    accepted: Mapped[bool]
+    verdict: Mapped[str] = mapped_column(Text)
+    chi_square: Mapped[float]
+    degrees_of_freedom: Mapped[int]
+    condition_number: Mapped[float]
+    samples: Mapped[int]
+    speed_minimum: Mapped[float]
+    speed_maximum: Mapped[float]
+    starts: Mapped[int]
+    iterations: Mapped[int]
+    options: Mapped[dict[str, Any]]
+    code_version: Mapped[str] = mapped_column(Name(64))
+    coordinates: Mapped[list[str]]
+    covariance: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
+    # Null where an older release identified.
+    noise_relative: Mapped[float | None]
+    noise_floor: Mapped[float | None]
+    outliers: Mapped[dict[str, Any] | None]
+    point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    slow_roll_version: Mapped[int | None]
+    channel_effects: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    conditions: Mapped[dict[str, Any] | None]
+    """Mean of each operating condition over the runs, null where it was not measured; null as a whole where none is named."""
+
+
+class DiagnosisRow(Base):
+    """What an identification said of its machine when it was filed. baseline: the ids that it was compared with."""
+
+    __tablename__ = "diagnoses"
+    __table_args__ = (Index(None, "machine_id", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    machine_id: Mapped[str] = mapped_column(Name(64))
+    measured_at: Mapped[int]
+    made_at: Mapped[int]
+    baseline: Mapped[list[int]]
+    runs: Mapped[int]
+    causes: Mapped[list[dict[str, Any]]]
+
+
+class EstimateRow(Base):
+    """One parameter of one identification: the parameter history. Values are null where the data do not determine them."""
+
+    __tablename__ = "estimates"
+    __table_args__ = (Index(None, "machine_id", "parameter", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    parameter: Mapped[str] = mapped_column(Name(160), primary_key=True)
+    machine_id: Mapped[str] = mapped_column(Name(64))
+    measured_at: Mapped[int]
+    quantity: Mapped[str] = mapped_column(Name(32))
+    element: Mapped[str] = mapped_column(Name(80))
+    unit: Mapped[str] = mapped_column(Name(16))
+    value: Mapped[float | None]
+    standard_error: Mapped[float | None]
+    lower: Mapped[float | None]
+    upper: Mapped[float | None]
+    imaginary: Mapped[float | None]
+    imaginary_standard_error: Mapped[float | None]
+    reason: Mapped[str | None] = mapped_column(Text)
+
+
+class DerivedRow(Base):
+    """One quantity that follows from an identification, see `estimator.derived`. Values are null for a `reason`."""
+
+    __tablename__ = "derived_quantities"
+    __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)
+
+    identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"), primary_key=True)
+    name: Mapped[str] = mapped_column(Name(160), primary_key=True)
+    place: Mapped[int]
+    machine_id: Mapped[str] = mapped_column(Name(64))
+    measured_at: Mapped[int]
+    unit: Mapped[str] = mapped_column(Name(16))
+    value: Mapped[float | None]
+    lower: Mapped[float | None]
+    upper: Mapped[float | None]
+    reason: Mapped[str | None] = mapped_column(Text)

@@ -1,0 +1,115 @@
+"""What is known and said of machines: documents, corrections, limits, baselines, notes."""
+
+from typing import Any
+
+from sqlalchemy import ForeignKey, Index, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from storage.tables.base import Base, Key, Name
+
+
+class MachineRow(Base):
+    """A machine and the revision of its document that is in force."""
+
+    __tablename__ = "machines"
+
+    id: Mapped[str] = mapped_column(Name(64), primary_key=True)
+    plant: Mapped[str] = mapped_column(Name(64))
+    revision: Mapped[int]
+    created_at: Mapped[int]
+    slow_roll_version: Mapped[int | None]
+    """Slow-roll vectors that new identifications subtract."""
+    blocks_since: Mapped[int | None]
+    """Sample blocks that ended before that time were let go of, see `storage.retention`; null where none were."""
+
+
+class SlowRollRow(Base):
+    """Slow-roll vectors of a machine's channels; never changed. Samples and runs keep what was measured, without them."""
+
+    __tablename__ = "slow_roll_vectors"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    created_at: Mapped[int]
+    origin: Mapped[str] = mapped_column(Name(16))
+    direction: Mapped[int]
+    vectors: Mapped[dict[str, Any]]
+    """Per channel real and imaginary part, rms of the complex error [m] and the probe that it is of, or why there is none."""
+    speed_minimum: Mapped[float | None]
+    speed_maximum: Mapped[float | None]
+    time_first: Mapped[int | None]
+    time_last: Mapped[int | None]
+    comment: Mapped[str] = mapped_column(Text)
+
+
+class RevisionRow(Base):
+    """One revision of a machine's document; never changed."""
+
+    __tablename__ = "machine_revisions"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    revision: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    created_at: Mapped[int]
+
+
+class TimelineRow(Base):
+    """A note or a marker, such as a maintenance, on a machine's timeline."""
+
+    __tablename__ = "timeline"
+    __table_args__ = (Index(None, "machine_id", "at"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    at: Mapped[int]
+    kind: Mapped[str] = mapped_column(Name(32))
+    text: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(Name(120))
+    created_at: Mapped[int]
+
+
+class CalibrationRow(Base):
+    """A channel was calibrated: when, by whom, and what the certificate says. Never changed."""
+
+    __tablename__ = "calibrations"
+    __table_args__ = (Index(None, "machine_id", "at"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    channel: Mapped[str] = mapped_column(Name(64))
+    at: Mapped[int]
+    certificate: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(Name(120))
+    created_at: Mapped[int]
+
+
+class BaselineRow(Base):
+    """From when on a machine is compared with itself: the first identifications behind `since`, or those that are named.
+
+    Never changed: a newer one takes its place and this one stays readable.
+    """
+
+    __tablename__ = "baselines"
+    __table_args__ = (Index(None, "machine_id", "since"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    since: Mapped[int]
+    identification_ids: Mapped[list[int] | None]
+    reason: Mapped[str] = mapped_column(Text)
+    by: Mapped[str] = mapped_column(Name(120))
+    created_at: Mapped[int]
+
+
+class LimitsRow(Base):
+    """One version of the limits that a person set for a machine; never changed. The newest is in force."""
+
+    __tablename__ = "limits"
+
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
+    version: Mapped[int] = mapped_column(primary_key=True)
+    document: Mapped[dict[str, Any]]
+    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    at: Mapped[int]
+    by: Mapped[str] = mapped_column(Name(120))
+    comment: Mapped[str] = mapped_column(Text)

@@ -1,0 +1,114 @@
+"""The service itself: its processes, who may ask it, and what was done."""
+
+from sqlalchemy import Index, LargeBinary, String, Text
+from sqlalchemy.orm import Mapped, mapped_column
+
+from storage.tables.base import Base, Key, Name
+
+
+class IdempotencyKeyRow(Base):
+    """A key under which a client asks for something once, and what it was answered; status is null until then."""
+
+    __tablename__ = "idempotency_keys"
+    __table_args__ = (Index(None, "created_at"),)
+
+    key: Mapped[str] = mapped_column(Name(255), primary_key=True)
+    fingerprint: Mapped[str] = mapped_column(Name(64))
+    created_at: Mapped[int]
+    status: Mapped[int | None]
+    headers: Mapped[list[list[str]] | None]
+    body: Mapped[bytes | None] = mapped_column(LargeBinary)
+
+
+class ReplicaRow(Base):
+    """A process of the service that works on this database. Numbers are never given twice."""
+
+    __tablename__ = "replicas"
+    __table_args__ = {"sqlite_autoincrement": True}  # noqa: RUF012
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    role: Mapped[str] = mapped_column(String(16))
+    host: Mapped[str] = mapped_column(String(255))
+    process: Mapped[int]
+    started_at: Mapped[int]
+    seen_at: Mapped[int]
+    """By the database's clock, like `started_at`: hosts may differ."""
+
+
+class LeaseRow(Base):
+    """A part of the work that one replica at a time does; nobody where `holder` is null."""
+
+    __tablename__ = "leases"
+
+    name: Mapped[str] = mapped_column(String(32), primary_key=True)
+    holder: Mapped[int | None]
+    since: Mapped[int]
+
+
+class ChangeCountRow(Base):
+    """How often rows of a table were written, see `storage.changes`; on SQLite only."""
+
+    __tablename__ = "change_counts"
+
+    table_name: Mapped[str] = mapped_column(String(64), primary_key=True)
+    count: Mapped[int]
+
+
+class ApiKeyRow(Base):
+    """An API key, of which only the hash is kept. prefix: by which it is found, and spoken of; plants: null for all."""
+
+    __tablename__ = "api_keys"
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    prefix: Mapped[str] = mapped_column(String(16), unique=True)
+    hash: Mapped[str] = mapped_column(String(64))
+    name: Mapped[str] = mapped_column(String(120))
+    role: Mapped[str] = mapped_column(String(16))
+    plants: Mapped[list[str] | None]
+    created_at: Mapped[int]
+    expires_at: Mapped[int]
+    revoked_at: Mapped[int | None]
+    last_used_at: Mapped[int | None]
+
+
+class BrowserSessionRow(Base):
+    """Somebody who logged in on the page. hash: of the cookie; key_prefix: the API key it was done with, if it was one."""
+
+    __tablename__ = "browser_sessions"
+    __table_args__ = (Index(None, "expires_at"),)
+
+    hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    name: Mapped[str] = mapped_column(String(120))
+    role: Mapped[str] = mapped_column(String(16))
+    plants: Mapped[list[str] | None]
+    key_prefix: Mapped[str | None] = mapped_column(String(16))
+    token: Mapped[str] = mapped_column(String(64))
+    """What a change must bring along, so that another site's page cannot make it."""
+    created_at: Mapped[int]
+    expires_at: Mapped[int]
+
+
+class AuditRow(Base):
+    """One entry of the audit trail; its hash covers it and the hash of the entry before. The database refuses changes."""
+
+    __tablename__ = "audit"
+
+    number: Mapped[int] = mapped_column(Key, primary_key=True, autoincrement=False)
+    at: Mapped[int]
+    who: Mapped[str] = mapped_column(String(200))
+    address: Mapped[str] = mapped_column(String(64))
+    operation: Mapped[str] = mapped_column(String(80))
+    target: Mapped[str] = mapped_column(Text)
+    outcome: Mapped[str] = mapped_column(String(80))
+    previous: Mapped[str] = mapped_column(String(64))
+    hash: Mapped[str] = mapped_column(String(64))
+
+
+class AuditHeadRow(Base):
+    """The newest entry of the audit trail: its last rows cannot be taken away without this one being forged as well."""
+
+    __tablename__ = "audit_head"
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True, autoincrement=False)
+    number: Mapped[int]
+    hash: Mapped[str] = mapped_column(String(64))

@@ -1,0 +1,157 @@
+"""What is set in the page: limits, suppressions, subscriptions; and two identifications side by side, in a real browser."""
+
+import re
+
+from playwright.sync_api import Route, expect
+
+from tests.browser.conftest import PATIENCE_MS, Seen
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service
+
+expect.set_options(timeout=PATIENCE_MS)
+
+SETTINGS = f"machines/{MACHINE}/settings"
+
+
+def test_limits_are_seen_and_changed(seen: Seen, service: Service) -> None:
+    seen.open(SETTINGS)
+    rule = seen.page.locator("tr[data-rule=bearing]")
+    expect(rule).to_contain_text("4 σ, 5 %")
+    rule.get_by_role("button").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_role("group", name="alert").get_by_label("change").fill("7.5")
+    dialog.get_by_label("Comment").fill("its oil is warm in summer")
+    dialog.get_by_label("Your name").fill("anna")
+    dialog.get_by_role("button", name="Put in force").click()
+    expect(dialog).to_have_count(0)
+    expect(rule).to_contain_text("4 σ, 7.5 %")
+    expect(seen.page.get_by_text("its oil is warm in summer")).to_be_visible()
+    found = service.get(f"/machines/{MACHINE}/limits")
+    assert (found["limits"]["bearing"]["alert"]["per_cent"], found["by"]) == (7.5, "anna")
+    assert found["limits"]["coupling"]["alert"]["per_cent"] == 5
+    assert seen.errors == []
+
+
+def test_limits_that_make_no_sense_are_refused_with_words(seen: Seen, service: Service) -> None:
+    before = service.get(f"/machines/{MACHINE}/limits")
+    seen.open(SETTINGS)
+    seen.page.get_by_role("button", name="Change limits of coupling").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_role("group", name="danger").get_by_label("change").fill("1")
+    dialog.get_by_label("Comment").fill("x")
+    dialog.get_by_label("Your name").fill("anna")
+    dialog.get_by_role("button", name="Put in force").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("must lie above")
+    assert service.get(f"/machines/{MACHINE}/limits") == before
+
+
+def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
+    seen.open(SETTINGS)
+    expect(seen.page.get_by_text("every alert calls")).to_be_visible()
+    seen.page.get_by_role("button", name="Suppress").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("Element").select_option("bearing.B1")
+    dialog.get_by_label("Comment").fill("its probe is out for calibration")
+    dialog.get_by_label("Your name").fill("anna")
+    dialog.get_by_role("button", name="Suppress").click()
+    table = seen.page.locator("table.suppressions")
+    expect(table).to_contain_text("bearing B1")
+    (one,) = service.get(f"/machines/{MACHINE}/suppressions")
+    assert (one["element"], one["rule"], one["until"], one["by"]) == ("bearing.B1", None, None, "anna")
+    table.get_by_role("button", name="End").click()
+    seen.page.get_by_role("dialog").get_by_role("button", name="End").click()
+    expect(seen.page.get_by_text("every alert calls")).to_be_visible()
+    assert service.get(f"/machines/{MACHINE}/suppressions") == []
+    assert service.get(f"/suppressions/{one['id']}")["ended_by"] == "anna"
+    assert seen.errors == []
+
+
+def test_a_subscription_is_added_tried_and_turned_off(seen: Seen, service: Service) -> None:
+    seen.open("subscriptions")
+    expect(seen.page.get_by_text("Nobody is told")).to_be_visible()
+    seen.page.get_by_role("button", name="Add").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("How").select_option("zenoh")
+    dialog.get_by_label("Name").fill("control room")
+    dialog.get_by_role("button", name="Add").click()
+    one = seen.page.locator(".subscription")
+    expect(one).to_contain_text("control room")
+    one.get_by_role("button", name="Send a test").click()
+    expect(one.get_by_role("status")).to_contain_text("test message delivered")
+    one.get_by_role("button", name="deliveries").click()
+    expect(one).to_contain_text("Nothing was delivered yet")
+    one.get_by_role("button", name="Disable").click()
+    expect(one).to_contain_text("disabled")
+    (found,) = service.get("/subscriptions")
+    assert (found["name"], found["state"]) == ("control room", "disabled")
+    one.get_by_role("button", name="Enable").click()
+    expect(one.get_by_role("button", name="Disable")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_the_secret_of_a_webhook_is_shown_once(seen: Seen) -> None:
+    seen.open("subscriptions")
+    seen.page.get_by_role("button", name="Add").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("Name").fill("historian")
+    dialog.get_by_label("Address").fill("no address")
+    dialog.get_by_role("button", name="Add").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("http")
+    dialog.get_by_label("Address").fill("https://historian.example/alerts")
+    dialog.get_by_role("button", name="Add").click()
+    expect(seen.page.locator(".secret code")).to_have_text(re.compile("^whsec_"))
+    seen.page.reload()
+    expect(seen.page.locator(".subscription", has_text="historian")).to_be_visible()
+    expect(seen.page.locator(".secret")).to_have_count(0)
+
+
+def test_two_identifications_are_compared(seen: Seen, service: Service) -> None:
+    found = [one for one in service.get(f"/machines/{MACHINE}/identifications") if one["scope"] == "run"]
+    newest, oldest = found[0]["id"], found[-1]["id"]
+    seen.open(f"machines/{MACHINE}/identified?identification={newest}")
+    seen.page.get_by_label("Against").select_option(str(oldest))
+    expected = service.get("/identifications/compare", first=oldest, second=newest)
+    rows = seen.page.locator("table.comparison tbody tr")
+    expect(rows).to_have_count(len(expected["changes"]))
+    strongest = max(expected["changes"], key=lambda one: abs(one["sigma"] or 0))
+    expect(rows.first).to_contain_text(strongest["parameter"])
+    assert seen.errors == []
+
+
+def test_the_correlation_of_estimates_is_drawn_and_read_out(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/identified?identification=1")
+    found = service.get("/identifications/1/correlation")
+    picture = seen.page.locator(".correlation svg")
+    expect(picture).to_be_visible()
+    shown = picture.locator("rect, path").count()
+    count = len(found["coordinates"])
+    assert count <= shown <= count * count
+    picture.hover(position={"x": 2, "y": 2})
+    first = found["coordinates"][0]
+    expect(seen.page.locator(".correlation figcaption")).to_contain_text(f"{first} and {first}: 1.0")
+    assert seen.errors == []
+
+
+def test_a_list_that_is_cut_says_so(seen: Seen, service: Service) -> None:
+    (alert,) = service.get("/alerts", limit=1)
+
+    def many(route: Route) -> None:  # as on a plant with a long history
+        route.fulfill(json=[alert | {"id": number} for number in range(200)])
+
+    seen.page.route(re.compile(r"/alerts\?"), many)
+    seen.open("alerts")
+    expect(seen.page.get_by_text("The newest 200 are shown; there may be more.")).to_be_visible()
+
+
+def test_a_report_of_a_past_period_shows_what_was_identified_then(seen: Seen, service: Service) -> None:
+    found = service.get(f"/machines/{MACHINE}/identifications")
+    past = [one for one in found if one["measured_at"][:10] < found[0]["measured_at"][:10]]
+    assert past, "the story is longer than a day"
+    day = past[0]["measured_at"][:10]
+    shown = next(one for one in past if one["measured_at"][:10] <= day and one["accepted"] and one["scope"] == "run")
+    asked: list[str] = []
+    seen.page.on("request", lambda request: asked.append(request.url))
+    seen.open(f"reports/{MACHINE}?from=2020-01-01&to={day}")
+    expect(seen.page.locator(".elements table").first).to_be_visible()
+    assert any(url.endswith(f"/identifications/{shown['id']}") for url in asked)
+    assert not any(url.endswith(f"/identifications/{found[0]['id']}") for url in asked)

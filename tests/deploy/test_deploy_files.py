@@ -1,0 +1,132 @@
+"""The files of deploy/: commands and settings are those of the service, and the programs that read them take them."""
+
+import re
+import shlex
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+import yaml
+
+from service.cli import app
+from service.settings import Settings
+
+ROOT = Path(__file__).parents[2]
+DEPLOY = ROOT / "deploy"
+UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
+COMPOSE = DEPLOY / "compose" / "compose.yaml"
+KUBERNETES = DEPLOY / "kubernetes" / "rundown.yaml"
+RULES = ROOT / "examples" / "monitoring" / "rundown-rules.yml"
+
+
+def compose() -> dict[str, Any]:
+    return dict(yaml.safe_load(COMPOSE.read_text()))
+
+
+def manifests() -> list[dict[str, Any]]:
+    return [one for one in yaml.safe_load_all(KUBERNETES.read_text()) if one]
+
+
+def commands() -> Iterator[tuple[str, list[str]]]:
+    """Every command line that a file gives to the service, and where it stands."""
+    for unit in UNITS:
+        (line,) = re.findall(r"^ExecStart=/opt/rundown/bin/rundown (.*)$", unit.read_text(), re.MULTILINE)
+        for role in ("ingest", "identify", "api") if "%i" in line else ("",):
+            words = line.replace("%i", role).replace("${PROCESSES}", "2").replace("${", "").replace("}", "")
+            yield unit.name, shlex.split(words)
+    for name, service in compose()["services"].items():
+        if "rundown" in service.get("image", ""):
+            yield f"compose {name}", service["command"]
+    for one in manifests():
+        if one["kind"] == "Deployment":
+            yield f"kubernetes {one['metadata']['name']}", one["spec"]["template"]["spec"]["containers"][0]["args"]
+    (line,) = re.findall(r"^exec /opt/rundown/bin/rundown (.*)$", (DEPLOY / "zenoh/plant-router.sh").read_text(), re.MULTILINE)
+    yield "plant-router.sh", shlex.split(line)
+    readme = (DEPLOY / "README.md").read_text()
+    for line in re.findall(r"^docker compose run --rm api (.*?)(?:  |$)", readme, re.MULTILINE):
+        yield "README.md", shlex.split(line)
+    for line in re.findall(r"^docker compose exec api rundown (.*)$", readme, re.MULTILINE):
+        yield "README.md", shlex.split(line)
+
+
+@pytest.mark.parametrize(("where", "words"), list(commands()))
+def test_the_service_knows_every_command(where: str, words: list[str]) -> None:
+    command: Any = typer.main.get_command(app)
+    name = "rundown"
+    while hasattr(command, "commands"):
+        assert words[0] in command.commands, f"{where}: no command {words[0]}"
+        name, command, words = words[0], command.commands[words[0]], words[1:]
+    command.make_context(name, list(words))  # raises for an option that is not there
+
+
+def test_every_setting_that_a_file_names_is_one() -> None:
+    known = {f"RUNDOWN_{name.upper()}" for name in Settings.model_fields}
+    found = 0
+    for file in [*DEPLOY.rglob("*"), *(ROOT / "docs").glob("*.md")]:
+        if file.is_file():
+            for name in re.findall(r"RUNDOWN_[A-Z0-9_]*[A-Z0-9]\b(?!…)", file.read_text()):
+                if name in ("RUNDOWN_TEST_DATABASE", "RUNDOWN_REQUIRE_ALL") or f"{name}_…" in file.read_text():
+                    continue
+                assert name in known, f"{file.relative_to(ROOT)}: no setting {name}"
+                found += 1
+    assert found > 20
+
+
+def test_containers_get_what_the_image_gives() -> None:
+    """The user who runs it, and who the volumes and secrets belong to, is one and the same."""
+    image = (DEPLOY / "Containerfile").read_text()
+    (user,) = re.findall(r"^USER (\d+)$", image, re.MULTILINE)
+    assert f"--uid {user}" in image
+    assert f"chown {user} secrets/database_url" in (DEPLOY / "compose/secrets.sh").read_text()
+    for one in manifests():
+        if one["kind"] == "Deployment":
+            assert one["spec"]["template"]["spec"]["securityContext"]["runAsUser"] == int(user)
+    for path in re.findall(r"^COPY (?!--from)(.*) \S+$", image, re.MULTILINE):
+        for name in path.split():
+            assert (ROOT / name).exists(), name
+
+
+def test_compose_holds_together() -> None:
+    whole = compose()
+    for name, service in whole["services"].items():
+        assert set(service.get("secrets", [])) <= set(whole["secrets"]), name
+        for volume in service.get("volumes", []):
+            source = volume.split(":")[0]
+            assert source in whole["volumes"] or (COMPOSE.parent / source).exists(), f"{name}: {source}"
+    made = (DEPLOY / "compose/secrets.sh").read_text()
+    for name, secret in whole["secrets"].items():
+        assert secret["file"].removeprefix("./") in made, name
+
+
+@pytest.mark.parametrize("unit", UNITS, ids=lambda unit: unit.name)
+def test_units_are_right(unit: Path) -> None:
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("systemd-analyze is not installed")
+    told = subprocess.run(["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, check=False).stderr
+    of_ours = [line for line in told.splitlines() if "rundown" in line and "is not executable" not in line]
+    assert not of_ours
+
+
+def test_every_alarm_is_in_the_runbook() -> None:
+    alarms = [rule["alert"] for group in yaml.safe_load(RULES.read_text())["groups"] for rule in group["rules"]]
+    runbook = (ROOT / "docs" / "runbook.md").read_text()
+    assert re.findall(r"^\| (Rundown\w+) \|", runbook, re.MULTILINE) == alarms
+
+
+def test_prometheus_and_alertmanager_take_their_files(tmp_path: Path) -> None:
+    for program in ("promtool", "amtool"):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed")
+    written = (COMPOSE.parent / "prometheus/prometheus.yml").read_text()
+    key = tmp_path / "key"
+    key.write_text("k")
+    here = written.replace("/etc/prometheus/rundown-rules.yml", str(RULES)).replace("/run/secrets/metrics_key", str(key))
+    (tmp_path / "prometheus.yml").write_text(here)
+    subprocess.run(["promtool", "check", "config", str(tmp_path / "prometheus.yml")], check=True, capture_output=True)
+    subprocess.run(
+        ["amtool", "check-config", str(COMPOSE.parent / "alertmanager/alertmanager.yml")], check=True, capture_output=True
+    )

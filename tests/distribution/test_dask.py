@@ -1,0 +1,121 @@
+"""Identification by a Dask cluster: a real scheduler and workers as processes, killed mid-job and brought back."""
+
+import contextlib
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from estimator.machine import Machine
+from service.identifying import Identifying
+from service.settings import Settings
+from storage import identifications, jobs, machines
+from storage.database import Database
+from tests.end_to_end.processes import free_port, process, python, until
+from tests.identification import chapter_3, close_run, counts
+
+
+class Cluster:
+    """A scheduler and workers, in `folder`."""
+
+    def __init__(self, folder: Path, stack: contextlib.ExitStack) -> None:
+        self._folder, self._stack = folder, stack
+        self.port = free_port()
+        self.address = f"tcp://127.0.0.1:{self.port}"
+
+    def start_scheduler(self) -> subprocess.Popen[bytes]:
+        arguments = ["--host", "127.0.0.1", "--port", str(self.port), "--no-dashboard"]
+        return self._stack.enter_context(
+            python(self._folder / "scheduler.log", "-m", "distributed.cli.dask_scheduler", *arguments)
+        )
+
+    def start_worker(self, name: str) -> subprocess.Popen[bytes]:
+        log = self._folder / f"{name}.log"
+        return self._stack.enter_context(process(log, "worker", self.address, "--processes", "1"))
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    """The test starts its parts."""
+    with contextlib.ExitStack() as stack:
+        yield Cluster(tmp_path, stack)
+
+
+@pytest.fixture
+def train() -> Machine:
+    """The train of the thesis's Chapter 3."""
+    return chapter_3()
+
+
+@contextlib.contextmanager
+def identifying(database: Database, cluster: Cluster) -> Iterator[Identifying]:
+    """The identification thread with the cluster."""
+    work = Identifying(database, Settings(dask_scheduler=cluster.address))
+    work.start()
+    try:
+        yield work
+    finally:
+        work.stop()
+
+
+@pytest.mark.long
+def test_jobs_are_done_by_workers_also_when_one_is_killed_and_when_the_scheduler_comes_back(
+    cluster: Cluster, database: Database, train: Machine
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    for number in range(8):
+        close_run(database, train, seed=number, start_s=1_700_000_000 + 3600 * number)
+    with identifying(database, cluster) as work:
+        until(lambda: work.trouble is not None and "does not answer" in work.trouble, within_s=20, what="no scheduler is said")
+        scheduler = cluster.start_scheduler()
+        until(lambda: work.trouble is not None and "no workers" in work.trouble, within_s=20, what="no workers is said")
+        first = cluster.start_worker("first")
+        until(lambda: counts(database).get("done", 0) >= 1, within_s=60, what="the worker computes")
+        cluster.start_worker("second")
+        until(lambda: counts(database).get("running", 0) >= 1, within_s=30, what="it computes on")
+        first.kill()
+        until(lambda: counts(database) == {"done": 8}, within_s=90, what="the other worker does the rest")
+
+        close_run(database, train, seed=9, start_s=1_800_000_000)
+        scheduler.kill()
+        scheduler.wait()
+        time.sleep(1.0)
+        close_run(database, train, seed=10, start_s=1_800_100_000)
+        cluster.start_scheduler()
+        until(lambda: counts(database) == {"done": 10}, within_s=90, what="all jobs are done")
+        until(lambda: work.trouble is None, within_s=10, what="no trouble is left")
+    with database.reading() as session:
+        rows = identifications.of_machine(session, train.id)
+        assert len(rows) == 10
+        assert all(row.accepted for row in rows)
+
+
+@pytest.mark.long
+def test_a_job_that_kills_its_process_every_time_is_put_aside_and_others_go_on(
+    cluster: Cluster, database: Database, train: Machine
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    cluster.start_scheduler()
+    worker = cluster.start_worker("worker")
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, cluster):
+        killed = 0
+        deadline = time.monotonic() + 90
+        while counts(database) != {jobs.QUARANTINED: 1}:
+            assert time.monotonic() < deadline, counts(database)
+            for child in psutil.Process(worker.pid).children(recursive=True):
+                # The process that computes, not multiprocessing's own.
+                if counts(database).get("running") and "spawn_main" in " ".join(child.cmdline()):
+                    with contextlib.suppress(psutil.NoSuchProcess):
+                        child.send_signal(signal.SIGKILL)
+                        killed += 1
+            time.sleep(0.05)
+        assert killed >= 3
+        close_run(database, train, seed=2, start_s=1_700_100_000)
+        until(lambda: counts(database) == {"quarantined": 1, "done": 1}, within_s=60, what="the next one is computed")

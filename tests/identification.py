@@ -1,0 +1,46 @@
+"""Closed runs of the train of the thesis's Chapter 3, with their jobs, as the collector leaves them."""
+
+from pathlib import Path
+
+import numpy as np
+
+from estimator.channel_status import ChannelStatus
+from estimator.machine import Machine
+from estimator.simulation import draw_truth, measured_phasors, speed_law
+from service.documents import read_machine
+from storage import jobs, runs
+from storage.blocks import Samples
+from storage.database import Database
+
+
+def chapter_3() -> Machine:
+    """The train of the thesis's Chapter 3."""
+    return read_machine(Path(__file__).parents[1] / "examples" / "thesis-chapter-3.yaml")
+
+
+def close_run(database: Database, train: Machine, *, seed: int, start_s: int, ask: bool = True) -> int:
+    """Store a run-down as the collector would, with its job."""
+    rng = np.random.default_rng(seed)
+    seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
+    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
+    held = Samples(
+        time=(start_s * 1_000_000_000 + seconds * 1e9).astype(np.int64),
+        speed=speed,
+        direction=np.ones(speed.size, np.int8),
+        phasor=phasor,
+        status=np.where(np.isfinite(phasor), ChannelStatus.GOOD, ChannelStatus.NOT_AVAILABLE).astype(np.uint8),
+        scatter=np.full(phasor.shape, np.nan),
+        second=np.full(phasor.shape, complex(np.nan, np.nan)),
+    )
+    with database.transaction() as session:
+        row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))
+        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+        if ask:
+            jobs.ask(session, train.id, scope=jobs.RUN, run_ids=[row.id])
+        return row.id
+
+
+def counts(database: Database) -> dict[str, int]:
+    """Jobs by state."""
+    with database.reading() as session:
+        return jobs.count(session)

@@ -1,0 +1,157 @@
+"""The audit trail: what is in it, that it is written with what it tells of, and that a change of it is found."""
+
+import pytest
+from sqlalchemy import text
+from sqlalchemy.exc import DBAPIError
+
+from service.security import api_keys
+from storage import audit
+from storage.audit import Entry
+from storage.database import Database
+from tests.asking import PREFIX, Api, problem, value
+from tests.end_to_end.processes import rundown
+from tests.plant import KEY
+from tests.service.security.conftest import Filled, bearer
+
+NOTES = f"{PREFIX}/machines/{KEY.machine}/timeline"
+NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "x"}
+
+
+@pytest.fixture
+def trail(database: Database) -> Database:
+    """Five entries."""
+    with database.transaction() as session:
+        for number in range(5):
+            audit.append(session, Entry("anna", "127.0.0.1", "set_limits", f"machine {number}", "done"))
+    return database
+
+
+def broken(database: Database, *statements: str) -> list[tuple[int, str]]:
+    """What is found after somebody changed the file itself, without its triggers."""
+    with database.engine.begin() as connection:
+        if connection.dialect.name == "postgresql":
+            connection.execute(text("ALTER TABLE audit DISABLE TRIGGER audit_append_only"))
+        else:
+            for name in ("audit_no_update", "audit_no_delete"):
+                connection.execute(text(f"DROP TRIGGER IF EXISTS {name}"))
+        for statement in statements:
+            connection.execute(text(statement))
+    with database.reading() as session:
+        return [(one.number, one.reason) for one in audit.verify(session)]
+
+
+def test_a_trail_that_nobody_touched_holds(trail: Database) -> None:
+    with trail.reading() as session:
+        assert audit.verify(session) == []
+        number, digest = audit.head(session)
+        assert (number, len(digest)) == (5, 64)
+        assert audit.verify(session, known=(5, digest)) == []
+
+
+@pytest.mark.parametrize("statement", ["UPDATE audit SET who = 'x'", "DELETE FROM audit"])
+def test_the_database_itself_refuses_changes(trail: Database, statement: str) -> None:
+    with pytest.raises(DBAPIError, match="append-only"), trail.engine.begin() as connection:
+        connection.execute(text(statement))
+
+
+@pytest.mark.parametrize("column", ["at", "who", "address", "operation", "target", "outcome"])
+def test_a_changed_entry_is_found(trail: Database, column: str) -> None:
+    changed = "at + 1" if column == "at" else "'x'"
+    assert broken(trail, f"UPDATE audit SET {column} = {changed} WHERE number = 3") == [(3, "was changed")]
+
+
+def test_a_changed_entry_with_its_hash_made_anew_is_found(trail: Database) -> None:
+    with trail.reading() as session:
+        row = audit.newest(session, limit=3)[-1]
+        row.who = "mallory"
+        forged = audit.digest(row)
+        session.rollback()
+    found = broken(trail, f"UPDATE audit SET who = 'mallory', hash = '{forged}' WHERE number = 3")
+    assert found == [(4, "does not follow the entry before it")]
+
+
+def test_removed_entries_are_found(trail: Database) -> None:
+    assert [number for number, _ in broken(trail, "DELETE FROM audit WHERE number = 3")] == [3]
+    assert 1 in [number for number, _ in broken(trail, "DELETE FROM audit WHERE number = 1")]
+
+
+def test_a_removed_end_is_found(trail: Database) -> None:
+    assert broken(trail, "DELETE FROM audit WHERE number > 3") == [(5, "the last entry should be 5, and is 3")]
+
+
+def test_reordered_entries_are_found(trail: Database) -> None:
+    swap = ("UPDATE audit SET number = 99 WHERE number = 2", "UPDATE audit SET number = 2 WHERE number = 4")
+    found = broken(trail, *swap, "UPDATE audit SET number = 4 WHERE number = 99")
+    assert {2, 4} <= {number for number, _ in found}
+
+
+def test_a_chain_forged_throughout_does_not_fit_what_was_noted(trail: Database) -> None:
+    with trail.reading() as session:
+        known = audit.head(session)
+    broken(trail, "DELETE FROM audit", "DELETE FROM audit_head")
+    with trail.transaction() as session:
+        for number in range(6):
+            audit.append(session, Entry("nobody", "127.0.0.1", "nothing", str(number), "done"))
+    with trail.reading() as session:
+        assert audit.verify(session) == []
+        assert [one.reason for one in audit.verify(session, known=known)] == ["is not the entry that was noted"]
+
+
+def test_the_command_says_what_does_not_hold(trail: Database) -> None:
+    url = trail.engine.url.render_as_string(hide_password=False)
+    held = rundown("audit", "verify", "--database", url)
+    assert held.returncode == 0, held.stderr
+    noted = held.stdout.split(": ")[1].strip()
+    assert rundown("audit", "verify", "--noted", noted, "--database", url).returncode == 0
+    broken(trail, "UPDATE audit SET outcome = 'refused' WHERE number = 2")
+    found = rundown("audit", "verify", "--database", url)
+    assert found.returncode == 1
+    assert "entry 2: was changed" in found.stderr
+
+
+# --- what is in it --------------------------------------------------------------------------------------------------
+
+
+def test_a_change_is_in_the_trail_with_who_made_it(api: Api, filled: Filled) -> None:
+    value(api.ask("POST", NOTES, json=NOTE, headers=bearer(filled.keys["own"])), 201)
+    newest = value(api.ask("GET", f"{PREFIX}/audit?limit=1", headers=bearer(filled.keys["admin"])))[0]
+    prefix = filled.keys["own"].split("_")[1]
+    assert newest["who"] == f"own admin (key {prefix})"
+    assert (newest["operation"], newest["target"], newest["outcome"]) == ("add_timeline_entry", f"POST {NOTES}", "done")
+    assert newest["address"] == "127.0.0.1"
+
+
+def test_what_was_not_done_is_not_said_to_be_done(api: Api, filled: Filled) -> None:
+    with api.database.reading() as session:
+        before = audit.head(session)
+    problem(api.ask("POST", NOTES, json={"at": "never"}, headers=bearer(filled.keys["own"])), 422)
+    problem(api.ask("POST", f"{PREFIX}/alerts/1/unshelve", json={"by": "x"}, headers=bearer(filled.keys["own"])), 428)
+    with api.database.reading() as session:
+        assert audit.head(session) == before
+
+
+def test_what_was_refused_for_the_role_is_in_it(api: Api, filled: Filled) -> None:
+    problem(api.ask("POST", NOTES, json=NOTE, headers=bearer(filled.keys["viewer"])), 403)
+    with api.database.reading() as session:
+        row = audit.newest(session, limit=1)[0]
+        assert (row.operation, row.outcome) == ("add_timeline_entry", "refused")
+        assert audit.verify(session) == []
+
+
+def test_the_trail_is_for_administrators_of_all_plants(api: Api, filled: Filled) -> None:
+    for key in ("viewer", "analyst", "operator", "own", "source"):
+        problem(api.ask("GET", f"{PREFIX}/audit", headers=bearer(filled.keys[key])), 403)
+
+
+def test_keys_made_and_revoked_by_the_command_are_in_it(store: Database) -> None:
+    url = store.engine.url.render_as_string(hide_password=False)
+    made = rundown("key", "create", "shift", "--role", "viewer", "--plant", KEY.plant, "--database", url)
+    prefix = made.stdout.split("_")[1]
+    assert rundown("key", "revoke", prefix, "--database", url).returncode == 0
+    assert rundown("key", "revoke", "nothing", "--database", url).returncode == 1
+    listed = rundown("key", "list", "--database", url).stdout
+    assert f"{prefix}  revoked  viewer    {KEY.plant}" in listed
+    assert made.stdout.strip() not in listed
+    with store.reading() as session:
+        assert [row.operation for row in audit.newest(session, limit=2)] == ["revoke_key", "create_key"]
+    assert api_keys.COMMAND == "rundown key"

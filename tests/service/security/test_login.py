@@ -1,0 +1,229 @@
+"""Logging in over HTTP: what the cookie is like, what it opens, and what another site's page cannot do with it."""
+
+from collections.abc import Iterator
+from urllib.parse import parse_qs, urlsplit
+
+import httpx
+import pytest
+
+from service.security import api_keys
+from service.security.answer_headers import NOTHING
+from service.security.authentication import REMEMBERED_S
+from service.security.configuration import Security
+from service.security.open_id import LoginFailed, OpenId
+from storage import audit
+from storage.database import Database
+from tests.asking import PREFIX, Api, problem, value
+from tests.plant import KEY
+from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api, tokens
+from tests.service.security.issuer import CLIENT, Issuer
+
+ME = f"{PREFIX}/me"
+NOTES = f"{PREFIX}/machines/{KEY.machine}/timeline"
+NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "x"}
+
+
+@pytest.fixture
+def api(store: Database, issuer: Issuer) -> Iterator[Api]:
+    """The application with keys and an issuer at which one can log in."""
+    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    security = Security(tokens=tokens(issuer), open_id=open_id, requests=PATIENT, failures=(0.001, 3.0))
+    one = opened_api(store, security)
+    yield one
+    one.http.close()
+
+
+def logged_in(api: Api, key: str) -> str:
+    """The session's token, after a login."""
+    answer = api.ask("POST", "/login", data={"key": key})
+    assert answer.status_code == 303, answer.text
+    return str(value(api.ask("GET", ME))["token"])
+
+
+def test_a_session_does_what_its_key_may(api: Api, filled: Filled) -> None:
+    token = logged_in(api, filled.keys["own"])
+    me = value(api.ask("GET", ME))
+    assert (me["name"], me["role"], me["plants"], me["kind"]) == ("own admin", "admin", [KEY.plant], "session")
+    noted = value(api.ask("POST", NOTES, json=NOTE, headers={"X-Rundown-Token": token}), 201)
+    assert noted["by"] == "own admin"
+    problem(api.ask("GET", f"{PREFIX}/machines/quince-9"), 404)
+
+
+def test_the_cookie_is_read_by_no_script_and_sent_by_no_other_site(api: Api, filled: Filled) -> None:
+    cookie = api.ask("POST", "/login", data={"key": filled.keys["viewer"]}).headers["set-cookie"]
+    assert cookie.startswith("rundown_session=")
+    assert {"HttpOnly", "SameSite=strict", "Path=/", "Max-Age=43200"} <= set(cookie.split("; "))
+    secure = httpx.Client(transport=api.http._transport, base_url="https://rundown")
+    cookie = secure.post("/login", data={"key": filled.keys["viewer"]}).headers["set-cookie"]
+    assert cookie.startswith("__Host-rundown_session=")
+    assert "Secure" in cookie.split("; ")
+
+
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {},
+        {"X-Rundown-Token": "guessed"},
+        {"X-Rundown-Token": "right", "Origin": "https://evil.example"},
+        {"X-Rundown-Token": "right", "Origin": "null"},
+        {"X-Rundown-Token": "right", "Sec-Fetch-Site": "cross-site"},
+        {"X-Rundown-Token": "right", "Sec-Fetch-Site": "same-site"},
+    ],
+)
+def test_another_sites_page_changes_nothing(api: Api, filled: Filled, headers: dict[str, str]) -> None:
+    token = logged_in(api, filled.keys["operator"])
+    sent = headers | ({"X-Rundown-Token": token} if headers.get("X-Rundown-Token") == "right" else {})
+    problem(api.ask("POST", NOTES, json=NOTE, headers=sent), 403)
+    own = {"X-Rundown-Token": token, "Origin": "http://rundown", "Sec-Fetch-Site": "same-origin"}
+    value(api.ask("POST", NOTES, json=NOTE, headers=own), 201)
+
+
+def test_where_nobody_needs_to_log_in_another_sites_page_changes_nothing_either(plant: Database) -> None:
+    """On loopback, a page of the internet can make the browser ask."""
+    api = opened_api(plant, Security())
+    for headers in ({"Origin": "https://evil.example"}, {"Sec-Fetch-Site": "cross-site"}):
+        problem(api.ask("POST", NOTES, json=NOTE, headers=headers), 403)
+    value(api.ask("POST", NOTES, json=NOTE), 201)
+    value(api.ask("POST", NOTES, json=NOTE, headers={"Origin": "http://rundown"}), 201)
+    api.http.close()
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [("localhost:8080", 200), ("127.0.0.1:8080", 200), ("[::1]:8080", 200), ("plant.example", 200), ("evil.example", 421)],
+)
+def test_a_name_that_was_made_to_mean_this_machine_reads_nothing(plant: Database, host: str, status: int) -> None:
+    """DNS rebinding: the page of another site asks under its own name."""
+    api = opened_api(plant, Security(names_checked=True, public_url="https://plant.example"))
+    assert api.ask("GET", f"{PREFIX}/machines", headers={"Host": host}).status_code == status
+    api.http.close()
+
+
+def test_logging_out_ends_the_session_at_once(api: Api, filled: Filled) -> None:
+    logged_in(api, filled.keys["viewer"])
+    cookie = dict(api.http.cookies)
+    assert api.ask("POST", "/logout", headers={"Origin": "http://rundown"}).status_code == 204
+    assert not api.http.cookies
+    problem(api.ask("GET", ME, headers={"Cookie": f"rundown_session={cookie['rundown_session']}"}), 401)
+
+
+def test_a_session_ends_with_its_key(api: Api, filled: Filled) -> None:
+    logged_in(api, filled.keys["viewer"])
+    with api.database.transaction() as session:
+        api_keys.revoke(session, filled.keys["viewer"].split("_")[1])
+    authentication = api.app.state.authentication
+    before = authentication._clock
+    authentication._clock = lambda: before() + REMEMBERED_S + 0.1
+    assert "no longer valid" in problem(api.ask("GET", ME), 401)["detail"]
+
+
+def test_each_login_has_a_new_cookie(api: Api, filled: Filled) -> None:
+    found = {api.ask("POST", "/login", data={"key": filled.keys["viewer"]}).headers["set-cookie"] for _ in range(3)}
+    assert len(found) == 3
+
+
+def test_wrong_keys_are_slowed_down_and_written_down(api: Api, filled: Filled) -> None:
+    codes = [api.ask("POST", "/login", data={"key": "rundown_00000000_x"}).status_code for _ in range(5)]
+    assert codes == [401, 401, 401, 429, 429]
+    assert int(api.ask("POST", "/login", data={"key": "no"}).headers["retry-after"]) > 1
+    assert api.ask("POST", "/login", data={"key": filled.keys["viewer"]}).status_code == 303
+    with api.database.reading() as session:
+        rows = audit.newest(session, limit=4)
+    assert [(row.operation, row.outcome) for row in rows] == [("log_in", "done")] + [("log_in", "refused")] * 3
+
+
+def test_a_sources_key_and_a_long_form_log_nobody_in(api: Api, filled: Filled) -> None:
+    assert api.ask("POST", "/login", data={"key": filled.keys["source"]}).status_code == 403
+    assert api.ask("POST", "/login", data={"key": "x" * 5000}).status_code == 413
+
+
+# --- at the issuer --------------------------------------------------------------------------------------------------
+
+
+def begun(api: Api) -> str:
+    """Where the issuer sends the browser."""
+    away = api.ask("GET", "/login/issuer")
+    assert away.status_code == 303
+    asked = parse_qs(urlsplit(away.headers["location"]).query)
+    assert asked["code_challenge_method"] == ["S256"]
+    assert len(asked["state"][0]) == len(asked["nonce"][0]) == 43
+    back = httpx.get(away.headers["location"], follow_redirects=False).headers["location"]
+    assert back.startswith("http://rundown/login/callback?")
+    return str(back)
+
+
+def test_a_login_at_the_issuer_gives_its_role_and_plants(api: Api, issuer: Issuer) -> None:
+    issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "analyst", "rundown_plants": [KEY.plant]}
+    back = begun(api)
+    assert api.ask("GET", back).status_code == 303
+    me = value(api.ask("GET", ME))
+    assert (me["name"], me["role"], me["plants"]) == ("Berta", "analyst", [KEY.plant])
+    api.http.cookies.clear()
+    assert api.ask("GET", back).status_code == 401  # a code is good once
+
+
+def test_a_login_that_another_browser_began_is_not_taken(api: Api, issuer: Issuer) -> None:
+    """Or somebody could be made to work under another's name."""
+    issuer.claims = {"sub": "mallory", "name": "Mallory", "rundown_role": "admin", "rundown_plants": "*"}
+    back = begun(api)
+    api.http.cookies.clear()
+    assert api.ask("GET", back).status_code == 401
+    assert "set-cookie" not in api.ask("GET", "/login/callback?code=x&state=y").headers
+
+
+def test_who_has_no_role_at_the_issuer_is_told_so(api: Api, issuer: Issuer) -> None:
+    issuer.claims = {"sub": "carl", "name": "Carl", "rundown_role": None, "rundown_plants": "*"}
+    answer = api.ask("GET", begun(api))
+    assert answer.status_code == 403
+    assert "Carl has no role here" in answer.text
+
+
+@pytest.mark.parametrize("changes", [{"nonce": "another"}, {"aud": "another"}, {"exp": 1}])
+def test_an_id_token_of_another_login_is_not_taken(api: Api, issuer: Issuer, changes: dict[str, object]) -> None:
+    issuer.claims = {"sub": "carl", "name": "Carl", "rundown_role": "admin", "rundown_plants": "*"}
+    exchanged = issuer.exchanged
+
+    def forged(form: dict[str, str]) -> dict[str, object]:
+        assert "id_token" in exchanged(form)
+        return {"id_token": issuer.token(**({"aud": CLIENT, "rundown_role": "admin"} | changes))}
+
+    issuer.exchanged = forged  # type: ignore[method-assign]
+    try:
+        assert api.ask("GET", begun(api)).status_code == 401
+    finally:
+        issuer.exchanged = exchanged  # type: ignore[method-assign]
+
+
+def test_an_issuer_that_calls_itself_otherwise_is_not_believed(issuer: Issuer) -> None:
+    other = OpenId(issuer=issuer.url + "/", client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    with pytest.raises(LoginFailed, match="calls itself"):
+        other.begin("http://rundown")
+
+
+# --- headers of every answer ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", ["/", "/login", "/nothing", ME, "/metrics", f"{PREFIX}/docs", f"{PREFIX}/openapi.json"])
+def test_every_answer_says_what_browsers_may_do_with_it(api: Api, filled: Filled, path: str) -> None:
+    for headers in ({}, bearer(filled.keys["viewer"])):
+        found = api.ask("GET", path, headers=headers).headers
+        assert found["x-content-type-options"] == "nosniff"
+        assert found["referrer-policy"] in ("no-referrer", "same-origin")
+        assert "frame-ancestors 'none'" in found["content-security-policy"]
+        assert "unsafe-inline" not in found["content-security-policy"]
+        assert found["cross-origin-opener-policy"] == "same-origin"
+        assert "strict-transport-security" not in found
+    assert api.ask("GET", ME).headers["content-security-policy"] == NOTHING
+    assert api.ask("GET", ME).headers["cache-control"] == "no-store"
+
+
+def test_an_unexpected_error_has_them_as_well(api: Api, filled: Filled) -> None:
+    api.parts = None  # type: ignore[assignment]
+    answer = api.ask("GET", f"{PREFIX}/health/stages", headers=bearer(filled.keys["viewer"]))
+    assert answer.status_code == 500
+    assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+def test_over_tls_browsers_are_told_to_stay_there(api: Api) -> None:
+    secure = httpx.Client(transport=api.http._transport, base_url="https://rundown")
+    assert secure.get("/login").headers["strict-transport-security"] == "max-age=31536000"

@@ -1,0 +1,181 @@
+"""What a principal of one plant gets beyond what paths and queries name: bodies, streams, side effects, deletions."""
+
+import asyncio
+from typing import Any
+
+import pytest
+from sqlalchemy import func, select, text
+
+from service.alerting import Finding, raise_alert
+from service.api.event_stream import stream
+from service.security.principal import Principal, Role
+from storage import deliveries, machines, quarantine
+from storage.database import Database
+from storage.plant_scope import NotScoped, PlantScope
+from storage.tables import AlertEventRow, Base, DeliveryRow, MachineRow, QuarantineRow, SubscriptionRow
+from tests.asking import PREFIX, Api, problem, value
+from tests.plant import KEY, START, document
+from tests.service.security.conftest import Filled, bearer
+from tests.service.security.two_plants import HIDDEN, HIDDEN_PLANT, leaks
+
+WHOLE = {
+    "api_keys", "browser_sessions", "audit", "audit_head", "quarantine_counts", "idempotency_keys",
+    "replicas", "leases", "change_counts",
+}  # fmt: skip
+"""Tables whose rows belong to no plant: nobody of one plant sees them."""
+ANY_TAG = {"If-Match": "*"}
+
+
+def test_every_table_has_its_rule(store: Database) -> None:
+    """Of a table without a rule there is nothing to be seen."""
+    scope = PlantScope(store, frozenset({KEY.plant}))
+    with scope.reading() as session, store.reading() as whole:
+        for mapper in Base.registry.mappers:
+            rows, seen = (one.scalar(select(func.count()).select_from(mapper.class_)) for one in (whole, session))
+            table = mapper.class_.__tablename__
+            if table in WHOLE:
+                assert seen == 0, table
+            elif rows:
+                assert 0 < (seen or 0) < rows, table
+
+
+def test_what_is_not_about_mapped_classes_is_refused(store: Database) -> None:
+    with PlantScope(store, frozenset({KEY.plant})).reading() as session:
+        for statement in (text("SELECT * FROM machines"), select(MachineRow.__table__.c.id)):
+            with pytest.raises(NotScoped):
+                session.execute(statement)
+
+
+def test_nothing_of_another_plant_can_be_named_in_a_body(api: Api, filled: Filled) -> None:
+    headers = bearer(filled.keys["own"]) | ANY_TAG
+    own = f"{PREFIX}/machines/{KEY.machine}"
+    said: dict[str, Any] = {"since": "2026-01-01T00:00:00Z", "reason": "why", "by": "x"}
+    answer = api.ask(
+        "POST", f"{own}/baselines", json=said | {"identifications": [filled.hidden.identification_id]}, headers=headers
+    )
+    assert answer.status_code in (404, 409), answer.text
+    assert not leaks(answer.text)
+    capture = {"band_rpm": [400, 800], "run": filled.hidden.run_id}
+    assert not leaks(problem(api.ask("POST", f"{own}/slow-roll", json=capture, headers=headers), 404)["detail"])
+
+
+def test_a_machine_is_made_only_in_ones_own_plants(api: Api, filled: Filled) -> None:
+    headers = bearer(filled.keys["own"])
+    refused = api.ask("POST", f"{PREFIX}/machines", json=document(id="fan-3", plant=HIDDEN_PLANT), headers=headers)
+    assert KEY.plant not in problem(refused, 403)["detail"]
+    taken = api.ask("POST", f"{PREFIX}/machines", json=document(id=HIDDEN), headers=headers)
+    assert not leaks(problem(taken, 409)["detail"].replace(HIDDEN, "…"))
+    value(api.ask("POST", f"{PREFIX}/machines", json=document(id="fan-3"), headers=headers), 201)
+    with api.database.reading() as session:
+        assert machines.get(session, "fan-3").plant == KEY.plant
+
+
+def test_the_list_of_machines_that_is_kept_is_each_ones_own(api: Api, filled: Filled) -> None:
+    """Kept in memory: asked by one, it must not be given to another."""
+    for _ in range(2):
+        for key, expected in (("admin", {KEY.machine, HIDDEN}), ("own", {KEY.machine}), ("hidden", {HIDDEN})):
+            for path, pick in (("/machines", lambda all_: all_), ("/fleet", lambda all_: all_["machines"])):
+                found = pick(value(api.ask("GET", PREFIX + path, headers=bearer(filled.keys[key]))))
+                assert {one["id"] for one in found} == expected
+
+
+def test_answers_that_are_kept_are_not_given_to_another_plant(api: Api, filled: Filled) -> None:
+    ids = filled.hidden
+    for path in (
+        f"/identifications/{ids.identification_id}/bode",
+        f"/identifications/{ids.identification_id}/model/critical-speeds",
+        f"/machines/{HIDDEN}/trends?parameter=coupling.C1.kxx",
+    ):
+        assert api.ask("GET", PREFIX + path, headers=bearer(filled.keys["admin"])).status_code in (200, 409), path
+        problem(api.ask("GET", PREFIX + path, headers=bearer(filled.keys["own"])), 404)
+
+
+def test_a_purge_leaves_the_other_plants_entries(api: Api, filled: Filled) -> None:
+    value(api.ask("DELETE", f"{PREFIX}/quarantine", headers=bearer(filled.keys["own"])))
+    with api.database.reading() as session:
+        left = session.scalars(select(QuarantineRow.machine_id)).all()
+        assert left == [HIDDEN]
+        assert quarantine.counts(session) == {"undecodable": 2}
+
+
+def test_what_one_plant_does_is_told_to_subscriptions_that_it_does_not_see(api: Api, filled: Filled) -> None:
+    with api.database.transaction() as session:
+        central = deliveries.subscribe(session, kind="zenoh", name="centre", target="", secret=None).id
+    said = {"by": "anna", "comment": ""}
+    path = f"{PREFIX}/alerts/{filled.own.alert_id}/acknowledge"
+    value(api.ask("POST", path, json=said, headers=bearer(filled.keys["own"]) | ANY_TAG))
+    with api.database.reading() as session:
+        newest = session.scalar(select(func.max(AlertEventRow.id)))
+        told = session.scalars(select(DeliveryRow.subscription_id).where(DeliveryRow.event_id == newest)).all()
+        assert sorted(told) == sorted([central, filled.own.subscription_id])
+
+
+def test_a_subscription_of_one_plant_tells_of_that_plant(api: Api, filled: Filled) -> None:
+    headers = bearer(filled.keys["own"])
+    said = {"kind": "zenoh", "name": "mine"}
+    assert value(api.ask("POST", f"{PREFIX}/subscriptions", json=said, headers=headers), 201)["plants"] == [KEY.plant]
+    wide = said | {"name": "wide", "plants": [KEY.plant, HIDDEN_PLANT]}
+    problem(api.ask("POST", f"{PREFIX}/subscriptions", json=wide, headers=headers), 403)
+    both = value(api.ask("POST", f"{PREFIX}/subscriptions", json=wide, headers=bearer(filled.keys["admin"])), 201)
+    problem(api.ask("GET", f"{PREFIX}/subscriptions/{both['id']}", headers=headers), 404)
+    taken = api.ask("POST", f"{PREFIX}/subscriptions", json={"kind": "zenoh", "name": "wide"}, headers=headers)
+    problem(taken, 409)
+    with api.database.transaction() as session:
+        finding = Finding("more", {}, filled.hidden.identification_id, START)
+        event = raise_alert(session, HIDDEN, rule="unbalance", element="disc.D1", finding=finding).id
+        session.flush()
+        names = session.scalars(select(SubscriptionRow.name).join(DeliveryRow).where(DeliveryRow.alert_id == event)).all()
+    assert sorted(names) == ["orchard network", "wide"]
+
+
+def test_the_event_stream_tells_of_ones_own_plants_and_ends_with_the_key(api: Api, filled: Filled) -> None:
+    broadcaster, visibility = api.app.state.broadcaster, api.app.state.visibility
+    who = Principal("own", Role.VIEWER, frozenset({KEY.plant}), "key", "key x")
+    good = [True]
+
+    async def still() -> bool:
+        return good[0]
+
+    async def read() -> list[str]:
+        found = []
+        events = stream(broadcaster, 0, sees=lambda event: visibility.sees(who, event.machine), still=still)
+        async for part in events:
+            if part.startswith(b"id:"):
+                found.append(part.decode())
+            if len(found) == 1 and good[0]:
+                good[0] = False  # the key is revoked; whatever comes next ends it
+                with api.database.transaction() as session:
+                    finding = Finding("again", {}, filled.own.identification_id, START)
+                    raise_alert(session, KEY.machine, rule="unbalance", element="disc.D1", finding=finding)
+        return found
+
+    found = asyncio.run(asyncio.wait_for(read(), 10.0))
+    assert len(found) == 1
+    assert KEY.machine in found[0]
+    assert not leaks("".join(found))
+
+
+def test_samples_for_another_plants_machine_are_refused_like_those_for_none(api: Api, filled: Filled) -> None:
+    headers = bearer(filled.keys["own"]) | {"Content-Type": "application/json"}
+    answers = [
+        problem(api.ask("POST", f"{PREFIX}/machines/{name}/samples", content=b"{}", headers=headers), 404)["detail"]
+        for name in (HIDDEN, "nothing-1")
+    ]
+    assert answers == [f"no machine {HIDDEN}", "no machine nothing-1"]
+
+
+def test_health_tells_the_unknown_no_more_than_that(api: Api, filled: Filled) -> None:
+    api.parts["ingest"] = "machine quince-9 is broken"
+    unknown = api.ask("GET", f"{PREFIX}/health")
+    assert not leaks(unknown.text)
+    assert unknown.json() == {
+        "healthy": False,
+        "ready": False,
+        "version": "",
+        "parts": {"ingest": "not ok", "identifying": "ok", "stream": "ok", "database": "ok"},
+        "jobs": {},
+        "database": "",
+        "warnings": [],
+    }
+    assert "quince" in api.ask("GET", f"{PREFIX}/health", headers=bearer(filled.keys["viewer"])).text
+    assert not leaks(api.ask("GET", f"{PREFIX}/health", headers=bearer(filled.keys["own"])).text)

@@ -1,0 +1,95 @@
+"""`rundown doctor` against a real service, and against what is wrong with one."""
+
+import datetime
+from pathlib import Path
+
+import pytest
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+
+from service.doctor import examine
+from service.settings import Settings
+from tests.databases import Databases
+from tests.end_to_end.processes import Service, free_port, rundown
+from tests.plant import document
+
+
+def settings(service: Service, **changes: object) -> Settings:
+    """As those of a running service."""
+    listen = [service.endpoint]
+    return Settings.model_validate({"database": service.database, "port": service.port, "zenoh_listen": listen} | changes)
+
+
+def found(settings: Settings) -> dict[str, tuple[str, str]]:
+    """Level and words by what was looked at; of several findings about one thing, the worst."""
+    order = ["ok", "warning", "wrong"]
+    worst: dict[str, tuple[str, str]] = {}
+    for one in examine(settings):
+        if one.what not in worst or order.index(one.level) > order.index(worst[one.what][0]):
+            worst[one.what] = one.level, one.words
+    return worst
+
+
+def test_a_service_that_works_is_found_to_work_down_to_its_ingest(tmp_path: Path, databases: Databases) -> None:
+    service = Service(tmp_path, database=databases.new(tmp_path / "rundown.db"))
+    with service.running():
+        before = found(settings(service))
+        assert "wrong" not in {level for level, _ in before.values()}, before
+        assert before["machines"][0] == "warning"
+        assert service.client.post("/machines", json=document()).status_code == 201
+        told = found(settings(service))
+        assert "wrong" not in {level for level, _ in told.values()}, told
+        assert {told[name][0] for name in ("API", "schema", "zenoh", "way to the store", "machines")} == {"ok"}
+        assert "how far" in told["way to the store"][1]
+        elsewhere = found(settings(service, zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"]))
+        assert elsewhere["zenoh"][0] == "wrong"
+    told = found(settings(service))
+    assert told["API"][0] == told["zenoh"][0] == "wrong"
+    assert told["database"][0] != "wrong"
+    service.client.close()
+
+
+def test_what_is_missing_or_over_is_named(tmp_path: Path) -> None:
+    certificate, key = _expired(tmp_path)
+    told = found(
+        Settings(
+            database=f"sqlite:///{tmp_path / 'nowhere.db'}",
+            port=free_port(),
+            zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"],
+            tls_certificate=str(certificate),
+            tls_key=str(key),
+            smtp_host="127.0.0.1",
+            smtp_port=free_port(),
+            dask_scheduler=f"tcp://127.0.0.1:{free_port()}",
+            oidc_issuer=f"http://127.0.0.1:{free_port()}",
+            oidc_audience="rundown",
+        )
+    )
+    for what in ("database", "API certificate", "mail server", "Dask scheduler", "issuer", "API", "zenoh"):
+        assert told[what][0] == "wrong", (what, told)
+    assert "expired on 2020-02-01" in told["API certificate"][1]
+    assert not (tmp_path / "nowhere.db").exists()
+
+
+def test_the_command_ends_with_status_1_where_something_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RUNDOWN_DATABASE", f"sqlite:///{tmp_path / 'nowhere.db'}")
+    monkeypatch.setenv("RUNDOWN_PORT", str(free_port()))
+    monkeypatch.setenv("RUNDOWN_ZENOH_LISTEN", f'["tcp/127.0.0.1:{free_port()}"]')
+    told = rundown("doctor")
+    assert told.returncode == 1
+    assert "wrong    database: the file" in told.stdout
+    assert "docs/runbook.md" in told.stderr
+
+
+def _expired(folder: Path) -> tuple[Path, Path]:
+    key = ec.generate_private_key(ec.SECP256R1())
+    name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "old")])
+    day = datetime.datetime(2020, 1, 1, tzinfo=datetime.UTC)
+    made = x509.CertificateBuilder(name, name, key.public_key(), 1, day, day + datetime.timedelta(days=31))
+    certificate, secret = folder / "old.crt", folder / "old.key"
+    certificate.write_bytes(made.sign(key, hashes.SHA256()).public_bytes(serialization.Encoding.PEM))
+    pem = serialization.PrivateFormat.PKCS8
+    secret.write_bytes(key.private_bytes(serialization.Encoding.PEM, pem, serialization.NoEncryption()))
+    secret.chmod(0o600)
+    return certificate, secret

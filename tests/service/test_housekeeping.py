@@ -1,0 +1,310 @@
+"""Retention: what is old enough is let go of and nothing that is needed; and what is said of the room on the disk."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+from sqlalchemy import select, text
+
+from service import housekeeping
+from service.collection import Collector
+from service.housekeeping import DAY_NS, Housekeeping, warning
+from service.identifying import _earlier
+from service.journal import Journal
+from service.settings import Settings
+from storage import baselines, disk, identifications, jobs, machines, retention, runs
+from storage.database import Database
+from storage.disk import DiskUse
+from storage.tables import RunRow, SampleBlockRow
+from tests.asking import Api, problem
+from tests.plant import (
+    KEY,
+    SECOND,
+    START,
+    arrived,
+    batch,
+    identification,
+    machine,
+    samples,
+    store_identification,
+    sweep_rpm,
+    wait_until,
+)
+
+DAYS = 60
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, "PAUSE_S", 0.0)
+
+
+def kept(database: Database, **settings: Any) -> Housekeeping:
+    one = Housekeeping(database, Settings(database=database.url, **settings))
+    one.round()
+    return one
+
+
+def feed(journal: Journal, first_day: int, last_day: int) -> None:
+    """Ten samples at standstill each day."""
+    for day in range(first_day, last_day):
+        one = batch([0.0] * 10, sequence=10 * day, start=START + day * DAY_NS)
+        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+
+
+def days(database: Database) -> list[int]:
+    with database.reading() as session:
+        times = session.scalars(select(SampleBlockRow.time_first).order_by(SampleBlockRow.time_first)).all()
+    return [(time - START) // DAY_NS for time in times]
+
+
+def add_runs(database: Database, count: int) -> list[int]:
+    """A closed run a day."""
+    made = []
+    with database.transaction() as session:
+        for day in range(count):
+            row = runs.open_run(
+                session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START + day * DAY_NS
+            )
+            runs.close(row, samples=samples(30, start=START + day * DAY_NS), state=runs.CLOSED, reason="over")
+            made.append(row.id)
+    return made
+
+
+def with_samples(database: Database) -> list[int]:
+    with database.reading() as session:
+        return list(session.scalars(select(RunRow.id).where(RunRow.data.is_not(None)).order_by(RunRow.id)))
+
+
+# --- blocks ---------------------------------------------------------------------------------------------------------
+
+
+def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: Journal) -> None:
+    feed(journal, 0, DAYS)
+    made = add_runs(plant, DAYS)
+    kept(plant)
+    assert days(plant) == list(range(DAYS))
+    assert with_samples(plant) == made
+
+
+def test_old_blocks_go_in_small_transactions(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, "BLOCKS", 7)
+    feed(journal, 0, DAYS)
+    done = kept(plant, raw_days=30)
+    assert days(plant) == list(range(DAYS - 31, DAYS))
+    assert done.released_blocks == DAYS - 31
+    with plant.reading() as session:
+        assert machines.get(session, KEY.machine).blocks_since == START + (DAYS - 32) * DAY_NS + 9 * SECOND + 1
+
+
+def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: Journal) -> None:
+    """Its newest sample is years old."""
+    feed(journal, 0, 20)
+    kept(plant, raw_days=30)
+    assert days(plant) == list(range(20))
+
+
+def test_the_blocks_of_an_open_run_are_kept(plant: Database, journal: Journal) -> None:
+    feed(journal, 0, 10)
+    with plant.transaction() as session:
+        runs.open_run(session, KEY.machine, revision=1, kind="run-up", direction=1, time_first=START + 4 * DAY_NS)
+    feed(journal, 10, DAYS)
+    kept(plant, raw_days=1)
+    assert days(plant) == list(range(4, DAYS))
+
+
+def test_the_blocks_that_late_samples_wait_for_are_kept(plant: Database, journal: Journal) -> None:
+    feed(journal, 5, DAYS)
+    feed(journal, 3, 4)
+    kept(plant, raw_days=1)
+    assert days(plant) == [3, *range(5, DAYS)]
+
+
+def test_the_blocks_in_speed_bins_are_kept(plant: Database) -> None:
+    rules = {"interval_s": 10**7, "coverage": 0.9, "recency_s": 10**7}
+    with plant.transaction() as session:
+        machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
+    journal = Journal(plant, Collector())
+    for day in range(10):
+        one = batch([900.0 + 10 * day] * 10, sequence=10 * day, start=START + day * DAY_NS)
+        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+    kept(plant, raw_days=1)
+    assert days(plant)[0] <= 1
+
+
+def test_late_samples_do_not_spoil_a_run_whose_blocks_are_gone(plant: Database) -> None:
+    sweep = sweep_rpm(2900.0, 400.0, 60)
+    journal = Journal(plant, Collector(late_s=0.0))
+
+    def send(first: int, last: int) -> None:
+        one = batch(sweep[first:last], sequence=first, start=START + first * SECOND)
+        journal.store([arrived(one)], [])
+
+    send(0, 30)
+    send(35, 60)
+    journal.close_silent(silence_s=0.0)
+    with plant.reading() as session:
+        (before,) = runs.of_machine(session, KEY.machine)
+        assert before.count == 55
+    with plant.transaction() as session:
+        assert retention.release_blocks(session, KEY.machine, before=START + DAY_NS, limit=10) == 2
+    send(30, 35)
+    journal.close_silent(silence_s=0.0)
+    with plant.reading() as session:
+        (after,) = runs.of_machine(session, KEY.machine)
+        assert (after.count, after.reopened_at) == (55, None)
+        assert after.coverage is not None
+        assert after.coverage[runs.LEFT_OUT] == 5
+
+
+# --- runs -----------------------------------------------------------------------------------------------------------
+
+
+def test_old_runs_lose_their_samples_and_nothing_else(plant: Database) -> None:
+    made = add_runs(plant, DAYS)
+    api = Api(plant)
+    before = api.value(f"/runs/{made[0]}")
+    done = kept(plant, run_days=30)
+    assert with_samples(plant) == made[DAYS - 31 :]
+    assert done.released_runs == DAYS - 31
+    after = api.value(f"/runs/{made[0]}")
+    assert after.pop("samples_released_at") is not None
+    assert before.pop("samples_released_at") is None
+    assert after == before
+    problem(api.get(f"/runs/{made[0]}/phasors"), 410)
+    problem(api.get(f"/runs/{made[0]}/quality"), 410)
+    problem(api.get(f"/runs/{made[0]}/orbits", rpm=1000), 410)
+    assert api.get(f"/runs/{made[-1]}/phasors").status_code == 200
+
+
+def test_the_newest_runs_keep_their_samples(plant: Database) -> None:
+    made = add_runs(plant, DAYS)
+    kept(plant, run_days=1)
+    assert with_samples(plant) == made[-retention.KEPT_RUNS :]
+
+
+def test_runs_that_wait_for_an_identification_keep_theirs(plant: Database) -> None:
+    made = add_runs(plant, DAYS)
+    with plant.transaction() as session:
+        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[3]])
+        gathered = jobs.ask(session, KEY.machine, scope=jobs.GATHERED, run_ids=[made[5], made[6]])
+        assert gathered is not None
+        gathered.state = jobs.RUNNING
+        over = jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[7]])
+        assert over is not None
+        jobs.finish(over, state=jobs.DONE)
+    kept(plant, run_days=1)
+    assert with_samples(plant) == [made[3], made[5], made[6], *made[-retention.KEPT_RUNS :]]
+
+
+def test_runs_of_baselines_keep_theirs(plant: Database) -> None:
+    """The machine's first accepted runs, those named by a person, and the first behind a maintenance."""
+    made = add_runs(plant, DAYS)
+    with plant.transaction() as session:
+        found = [
+            store_identification(session, identification(accepted=day != 1), run_id=run, measured_at=START + day * DAY_NS).id
+            for day, run in enumerate(made[:30])
+        ]
+        named = [found[10], found[12]]
+        baselines.begin(session, KEY.machine, since=START, identification_ids=named, reason="", by="anna")
+        since = START + 20 * DAY_NS
+        baselines.begin(session, KEY.machine, since=since, identification_ids=None, reason="overhaul", by="anna")
+    kept(plant, run_days=1, baseline_runs=3)
+    expected = [0, 2, 3, 10, 12, 20, 21, 22]
+    assert with_samples(plant) == [*(made[day] for day in expected), *made[-retention.KEPT_RUNS :]]
+
+
+def test_identifications_stay(plant: Database) -> None:
+    made = add_runs(plant, DAYS)
+    with plant.transaction() as session:
+        for number, run in enumerate(made):
+            store_identification(session, identification(), run_id=run, measured_at=START + number * DAY_NS)
+    kept(plant, run_days=1)
+    with plant.reading() as session:
+        assert all(identifications.estimates(session, number + 1) for number in range(DAYS))
+    api = Api(plant)
+    assert api.get("/identifications/20/model/critical-speeds").status_code == 200
+    assert api.get("/identifications/20/bode").status_code == 200
+    answer = api.ask("POST", f"/api/v1/runs/{made[19]}/identifications", json={"starts": 3})
+    assert "no longer has its samples" in problem(answer, 409)["detail"]
+
+
+def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> None:
+    """The run before is compared with for its quality."""
+    made = add_runs(plant, 2)
+    with plant.transaction() as session:
+        session.execute(text("UPDATE runs SET data = NULL, released_at = 1 WHERE id = 1"))
+        job = jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[1]])
+        assert job is not None
+        assert _earlier(session, job) is None
+
+
+@pytest.mark.parametrize("name", ["raw_days", "run_days"])
+def test_less_than_a_day_is_refused(name: str) -> None:
+    with pytest.raises(ValidationError, match="is less than a day"):
+        Settings(**{name: 0.5})
+
+
+# --- room -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.long
+def test_room_is_given_back_to_the_file_system(plant: Database, journal: Journal, tmp_path: Path) -> None:
+    made = add_runs(plant, DAYS)
+    noise = samples(5000).phasor.tobytes() * 5
+    with plant.transaction() as session:
+        session.execute(text("UPDATE runs SET data = :data WHERE id <= 30"), {"data": noise})
+    feed(journal, 0, 2)
+    with plant.transaction():
+        pass
+    before = disk.used(plant, budget=None).data
+    kept(plant, run_days=30)
+    assert with_samples(plant) == made[DAYS - 31 :]
+    if plant.kind == "sqlite":
+        with plant.engine.connect() as connection:
+            connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+            assert connection.exec_driver_sql("PRAGMA freelist_count").scalar() == 0
+        assert (tmp_path / "rundown.db").stat().st_size < before / 2
+    else:
+        assert before > 8_000_000
+
+
+def test_the_room_is_shown_and_warned_of(plant: Database, caplog: pytest.LogCaptureFixture) -> None:
+    one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001))
+    api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
+    one._look()
+    (said,) = [words for words in api.value("/health")["warnings"] if words.startswith("the store is")]
+    assert "nearly full" in said
+    assert "of 0.0 GB that it may take" in said
+    assert said in caplog.text
+    figures = dict(line.split() for line in api.ask("GET", "/metrics").text.splitlines() if line.startswith("rundown_disk"))
+    assert float(figures["rundown_disk_used_ratio"]) > 1.0
+    assert float(figures["rundown_disk_budget_bytes"]) == 100_000
+
+
+@pytest.mark.parametrize(
+    ("use", "said"),
+    [
+        (DiskUse(79, None, None, 100), ""),
+        (DiskUse(80, None, None, 100), "filling: 80 %"),
+        (DiskUse(96, 10**9, 2 * 10**9, 100), "nearly full"),
+        (DiskUse(10, 19, 100, 10**9), "filling: 81 %"),
+        (DiskUse(10, 4, 100, None), "nearly full: samples will soon not be stored: 96 %"),
+        (DiskUse(10, None, None, None), ""),
+    ],
+)
+def test_warnings_come_well_before_the_end(use: DiskUse, said: str) -> None:
+    assert said in warning(use)
+    assert bool(said) == bool(warning(use))
+
+
+def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: Journal) -> None:
+    feed(journal, 0, DAYS)
+    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    one.start()
+    wait_until(lambda: one.released_blocks == DAYS - 31 or one.trouble is not None, seconds=30)
+    assert one.trouble is None
+    assert one.alive
+    one.stop()
+    assert not one.alive

@@ -1,0 +1,129 @@
+"""`rundown backup`, `restore`, `move` and `export`, run as commands on a database with a run and its identification."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from arro3.io import read_parquet
+from typer.testing import CliRunner
+
+from service.alerting import Finding, raise_alert
+from service.cli import app
+from storage import machines, runs
+from storage.blocks import Samples
+from storage.clock import to_datetime
+from storage.database import Database
+from tests.databases import Databases
+from tests.plant import CHANNELS, KEY, START, identification, machine, samples, sqlite_url, store_identification
+
+COUNT = 1234
+
+
+def rundown(*arguments: str, status: int = 0) -> str:
+    ended = CliRunner().invoke(app, list(arguments))
+    assert ended.exit_code == status, ended.output
+    return ended.output
+
+
+@pytest.fixture
+def held() -> Samples:
+    return samples(COUNT, rpm=np.linspace(2900.0, 400.0, COUNT).tolist())
+
+
+@pytest.fixture
+def told(plant: Database, held: Samples) -> Database:
+    with plant.transaction() as session:
+        machines.create(session, machine(id="other"))
+        machines.revise(session, machine(conditions=[{"name": "load", "unit": "kW"}]))
+        row = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
+        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+        found = store_identification(session, identification(unknown=["coupling.C1.kxx"]), run_id=row.id)
+        store_identification(session, identification(), run_id=99, machine_id="other")
+        raise_alert(
+            session, KEY.machine, rule="misalignment", element="coupling.C1", finding=Finding("it moves", {}, found.id, START)
+        )
+    return plant
+
+
+def test_backed_up_restored_and_moved(told: Database, databases: Databases, tmp_path: Path) -> None:
+    said = rundown("backup", str(tmp_path / "nightly"), "--database", told.url)
+    assert "SHA-256" in said
+    assert "exists already" in rundown("backup", str(tmp_path / "nightly"), "--database", told.url, status=1)
+    there = databases.new(tmp_path / "there.db")
+    assert "restored" in rundown("restore", str(tmp_path / "nightly"), "--database", there)
+    assert "--overwrite" in rundown("restore", str(tmp_path / "nightly"), "--database", there, status=1)
+    rundown("restore", str(tmp_path / "nightly"), "--database", there, "--overwrite")
+    away = sqlite_url(tmp_path / "away.db")
+    said = rundown("move", there, away)
+    assert "the same on both sides" in said
+    assert "holds" in rundown("move", there, away, status=1)
+    moved = Database(away)
+    with moved.reading() as session:
+        assert [row.id for row in machines.every(session)] == ["other", "pump-7"]
+    moved.close()
+    databases.drop(there)
+
+
+def test_a_machine_s_history_is_exported(told: Database, held: Samples, tmp_path: Path) -> None:
+    said = rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    assert f"samples-1 {COUNT:27d}".split() == next(line for line in said.splitlines() if line.startswith("samples-1")).split()
+    columns = json.loads((tmp_path / "pump" / "columns.json").read_text())["files"]
+    for name, described in columns.items():
+        with (tmp_path / "pump" / f"{name}.csv").open() as file:
+            header, *rows = csv.reader(file)
+        table = read_parquet(tmp_path / "pump" / f"{name}.parquet").read_all()
+        assert header == table.column_names == [one["name"] for one in described]
+        assert all(one["meaning"] for one in described)
+        assert len(rows) == table.num_rows
+        for i, one in enumerate(described):
+            for text, value in zip([row[i] for row in rows], table.column(i).to_pylist(), strict=True):
+                assert same(text, value, one["kind"]), (name, one["name"], text, value)
+    assert {
+        "identifications",
+        "trends",
+        "derived",
+        "alerts",
+        "alert_events",
+        "runs",
+        "samples-1",
+        "samples-2",
+    } == columns.keys()
+    check_samples(tmp_path / "pump", held)
+    assert json.loads((tmp_path / "pump" / "machine-2.json").read_text())["conditions"][0]["name"] == "load"
+    assert columns["samples-2"][-1]["unit"] == "kW"
+
+
+def same(text: str, value: object, kind: str) -> bool:
+    if value is None:
+        return text == ""
+    if kind == "number":
+        return float(text) == value
+    if kind == "integer":
+        return int(text) == value
+    if kind == "truth":
+        return text == str(value).lower()
+    return kind == "time" or text == value
+
+
+def check_samples(folder: Path, held: Samples) -> None:
+    """Exact, in both formats."""
+    table = read_parquet(folder / "samples-1.parquet").read_all()
+    assert np.array_equal(table["speed"].to_numpy(), held.speed)
+    with (folder / "samples-1.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    for number, channel in enumerate(CHANNELS):
+        good = np.isfinite(held.phasor[:, number])
+        parts = [[float(row[f"{channel}.{part}"] or "nan") for row in rows] for part in ("real", "imaginary")]
+        assert np.array_equal(np.array(parts[0])[good], held.phasor.real[good, number])
+        assert np.array_equal(np.array(parts[1])[good], held.phasor.imag[good, number])
+        assert np.all(np.isnan(np.array(parts[0])[~good]))
+    assert rows[0]["time"] == to_datetime(START).strftime("%Y-%m-%dT%H:%M:%S.000000000Z")
+
+
+def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None:
+    assert "no machine 'nobody'" in rundown("export", "nobody", str(tmp_path / "x"), "--database", told.url, status=1)
+    (tmp_path / "y").mkdir()
+    (tmp_path / "y" / "letter.txt").touch()
+    assert "is not empty" in rundown("export", KEY.machine, str(tmp_path / "y"), "--database", told.url, status=1)
