@@ -38,6 +38,8 @@ READY_S = 90.0
 """A service that starts while others keep the machine busy takes its time."""
 PAUSE_S = 0.03
 """Between two changes."""
+HEARD = 10
+"""As many events at least come over the network while the service lives its last life."""
 
 
 @dataclass(frozen=True)
@@ -116,13 +118,15 @@ class Following:
                     self._read(answer.iter_lines(), stop)
 
     def _read(self, lines: Iterator[str], stop: threading.Event) -> None:
-        number = None
+        number, told = 0, False
         for line in lines:
             if line.startswith("id: "):
                 number = int(line[4:])
-            elif not line and number is not None:  # an event ends with an empty line
+            elif line.startswith("data: "):
+                told = True
+            elif not line and told:  # an event ends with an empty line; an id alone is where the stream begins
                 self.seen.append(number)
-                number = None
+                told = False
             if stop.is_set():
                 return
 
@@ -148,7 +152,9 @@ def told_through_kills(folder: Path, *, seed: int, kills: int) -> Told:
             for _ in range(kills):
                 _killed(service, rng)
             with service.running():
-                time.sleep(0.5)
+                # The network's subscriber comes back when it comes back: what was told meanwhile it does not hear.
+                before = len(heard)
+                until(lambda: len(heard) > before + HEARD, within_s=30, what="what is told over the network")
                 stop.set()
                 threads[0].join()
                 until(lambda: not _pending(database), within_s=60, what="every event delivered")
