@@ -76,16 +76,14 @@ def coast_down(
         raise ValueError("the speed must be positive throughout")
     matrices = system_matrices_over_speed(machine, coefficients=coefficients)
     output = probe_rows(machine, rotor)
+    force = synchronous_force(rotor, listed, values=values, direction=machine.direction)
     phasor = np.empty((time.size, len(output)), dtype=complex)
     state: tuple[Complexes, Complexes] | None = None
     for first in range(0, time.size, BLOCK):
         # One instant of overlap: a step needs both of its ends.
         piece = slice(max(0, first - 1), min(first + BLOCK, time.size))
         speed, acceleration = law.speed(time[piece]), law.acceleration(time[piece])
-        force = synchronous_force(
-            rotor, listed, values=values, speed=speed, direction=machine.direction, acceleration=acceleration
-        )
-        motion = _Motion(matrices, machine.direction, speed, acceleration, force)
+        motion = _Motion(matrices, machine.direction, speed, acceleration, force.at(speed, acceleration))
         if state is None:
             state = motion.steady()
         moved, state = motion.integrate(state, float(time[1] - time[0]))

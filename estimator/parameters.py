@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from estimator.machine import Bearing, Coupling, LateralCoefficients, Machine, ParameterRule, Seal, Shaft, SpeedDependence
 from estimator.references import ANGULAR, LATERAL, OPTIONAL
+from estimator.remembered import remembered
 from estimator.rotor import Rotor
 from estimator.shaft import NODE_DOFS, PLANE_DOFS
 from estimator.units import rpm_to_rad_per_s
@@ -161,6 +162,7 @@ class Unknowns:
         return tuple(item for item in self.excitations if item.quantity == "unbalance")
 
 
+@remembered
 def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
     """All coefficients and excitations of a machine, in the document's order."""
     coefficients: list[Coefficient] = []

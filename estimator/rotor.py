@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from estimator.machine import Bearing, Disc, Half, Machine, Probe, Seal, Section, Shaft
 from estimator.references import STATION_TOLERANCE
+from estimator.remembered import remembered
 from estimator.shaft import NODE_DOFS, PLANE_DOFS, plane_element
 
 Floats = NDArray[np.float64]
@@ -31,6 +32,11 @@ class PlaneMatrices:
     def zero(cls, size: int) -> "PlaneMatrices":
         """Nothing assembled yet."""
         return cls(np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)))
+
+    def freeze(self) -> None:
+        """All is assembled: from here on nobody changes it."""
+        for matrix in (self.mass, self.gyroscopic, self.stiffness):
+            matrix.flags.writeable = False
 
 
 @dataclass(frozen=True)
@@ -125,6 +131,7 @@ def across_planes(matrix: Floats) -> Floats:
     return np.asarray(x_plane @ matrix @ y_plane.T - y_plane @ matrix @ x_plane.T)
 
 
+@remembered
 def assemble_rotor(machine: Machine) -> Rotor:
     """Mass, gyroscopic and stiffness matrices of all shafts and discs (thesis Eq. 3.1-3.6, 3.10-3.11)."""
     stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
@@ -152,6 +159,8 @@ def assemble_rotor(machine: Machine) -> Rotor:
             _add_body(rotor, rotor.end_node(coupling.driver), coupling.driver_half)
         if coupling.driven_half is not None:
             _add_body(rotor, rotor.first_node[coupling.driven], coupling.driven_half)
+    for part in (rotor.discs, *rotor.materials.values()):
+        part.freeze()
     return rotor
 
 

@@ -65,21 +65,14 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
     if added is not None:
         values[: added.size] += added
-    force = synchronous_force(
-        rotor,
-        listed,
-        values=values,
-        speed=law.speed(grid),
-        direction=direction,
-        acceleration=law.acceleration(grid),
-    )
-    steady = synchronous_force(rotor, listed, values=values, speed=law.speed(grid), direction=direction)
-    seen, at_rest = probe_rows(machine, rotor) @ shape, left.conj().T
-    pushed, resting = (np.asarray(one @ at_rest.T, dtype=complex) for one in (force, steady))
+    sweep = _Sweep.along(law, grid)
+    force = synchronous_force(rotor, listed, values=values, direction=direction).onto(left.conj().T)
+    pushed, resting = force.at(sweep.speed, sweep.acceleration), force.at(sweep.speed)
+    seen = probe_rows(machine, rotor) @ shape
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
-    away = law.speed(grid) - spin
+    away = sweep.speed - spin
     for k in range(near.size):
-        course = _course(law, grid, value[k] + away * drift[k], pushed[:, k], resting[:, k])
+        course = _course(sweep, value[k] + away * drift[k], pushed[:, k], resting[:, k])
         instant += course.deviation[place, None] * seen[:, k]
         averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
     return SweepTransient(instant, averaged)
@@ -90,9 +83,10 @@ def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complex
 
     time: (n,) [s], dense enough to follow the phase.
     """
-    steady = (law.speed(time) ** 2).astype(np.complex128)
-    force = steady - 1j * law.acceleration(time)
-    return _course(law, time, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
+    sweep = _Sweep.along(law, time)
+    steady = (sweep.speed**2).astype(np.complex128)
+    force = steady - 1j * sweep.acceleration
+    return _course(sweep, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -102,6 +96,21 @@ def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
     pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
     place = np.concatenate([[0], np.cumsum(pieces)])
     return np.interp(np.arange(place[-1] + 1), place, time), place
+
+
+@dataclass(frozen=True)
+class _Sweep:
+    """A speed law on a grid (n,) of instants: speed, acceleration, and what time [s] and angle [rad] each step takes."""
+
+    grid: Floats
+    speed: Floats
+    acceleration: Floats
+    step: Floats
+    turned: Floats
+
+    @classmethod
+    def along(cls, law: SpeedLaw, grid: Floats) -> "_Sweep":
+        return cls(grid, law.speed(grid), law.acceleration(grid), np.diff(grid), np.diff(law.angle(grid)))
 
 
 @dataclass(frozen=True)
@@ -120,27 +129,26 @@ class _Course:
         return np.asarray(np.diff(self.integral[edges]) / np.diff(self.grid[edges]))
 
 
-def _course(law: SpeedLaw, grid: Floats, eigenvalue: Complexes, force: Complexes, steady: Complexes) -> _Course:
+def _course(sweep: _Sweep, eigenvalue: Complexes, force: Complexes, steady: Complexes) -> _Course:
     """A modal coordinate for the modal force (n,) and that of a steady speed.
 
     Its deviation d obeys ḋ = (λ - jω) d - ẇ_steady + (force - steady force); within a step λ - jω is its mean.
     """
-    exponent = eigenvalue - 1j * law.speed(grid)
+    exponent, step = eigenvalue - 1j * sweep.speed, sweep.step
     rest = -steady / exponent
-    step = np.diff(grid)
-    z = (eigenvalue[1:] + eigenvalue[:-1]) / 2 * step - 1j * np.diff(law.angle(grid))
+    z = (eigenvalue[1:] + eigenvalue[:-1]) / 2 * step - 1j * sweep.turned
     growth = np.exp(z)
     beside = force - steady
     driven = step * (beside[1:] + beside[:-1]) / 2 - np.diff(rest)
     # Before the first sample the mode lagged behind its steady state as it does in a slow sweep.
     lag = ((rest[1] - rest[0]) / step[0] - beside[0]) / exponent[0]
-    bands = np.ones((2, grid.size), dtype=complex)
+    bands = np.ones((2, rest.size), dtype=complex)
     bands[1, :-1] = -growth
     right = np.concatenate([[lag], (growth - 1.0) / z * driven])
     deviation = scipy.linalg.solve_banded((1, 0), bands, right, check_finite=False)
     # The equation integrated over a step: the deviation's integral is exact however often it turns within it.
     gained = step * ((np.diff(deviation) - driven) / z + (rest[1:] + rest[:-1]) / 2)
-    return _Course(grid, rest, np.asarray(deviation), np.concatenate([[0.0], np.cumsum(gained)]))
+    return _Course(sweep.grid, rest, np.asarray(deviation), np.concatenate([[0.0], np.cumsum(gained)]))
 
 
 def _eigenvalue_drift(

@@ -10,6 +10,7 @@ from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
+from estimator.remembered import remembered
 from estimator.system_matrices import SystemMatrices, system_matrices_over_speed
 
 
@@ -28,7 +29,7 @@ class UpdatedModel:
     covariance: Floats
 
     def __post_init__(self) -> None:
-        expected = self.coordinates_at(np.ones(1)).names
+        expected = _coordinates(self.machine).names
         if self.coordinates != expected:
             raise ValueError(f"machine '{self.machine.id}' has other coordinates: {', '.join(expected)}")
         size = len(expected)
@@ -39,7 +40,7 @@ class UpdatedModel:
     def of(cls, machine: Machine, *, coefficients: Floats, unbalances: Complexes, covariance: Floats) -> "UpdatedModel":
         """A model of constant coefficients (K,) [SI], unbalances (P,) [kg m], nothing else excited, E and ρ as documented."""
         exact = with_exact_probes(machine)
-        coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+        coordinates = _coordinates(exact)
         theta = coordinates.with_coefficients(np.zeros(coordinates.size), np.asarray(coefficients, dtype=float))
         first = coordinates.excitation_place[: len(unbalances)]
         theta[first], theta[first + 1] = np.real(unbalances), np.imag(unbalances)
@@ -47,7 +48,10 @@ class UpdatedModel:
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
         """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
-        return Coordinates.of(replace(self._reference, speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+        known = _coordinates(self.machine)
+        if not known.follows:
+            return known
+        return Coordinates.of(replace(_reference(self.machine), speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
 
     def coefficients(self, speed: float) -> Floats:
         """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
@@ -57,17 +61,17 @@ class UpdatedModel:
     @property
     def excitations(self) -> Complexes:
         """Excitations (E,) [SI], the unbalances first."""
-        coordinates = self.coordinates_at(np.ones(1))
+        coordinates = _coordinates(self.machine)
         return coordinates.excitations(coordinates.theta(self.values))
 
     @property
     def scale_factors(self) -> dict[str, float]:
         """Factor on each modulus and density that was identified, by name."""
-        coordinates = self.coordinates_at(np.ones(1))
+        coordinates = _coordinates(self.machine)
         factors = coordinates.scales(coordinates.theta(self.values))
-        return dict(zip(self._reference.scale_names, map(float, factors), strict=True))
+        return dict(zip(_reference(self.machine).scale_names, map(float, factors), strict=True))
 
-    @property
+    @cached_property
     def scaled_machine(self) -> Machine:
         """The machine with the identified scale factors of E and ρ put into its materials."""
         factors = self.scale_factors
@@ -85,7 +89,7 @@ class UpdatedModel:
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
         """What gives the matrices of the whole train at a spin speed [rad/s, without sign]."""
-        constant = not self.coordinates_at(np.ones(1)).follows
+        constant = not _coordinates(self.machine).follows
         return system_matrices_over_speed(
             self.scaled_machine, coefficients=self.coefficients(1.0) if constant else self.coefficients
         )
@@ -96,10 +100,6 @@ class UpdatedModel:
             return self
         rotation = "positive" if direction > 0 else "negative"
         return replace(self, machine=self.machine.model_copy(update={"rotation": rotation}))
-
-    @cached_property
-    def _reference(self) -> CondensedTrain:
-        return _reference(self.machine)
 
 
 def updated_model(machine: Machine, identification: Identification) -> UpdatedModel:
@@ -117,7 +117,7 @@ def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, cova
     Raises ValueError for coordinates of another machine.
     """
     exact = with_exact_probes(machine)
-    names = Coordinates.of(_reference(exact), unbalance_scale=1.0).names
+    names = _coordinates(exact).names
     missing = [name for name in names if name not in coordinates]
     if missing:
         raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
@@ -129,17 +129,25 @@ def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, cova
 def expected_model(machine: Machine) -> UpdatedModel:
     """The model that a machine's document expects before anything is identified, taken as exactly known."""
     exact = with_exact_probes(machine)
-    coordinates = Coordinates.of(_reference(exact), unbalance_scale=1.0)
+    coordinates = _coordinates(exact)
     size = coordinates.size
     return UpdatedModel(exact, coordinates.names, coordinates.point(coordinates.centre), np.zeros((size, size)))
 
 
+@remembered
 def with_exact_probes(machine: Machine) -> Machine:
     """The machine without gain errors and run-outs of its channels."""
     exact = {"gain_spread": 0.0, "run_out_spread": 0.0}
     return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
 
 
+@remembered
 def _reference(machine: Machine) -> CondensedTrain:
     """The machine condensed at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
+
+
+@remembered
+def _coordinates(machine: Machine) -> Coordinates:
+    """The machine's coordinates at that speed: their names, centre and spread are those at any."""
+    return Coordinates.of(_reference(machine), unbalance_scale=1.0)

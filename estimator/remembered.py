@@ -1,0 +1,40 @@
+"""Results kept for the objects that were asked about last: machines and rotors never change, so that each is its own key."""
+
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import TypeVar, TypeVarTuple
+
+KEPT = 16
+"""Results of each function: an identification asks about its machine, exact, scaled and turned the other way."""
+
+Arguments = TypeVarTuple("Arguments")
+Result = TypeVar("Result")
+
+
+class _Same:
+    """Arguments that equal others where each is the very same object."""
+
+    def __init__(self, arguments: tuple[object, ...]) -> None:
+        self.arguments = arguments  # held, so that no other object can take its place in memory
+
+    def __hash__(self) -> int:
+        return hash(tuple(map(id, self.arguments)))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and all(
+            one is another for one, another in zip(self.arguments, other.arguments, strict=True)
+        )
+
+
+def remembered(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments], Result]:
+    """The function, computed once for the same objects; neither they nor the result may be changed."""
+
+    @lru_cache(maxsize=KEPT)
+    def known(key: _Same) -> Result:
+        return function(*key.arguments)  # type: ignore[arg-type]
+
+    @wraps(function)
+    def answered(*arguments: *Arguments) -> Result:
+        return known(_Same(arguments))
+
+    return answered
