@@ -9,9 +9,12 @@ from speed: a trip is TRIP_RATIO times as fast as their median, and the first fe
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from statistics import median
 from typing import Any, Literal
+
+import msgspec
+from msgspec.structs import replace
 
 from estimator.machine import Machine
 from estimator.segmentation import (
@@ -68,8 +71,7 @@ class OperatingLimits:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class OperatingState:
+class OperatingState(msgspec.Struct, frozen=True):
     """What is remembered between samples. Times [ns], speeds [rad/s].
 
     mode, since: what the machine does and since when; unknown before the first sample and after a silence. judged: whether
@@ -85,8 +87,8 @@ class OperatingState:
 
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "OperatingState":
-        """From what `dataclasses.asdict` made of it, by way of JSON or not."""
-        known = {name: stored[name] for name in cls.__slots__ if name in stored}
+        """From what `msgspec.to_builtins` made of it, by way of JSON or not."""
+        known = {name: stored[name] for name in cls.__struct_fields__ if name in stored}
         known["decelerations"] = tuple(known.get("decelerations", ()))
         known["sweep"] = SweepState.restored(known.get("sweep", {}))
         return cls(**known)

@@ -6,8 +6,11 @@ told from noise by hysteresis that grows with the noise of the speed readings (`
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
+
+import msgspec
+from msgspec.structs import replace
 
 from estimator.machine import Operation, SpeedRange
 from estimator.speed_reading import NO_READINGS, SpeedReadings, take
@@ -62,8 +65,7 @@ class SweepLimits:
         return part * (self.maximum - self.minimum)
 
 
-@dataclass(frozen=True, slots=True)
-class SweepState:
+class SweepState(msgspec.Struct, frozen=True):
     """What is remembered between samples. Times [ns], speeds [rad/s]; sweep: +1 in a run-up, -1 in a run-down, else 0.
 
     last_time: of the last believed reading, None below the speed range. low and high: the lowest and highest speed since the
@@ -89,8 +91,8 @@ class SweepState:
 
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "SweepState":
-        """From what `dataclasses.asdict` made of it; what an older release did not know of begins afresh."""
-        known = {name: stored[name] for name in cls.__slots__ if name in stored}
+        """From what `msgspec.to_builtins` made of it; what an older release did not know of begins afresh."""
+        known = {name: stored[name] for name in cls.__struct_fields__ if name in stored}
         if known.get("sweep") and "mark_time" not in known:
             extreme = "high" if known["sweep"] > 0 else "low"
             known |= {f"mark_{what}": known.get(f"{extreme}_{what}", 0) for what in ("time", "speed")}

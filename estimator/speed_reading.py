@@ -6,7 +6,8 @@ steady acceleration changes.
 """
 
 import math
-from dataclasses import dataclass
+
+import msgspec
 
 RISE, FALL = 16, 96
 """Readings over which the noise is averaged: it rises sooner than it falls."""
@@ -18,8 +19,7 @@ MEAN_DEVIATION = 1.27
 """What rising six times as fast as falling leads to with normal errors of standard deviation 1: an expectile of theirs."""
 
 
-@dataclass(frozen=True, slots=True)
-class SpeedReadings:
+class SpeedReadings(msgspec.Struct, frozen=True):
     """The last two readings, times [ns] and speeds [rad/s], and the noise so far.
 
     deviation: typical distance of readings from the line between their neighbours, as of single readings [rad/s].

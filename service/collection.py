@@ -2,9 +2,10 @@
 
 import logging
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Self
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
@@ -63,7 +64,7 @@ class Standing:
             "revision": self.revision,
             "seen": self.seen,
             "direction": self.direction,
-            "operating": asdict(self.operating),
+            "operating": msgspec.to_builtins(self.operating),
             "late": self.late,
             "bins": None if self.bins is None else self.bins.times,
             "rolled_at": self.rolled_at,

@@ -102,6 +102,11 @@ class Healing:
     _silent_logs: dict[SourceKey, float] = field(default_factory=dict)
     _fruitless: dict[SourceKey, int] = field(default_factory=dict)
 
+    @property
+    def asking(self) -> bool:
+        """Whether answers of logs are expected."""
+        return bool(self._replays or self._recalls or self._discoveries)
+
     def token(self, token: zenoh.Sample) -> None:
         """A source came or went."""
         key = _live_key(token)

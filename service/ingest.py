@@ -38,8 +38,12 @@ logger = logging.getLogger(__name__)
 QUEUE_SIZE = 50_000
 LARGEST_CYCLE = 1_000
 """Messages stored in one transaction."""
-CYCLE_S = 0.05
-"""Pause between looks into an empty queue."""
+CYCLE_S = 0.1
+"""What comes within this time is stored in one transaction, …"""
+BACKLOG = 200
+"""… unless so many messages have come: then there is no pause."""
+HEALING_CYCLE_S = 0.05
+"""Pause between looks for what logs answer."""
 TAIL_CHECK_S = 2.0
 """How often a live source's log is asked for samples that never came."""
 STALLED_S = 5.0
@@ -165,8 +169,8 @@ class Ingest:
                 continue
             if stopping and count == 0 and not self._healing.waiting:
                 return
-            if count == 0:
-                self._submissions.wait(CYCLE_S)
+            if count == 0 or (count < BACKLOG and not self._healing.asking):
+                self._submissions.wait(HEALING_CYCLE_S if self._healing.asking else CYCLE_S)
 
     def _cycle(self) -> int:
         """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""

@@ -5,8 +5,8 @@ The machine of `tests.plant` runs between 300 and 3000 r/min and stands still be
 
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -151,7 +151,7 @@ def test_noise_changes_no_state(noise: float) -> None:
 @given(st.lists(st.floats(0.0, 3900.0), min_size=1, max_size=80), st.integers(0, 80))
 def test_a_restart_anywhere_changes_nothing(rpm: list[float], cut: int) -> None:
     before, first = follow(rpm[:cut])
-    restored = OperatingState.restored(json.loads(json.dumps(asdict(before))))
+    restored = OperatingState.restored(json.loads(json.dumps(msgspec.to_builtins(before))))
     assert restored == before
     after, second = follow(rpm[cut:], state=restored, start=min(cut, len(rpm)))
     assert (after, first + second) == follow(rpm)

@@ -5,8 +5,8 @@ The machine runs between 300 and 3000 r/min; a span is a part of these 2700 r/mi
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
@@ -308,7 +308,7 @@ def test_a_restart_anywhere_changes_nothing(steps: list[tuple[float, float, int]
     samples = in_time(steps)
     cut = data.draw(st.integers(0, len(samples)))
     before, first = follow(samples[:cut])
-    restored = SweepState.restored(json.loads(json.dumps(asdict(before))))
+    restored = SweepState.restored(json.loads(json.dumps(msgspec.to_builtins(before))))
     assert restored == before
     after, second = follow(samples[cut:], restored)
     assert (after, first + second) == follow(samples)
