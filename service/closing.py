@@ -42,7 +42,7 @@ def close_with(session: Session, machine: Machine, row: RunRow, held: Samples, *
     )
     logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(held), row.reason)
     if not weakness:
-        options = None if row.reopened_at is None else {"reopened": True}
+        options = {"reopened": row.times_reopened} if row.times_reopened else None
         jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id], options=options)
 
 

@@ -24,7 +24,9 @@ logger = logging.getLogger(__name__)
 ALIVE_PATIENCE = 10.0
 """A source that is connected is waited for this many times longer than one that is not."""
 LATE_PATIENCE_S = 10.0
-"""Late samples are sorted in when no more of them have come for this long."""
+"""Late samples are sorted in when no more of them have come for this long, …"""
+LONGEST_LATE_PATIENCE = 10.0
+"""… or, where they do not cease, this many times as long after the first of them."""
 
 
 @dataclass
@@ -83,7 +85,7 @@ class Collector:
     def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
         self._late_s = late_s
         self._heard: dict[str, float] = {}
-        self._heard_late: dict[str, float] = {}
+        self._heard_late: dict[str, tuple[float, float]] = {}  # the first that is not sorted in, and the last one
         self._silent: set[str] = set()
         self._settled: set[str] = set()
 
@@ -140,11 +142,15 @@ class Collector:
         if now is None or not now.late:
             self._settled.add(machine_id)
             return
-        heard = self._heard_late.setdefault(machine_id, time.monotonic())
-        if time.monotonic() - heard < self._late_s:
+        moment = time.monotonic()
+        first, last = self._heard_late.setdefault(machine_id, (moment, moment))
+        if moment - last < self._late_s and moment - first < LONGEST_LATE_PATIENCE * self._late_s:
             return
-        now.late = [window for window in now.late if not settle(session, machine_id, window)]
-        runs.save_collector_state(session, machine_id, now.stored())
+        del self._heard_late[machine_id]
+        waiting = settle(session, machine_id, now.late, patience_s=self._late_s)
+        if waiting != now.late:
+            now.late = waiting
+            runs.save_collector_state(session, machine_id, now.stored())
 
     def _note_late(self, session: Session, machine: Machine, now: Standing, times: NDArray[np.int64]) -> None:
         """Remember what must be sorted in; what lies in the open run will be read when that is closed."""
@@ -152,7 +158,9 @@ class Collector:
         if row is not None:
             times = times[times < row.time_first]
         if times.size:
-            self._heard_late[machine.id] = time.monotonic()
+            moment = time.monotonic()
+            first, _ = self._heard_late.get(machine.id, (moment, moment))
+            self._heard_late[machine.id] = first, moment
             self._settled.discard(machine.id)
             now.late = noted(now.late, now.revision, times.tolist())
 

@@ -1,9 +1,9 @@
 """Samples that come after run collection has passed their time: sorted into the runs that they belong to.
 
 The stretch of time in which they came is gone through again, from the store and with the same state machine. A sweep found
-there that was collected before is reopened, once: made anew with all its samples and identified again. One that nobody knew
-of, such as a whole run-down after an hour without a network, becomes a run of its own. A run that was reopened before stays
-as it is and counts what it leaves out.
+there that was collected before is reopened: made anew with all its samples and identified again. One that nobody knew of,
+such as a whole run-down after an hour without a network, becomes a run of its own. Each time a run was reopened it waits
+twice as long for more: samples that trickle in over a day cost a dozen identifications, not one each.
 """
 
 import logging
@@ -48,14 +48,40 @@ def _joined(one: Window, other: Window) -> Window:
     return [one[0], one[1], max(one[2], other[2]), one[3] + other[3]]
 
 
-def settle(session: Session, machine_id: str, window: Window) -> bool:
-    """Sort in the samples of a window; False when that must wait, for a run beside it is still open."""
+def settle(session: Session, machine_id: str, windows: list[Window], *, patience_s: float) -> list[Window]:
+    """Sort in the samples of windows, ascending; which of them must wait.
+
+    They wait for a run beside them that is still open, and for one that was reopened not long ago: the first time for
+    `patience_s`, then for twice as long each time.
+    """
+    together = _by_run(session, machine_id, windows)
+    return [window for window in together if not _settled(session, machine_id, window, patience_s)]
+
+
+def _by_run(session: Session, machine_id: str, windows: list[Window]) -> list[Window]:
+    """Those that lie in one run as one, so that it is made anew once."""
+    merged: list[Window] = []
+    inside: set[int] = set()
+    for window in windows:
+        revision, first, last, _ = window
+        here = {row.id for row in runs.touching(session, machine_id, revision=revision, first=first, last=last)}
+        if merged and merged[-1][0] == revision and here & inside:
+            merged[-1] = _joined(merged[-1], window)
+            inside |= here
+        else:
+            merged.append(window)
+            inside = here
+    return merged
+
+
+def _settled(session: Session, machine_id: str, window: Window, patience_s: float) -> bool:
+    """Sort in one window; False when that must wait."""
     revision, first, last, count = window
     machine = machines.document(session, machine_id, revision)
     if machine.collection.runs == ROLLING:
         return True
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
-    if any(row.state == runs.OPEN for row in beside):
+    if any(row.state == runs.OPEN or (_holds(row, first, last) and _waits(row, patience_s)) for row in beside):
         return False
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
         # Made anew from the blocks that are left, it would lose what it has.
@@ -79,15 +105,27 @@ def settle(session: Session, machine_id: str, window: Window) -> bool:
         if not known:
             _add(session, machine, revision, direction, sweep)
             continue
-        _reopen(session, machine, known[0], sweep, count)
+        _reopen(session, machine, known[0], sweep)
         for other in known[1:]:
             other.state, other.reason = runs.DISCARDED, f"late samples join it to run {known[0].id}"
     for row in left:
         # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
         if concerned(same.start, same.time):
-            _reopen(session, machine, row, same, count)
+            _reopen(session, machine, row, same)
     return True
+
+
+def _holds(row: RunRow, first: int, last: int) -> bool:
+    """Whether some of the time from first to last [ns] is a run's."""
+    return row.time_first <= last and (row.time_last or row.time_first) >= first
+
+
+def _waits(row: RunRow, patience_s: float) -> bool:
+    """Whether a run was made anew so short a time ago that more may come."""
+    if row.reopened_at is None:
+        return False
+    return now() < row.reopened_at + 1e9 * patience_s * 2.0 ** (row.times_reopened or 0)
 
 
 def _kind(row: RunRow) -> RunKind:
@@ -95,7 +133,7 @@ def _kind(row: RunRow) -> RunKind:
 
 
 def _overlap(row: RunRow, sweep: RunEnded) -> bool:
-    return row.time_first <= sweep.time and (row.time_last or row.time_first) >= sweep.start
+    return _holds(row, sweep.start, sweep.time)
 
 
 def _sweeps(session: Session, machine: Machine, revision: int, begin: int, end: int) -> list[tuple[RunEnded, int]]:
@@ -122,13 +160,9 @@ def _add(session: Session, machine: Machine, revision: int, direction: int, swee
     close_sweep(session, machine, row, first=sweep.start, last=sweep.time, reason=f"{sweep.reason}; it came late")
 
 
-def _reopen(session: Session, machine: Machine, row: RunRow, sweep: RunEnded, count: int) -> None:
-    """Make a closed run anew with what came late, once; after that only count it."""
-    if row.reopened_at is not None:
-        runs.leave_out(row, count)
-        logger.warning("%s: run %d was reopened before and leaves out %d samples", machine.id, row.id, count)
-        return
-    row.reopened_at = now()
+def _reopen(session: Session, machine: Machine, row: RunRow, sweep: RunEnded) -> None:
+    """Make a closed run anew with what came late."""
+    row.reopened_at, row.times_reopened = now(), (row.times_reopened or 0) + 1
     if sweep.start != row.time_first:
         row.time_first = runs.free_start(session, machine.id, sweep.start)
     row.time_last = None  # so that it does not count as the run before itself

@@ -73,7 +73,8 @@ class Settings(BaseSettings):
     smtp_password: SecretStr = Field(default=SecretStr(""), description="the user's password")
     smtp_sender: str = Field(default="rundown@localhost", description="whom the mails are from")
     late_s: Annotated[float, Field(ge=0)] = Field(
-        default=10.0, description="samples that came late are sorted into their runs when no more have come for this long"
+        default=10.0,
+        description="samples that came late are sorted in when none have come for this long, at most ten times as long",
     )
     raw_days: Days = Field(
         default=0.0, description="samples outside of runs are let go of behind a machine's newest by this many days; 0: never"

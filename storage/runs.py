@@ -85,7 +85,7 @@ def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: C
 
 
 def leave_out(row: RunRow, count: int) -> None:
-    """Note samples that came after a run had been reopened: they are counted, and not part of it."""
+    """Note samples that came when a run could not be made anew any more: they are counted, and not part of it."""
     if row.coverage is not None:  # it is null in a run without samples
         row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
 

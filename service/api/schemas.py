@@ -78,7 +78,7 @@ class RunCoverage(BaseModel):
     largest_hole_rpm: float = Field(description="between neighbours in speed")
     usable: dict[str, float] = Field(description="per channel the part of the samples that are good, 0 to 1")
     duration_s: float
-    late_samples_left_out: int = Field(description="they came when the run had been reopened before")
+    late_samples_left_out: int = Field(description="they came when the run's raw samples were let go of")
 
 
 class QualitySummary(BaseModel):
@@ -126,7 +126,7 @@ class Run(BaseModel):
     samples: int | None
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
-    reopened_at: datetime | None = Field(description="when late samples made it anew; its newest identification counts")
+    reopened_at: datetime | None = Field(description="when late samples last made it anew; its newest identification counts")
     samples_released_at: datetime | None = Field(description="when its samples were let go of; null while it has them")
     coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")

@@ -75,7 +75,7 @@ class MachineStateRow(Base):
 
 
 class RunRow(Base):
-    """A run-up, a run-down, or a rolling collection. Once closed it carries its own samples; late ones change it once."""
+    """A run-up, a run-down, or a rolling collection. Once closed it carries its own samples; late ones make it anew."""
 
     __tablename__ = "runs"
     __table_args__ = (
@@ -101,7 +101,8 @@ class RunRow(Base):
     data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     # Null in runs that an older release collected.
     reopened_at: Mapped[int | None]
-    """When late samples made it anew; it happens once."""
+    """When late samples made it anew the last time."""
+    times_reopened: Mapped[int | None]
     coverage: Mapped[dict[str, Any] | None]
     quality: Mapped[dict[str, Any] | None]
     flags: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)

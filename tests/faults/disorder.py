@@ -29,6 +29,7 @@ SWEEP_S, HOLD_S = 600.0, 200.0
 SIZE = 5
 CYCLE = 20
 """Messages in a transaction, as a busy ingest takes them."""
+NEVER_S = 1e9
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ def told(url: str, document: Machine, messages: Sequence[SampleBatch]) -> Stored
         arrived = [Arrived(one, "", encode_batch(one), START + 3 * 86_400 * SECOND) for one in messages]
         for first in range(0, len(arrived), CYCLE):
             journal.store(arrived[first : first + CYCLE], [])
+            journal.close_silent(silence_s=NEVER_S)  # what came late so far is sorted in, again and again
         journal.close_silent(silence_s=0.0)
         return _held(database, document, source_key(messages[0]).source)
     finally:

@@ -1,4 +1,4 @@
-"""Samples that come late: holes filled, runs reopened once, whole runs found afterwards, and what comes too late counted."""
+"""Samples that come late: holes filled, runs reopened, whole runs found afterwards, and what comes too late counted."""
 
 import random
 from typing import Any
@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy.orm import Session
 
+from service import late
 from service.collection import Collector
 from service.holes import NEVER
 from service.journal import Journal
-from service.late import BESIDE, LARGEST_COUNT, noted
+from service.late import BESIDE, LARGEST_COUNT, Window, noted
 from storage import identifications, jobs, machines, quarantine, runs, trends
 from storage import samples as sample_store
 from storage.blocks import Samples
@@ -176,7 +177,7 @@ def test_late_samples_of_an_open_run_are_simply_in_it(plant: Database, journal: 
     assert source(plant).late == 10
 
 
-def test_a_closed_run_is_reopened_once_and_identified_again(plant: Database, journal: Journal) -> None:
+def test_a_closed_run_is_reopened_and_identified_again_each_time(plant: Database, journal: Journal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     (before,) = found_runs(plant)
@@ -188,17 +189,67 @@ def test_a_closed_run_is_reopened_once_and_identified_again(plant: Database, jou
     assert (run.state, run.count) == (runs.CLOSED, 81)
     assert run.reopened_at is not None
     assert np.all(np.diff(held(plant, run).time) > 0)
-    assert [(job.run_ids, job.options) for job in found_jobs(plant)] == [([run.id], None), ([run.id], {"reopened": True})]
-    # A second time they are stored and counted, and the run stays as it is.
     send(journal, CYCLE, 50, 52)
     send(journal, CYCLE, 58, 60)
     settle(journal)
     (after,) = found_runs(plant)
-    assert (after.count, after.reopened_at) == (81, run.reopened_at)
+    assert (after.id, after.count) == (run.id, 85)
+    assert after.reopened_at is not None
+    assert after.reopened_at > run.reopened_at
     assert after.coverage is not None
-    assert after.coverage["late_samples_left_out"] == 4
+    assert after.coverage["late_samples_left_out"] == 0
     assert (source(plant).received, source(plant).lost, source(plant).late) == (120, 0, 10)
-    assert len(found_jobs(plant)) == 2
+    jobs_of_it = [(job.run_ids, job.options) for job in found_jobs(plant)]
+    assert jobs_of_it == [([run.id], None), ([run.id], {"reopened": 1}), ([run.id], {"reopened": 2})]
+
+
+def test_a_reopened_run_waits_twice_as_long_each_time(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    hours = [0.0]
+    monkeypatch.setattr("service.late.now", lambda: START + round(3600 * SECOND * hours[0]))
+
+    def sort_in(windows: list[Window]) -> list[Window]:
+        with plant.transaction() as session:
+            return late.settle(session, KEY.machine, windows, patience_s=3600.0)
+
+    patient = Journal(plant, Collector(late_s=3600.0))
+    send(patient, CYCLE, 0, 50)
+    send(patient, CYCLE, 60, 120)
+    counts = []
+    for number, hours[0] in enumerate((0.0, 1.9, 2.1, 6.0, 6.2)):
+        send(patient, CYCLE, 50 + number, 51 + number)
+        left = sort_in([[1, START + 50 * SECOND, START + (50 + number) * SECOND, 1]])
+        (run,) = found_runs(plant)
+        counts.append((run.count, len(left)))
+    assert counts == [(76, 0), (76, 1), (78, 0), (78, 1), (80, 0)]
+
+
+def test_late_samples_that_do_not_cease_are_sorted_in_all_the_same(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    moment = [0.0]
+    monkeypatch.setattr("service.collection.time.monotonic", lambda: moment[0])
+    journal = Journal(plant, Collector(late_s=10.0))
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 70, 120)
+    counts = []
+    for number in range(20):
+        send(journal, CYCLE, 50 + number, 51 + number)
+        moment[0] += 9.0
+        settle(journal)
+        counts.append(found_runs(plant)[0].count)
+    assert counts[:11] == [65] * 11
+    assert counts[11] == 77
+
+
+def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, journal: Journal) -> None:
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    with plant.transaction() as session:
+        machines.get(session, KEY.machine).blocks_since = START + 119 * SECOND
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.count, run.reopened_at) == (75, None)
+    assert run.coverage is not None
+    assert run.coverage["late_samples_left_out"] == 10
 
 
 def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: Journal) -> None:
@@ -266,7 +317,7 @@ def test_late_samples_may_make_a_discarded_run_worth_an_identification(plant: Da
     (run,) = found_runs(plant)
     assert (run.state, run.count) == (runs.CLOSED, 85)
     assert run.reason == "the speed left the speed range"
-    assert [job.options for job in found_jobs(plant)] == [{"reopened": True}]
+    assert [job.options for job in found_jobs(plant)] == [{"reopened": 1}]
 
 
 def test_late_samples_beside_a_run_lengthen_it(plant: Database, journal: Journal) -> None:
