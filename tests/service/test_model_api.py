@@ -276,6 +276,24 @@ def test_what_cannot_be_made_is_refused_in_words(api: Api, path: str, word: str)
     assert word in problem(api.get(f"/identifications/1/{path}"), 422)["detail"]
 
 
+@pytest.mark.parametrize("what", ["balancing", "misalignment-force"])
+@pytest.mark.parametrize(
+    ("asked", "speeds"),
+    [
+        ({"from_rpm": 2000, "to_rpm": 1000}, "2000 and 1000"),
+        ({"from_rpm": 5000}, "5000 and 2900"),
+        ({"to_rpm": 100}, "400 and 100"),
+    ],
+)
+def test_an_empty_range_of_speeds_is_refused_by_its_own_name(
+    api: Api, what: str, asked: dict[str, float], speeds: str
+) -> None:
+    detail = problem(api.get(f"/identifications/1/model/{what}", **asked), 422)["detail"]
+    assert detail.startswith(f"from_rpm must be below to_rpm, not {speeds}: ")
+    assert "400 and 2900" in detail
+    assert "plane" not in detail
+
+
 @pytest.mark.parametrize(
     ("path", "field"),
     [
