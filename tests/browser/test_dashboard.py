@@ -341,6 +341,26 @@ def test_report_says_an_alert_s_state_at_the_end_of_the_period(seen: Seen, close
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(("days", "severity"), [(0, "alert"), (10, "danger")])
+def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, severity: str
+) -> None:
+    later = (datetime.now(UTC) + timedelta(days=9)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    events = [{**one, "severity": "alert"} for one in service.get(f"/alerts/{alert['id']}/events")]
+    worse = {**events[-1], "id": 10**9, "at": later, "kind": "severity_changed", "severity": "danger"}
+    today = [{**alert, "severity": "danger", "updated_at": later}]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=today))
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), lambda route: route.fulfill(json=[*events, worse]))
+    last = (datetime.now(UTC) + timedelta(days=days)).date()
+    seen.open(f"reports/{MACHINE}?to={last}")
+    row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
+    expect(row.locator("td").first).to_contain_text(severity)
+    expect(seen.page.locator(".element[data-element='coupling.C1']")).to_have_class(re.compile(rf"\b{severity}\b"))
+    expect(seen.page.get_by_text("1 alert, of which 1 open at the end")).to_be_visible()
+    assert seen.errors == []
+
+
 @pytest.mark.parametrize(("width", "height", "scheme"), [(390, 844, "light"), (1440, 900, "dark")])
 def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, scheme: str) -> None:
     seen.page.set_viewport_size({"width": width, "height": height})
