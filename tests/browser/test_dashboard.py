@@ -246,9 +246,12 @@ def test_enter_picks_the_point_read_out_as_a_click_does(seen: Seen, service: Ser
     assert seen.errors == []
 
 
-@pytest.mark.parametrize(("tab", "lines"), [("trends?element=coupling.C1", 2), ("response", 1), ("model", 1)])
+@pytest.mark.parametrize(
+    ("tab", "lines"),
+    [("trends?element=coupling.C1", 2), ("response?channels=B1X,B1Y,B2X,B2Y,B3X,B3Y,B4X,B4Y", 2), ("model", 1)],
+)
 def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> None:
-    """The longest there are: of what was not accepted, and of as many channels as the machine has."""
+    """Among them the longest there are: of what was not accepted, and of all channels at once."""
 
     def not_accepted(route: Route) -> None:
         answer = route.fetch().json()
