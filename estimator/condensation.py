@@ -134,7 +134,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
     retained = np.flatnonzero(touched[: rotor.plane_size] | touched[rotor.plane_size :])
     kept = np.concatenate([retained, rotor.plane_size + retained])
-    spreads = _scale_spreads(machine, rotor)
+    spreads = scale_spreads(machine, rotor)
     elimination = WhirlElimination.of(
         rotor,
         retained=retained,
@@ -166,7 +166,7 @@ def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
     return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
 
 
-def _scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
+def scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
     """Name and relative spread of every scale factor that is not known exactly."""
     found: dict[str, float] = {}
     for name in rotor.materials:

@@ -206,7 +206,7 @@ export interface Orbits {
 
 export interface Series {
   parameter: string;
-  unit: string | null;
+  unit: string;
   down_sampling?: { method: string; points: number };
   measured_at: string[];
   value: (number | null)[];

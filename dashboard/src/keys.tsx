@@ -12,6 +12,7 @@ const SAID: [string, string][] = [
   ["1 … 7", "tabs of a machine"],
   ["d", "dark or light"],
   ["← → in a plot", "move the read-out; with Shift ten points"],
+  ["Enter in a trend", "open the identification of the point read out"],
   ["↑ ↓ in a polar plot", "read out another curve"],
   ["← → ↑ ↓ in a matrix", "move the read-out"],
   ["+ − 0 in a plot", "zoom in, out, back to all"],

@@ -51,7 +51,7 @@ export interface PlotProps {
   bands?: Band[];
   markers?: Marker[];
   height?: number;
-  /** Plots of the same name move their cursors together. */
+  /** Plots of the same name move their cursors and zoom together. */
   together?: string;
   /** What is said of the point at the cursor; by default every curve's value. */
   readOut?: (index: number) => string;
@@ -69,6 +69,9 @@ function dash(style: number): number[] {
 }
 
 const ALPHA = 0.2;
+/** Characters of a value that is read out, with what stands around it; and of a line of a phone. */
+const VALUE = 9;
+const LINE = 48;
 /** As one step of keys and buttons does. */
 const ZOOM = 0.6;
 /** A click so near to a point picks it [px]; a finger hides what it points at. */
@@ -122,9 +125,9 @@ export function Plot(props: PlotProps) {
   const last = props.x.length - 1;
   const index = at !== null && at <= last ? at : null;
   return (
-    <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out.`} onKeyDown={(event) => keyed(event, plot.current, last)}>
+    <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out${props.onPick ? ", Enter picks its point" : ""}.`} onKeyDown={(event) => keyed(event, plot.current, props)}>
       <div class="above">
-        <div class="readout" aria-live="off">
+        <div class="readout" aria-live="off" style={{ "--lines": lines(props) }}>
           {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
           {index === null && !props.readOut && <Names curves={props.curves} />}
         </div>
@@ -175,6 +178,13 @@ function values(props: PlotProps): (index: number) => string {
   };
 }
 
+/** What a read-out may take on a phone: its place is kept, so that plots below it stay where they are. */
+function lines({ readOut, curves, yUnit }: PlotProps): number {
+  if (readOut) return 2;
+  const said = curves.filter((one) => !one.faint && !one.aside).map((one) => one.name.length + VALUE);
+  return Math.max(2, Math.ceil((VALUE + yUnit.length + said.reduce((sum, one) => sum + one, 0)) / LINE));
+}
+
 function data(props: PlotProps): uPlot.AlignedData {
   const columns: (number | null)[][] = [];
   for (const one of props.curves) {
@@ -190,9 +200,9 @@ function zoomed(made: uPlot): boolean {
   return min !== undefined && max !== undefined && min !== null && max !== null && x.length > 1 && made.root.dataset.zoomed === "1";
 }
 
-function keyed(event: KeyboardEvent, made: uPlot | null, last: number): void {
+function keyed(event: KeyboardEvent, made: uPlot | null, { x, onPick }: PlotProps): void {
+  const last = x.length - 1;
   if (!made || last < 0) return;
-  const x = made.data[0];
   if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
     const step = (event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1);
     const index = Math.min(last, Math.max(0, (made.cursor.idx ?? last) + step));
@@ -200,13 +210,23 @@ function keyed(event: KeyboardEvent, made: uPlot | null, last: number): void {
   } else if (event.key === "+" || event.key === "-") {
     zoom(made, event.key === "+" ? ZOOM : 1 / ZOOM);
   } else if (event.key === "0" || event.key === "Escape") showAll(made);
+  // On one of its buttons Enter presses that.
+  else if (event.key === "Enter" && onPick && event.target === event.currentTarget) onPick(Math.min(last, made.cursor.idx ?? last));
   else return;
   event.preventDefault();
 }
 
+/** A plot and those that it zooms together with. */
+function together(made: uPlot): uPlot[] {
+  const key = made.cursor.sync?.key;
+  return key ? uPlot.sync(key).plots : [made];
+}
+
 function showAll(made: uPlot): void {
-  made.root.dataset.zoomed = "0";
-  made.setData(made.data, true);
+  for (const one of together(made)) {
+    one.root.dataset.zoomed = "0";
+    one.setData(one.data, true);
+  }
 }
 
 /** left: of what stays in its place [px]; negative: the middle. */
@@ -214,8 +234,10 @@ function zoom(made: uPlot, factor: number, left = made.cursor.left ?? -1): void 
   const { min, max } = made.scales.x!;
   if (min === undefined || max === undefined || min === null || max === null) return;
   const middle = left >= 0 ? made.posToVal(left, "x") : (min + max) / 2;
-  made.root.dataset.zoomed = "1";
-  made.setScale("x", { min: middle - (middle - min) * factor, max: middle + (max - middle) * factor });
+  for (const one of together(made)) {
+    one.root.dataset.zoomed = "1";
+    one.setScale("x", { min: middle - (middle - min) * factor, max: middle + (max - middle) * factor });
+  }
 }
 
 function options(
@@ -345,7 +367,7 @@ function controls(made: uPlot, latest: { current: PlotProps }): void {
     event.preventDefault();
     zoom(made, event.deltaY < 0 ? 0.8 : 1.25);
   }, { passive: false });
-  over.addEventListener("dblclick", () => (made.root.dataset.zoomed = "0"));
+  over.addEventListener("dblclick", () => together(made).forEach((one) => (one.root.dataset.zoomed = "0")));
   for (const kind of ["pointerenter", "pointerdown"] as const) {
     over.addEventListener(kind, (event) => (made.root.dataset.pointer = event.pointerType));
   }

@@ -3,6 +3,7 @@ import { useLayoutEffect } from "preact/hooks";
 import type { Alert, Deviations, Document, Drawing, Identification, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
 import { query } from "./api";
 import { openAt, stateAt } from "./alert-words";
+import { useAlertsAt } from "./alerts-at";
 import { marksOf } from "./deviations";
 import { elementName, rpm } from "./format";
 import { Identified } from "./identified-view";
@@ -90,19 +91,20 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine.id}/timeline${query({ from, to, limit: MOST })}`);
   const identified = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications${query({ from, to, limit: MOST })}`);
   const newest = useNewestOf(identified.data);
-  const during = (alerts.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
+  const then = useAlertsAt(alerts.data, to);
+  const during = (then.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
   const cut = [alerts, runs, timeline, identified].some((one) => one.data?.length === MOST);
   const elements = newest ? reported(elementsOf(newest.estimates), during) : [];
   return (
     <>
       <Panel title="In short">
-        <Summary runs={runs.data} identified={identified.data} alerts={during} to={to} />
+        <Summary runs={runs.data} identified={identified.data} alerts={then.data && during} to={to} />
         {cut && <p class="muted">Of each kind the newest {MOST} are counted and shown; there may be more.</p>}
         {identified.data?.length === 0 && <p class="muted">Nothing was identified in this period.</p>}
         <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => openAt(one, to))} />
       </Panel>
       <Panel title="Alerts of the period">
-        <Shown answer={alerts}>{() => <AlertTable alerts={during} to={to} />}</Shown>
+        <Shown answer={{ data: then.data, failure: alerts.failure ?? then.failure }}>{() => <AlertTable alerts={during} to={to} />}</Shown>
       </Panel>
       <Panel title="What was done">
         <Shown answer={timeline}>
@@ -131,7 +133,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
             from={from}
             to={to}
             scope="run"
-            alerts={alerts.data ?? []}
+            alerts={then.data ?? []}
             height={190}
           />
         ))}
@@ -167,7 +169,7 @@ function reported(elements: string[], alerts: Alert[]): string[] {
   return elements.filter((one) => one.startsWith("coupling.") || alerts.some((alert) => alert.element === one));
 }
 
-function Summary(props: { runs: Run[] | undefined; identified: IdentificationSummary[] | undefined; alerts: Alert[]; to: string }) {
+function Summary(props: { runs: Run[] | undefined; identified: IdentificationSummary[] | undefined; alerts: Alert[] | undefined; to: string }) {
   const { runs, identified, alerts, to } = props;
   const accepted = identified?.filter((one) => one.accepted).length;
   const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
@@ -175,7 +177,7 @@ function Summary(props: { runs: Run[] | undefined; identified: IdentificationSum
     <p>
       {counted(runs?.length, "run")}
       {speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {counted(identified?.length, "identification")}, of which {accepted ?? "…"}{" "}
-      accepted; {counted(alerts.length, "alert")}, of which {alerts.filter((one) => openAt(one, to)).length} open
+      accepted; {counted(alerts?.length, "alert")}, of which {alerts?.filter((one) => openAt(one, to)).length ?? "…"} open
       at the end of the period.
     </p>
   );
@@ -192,7 +194,7 @@ function AlertTable({ alerts, to }: { alerts: Alert[]; to: string }) {
       <table>
         <thead>
           <tr>
-            <th>Severity</th>
+            <th title="at the end of the period">Severity</th>
             <th>Element</th>
             <th title="at the end of the period">State</th>
             <th>Opened</th>

@@ -80,6 +80,25 @@ newestEvent.follow(() => {
 
 const NOTHING: Answer<never> = { data: undefined, failure: undefined };
 
+/** Keep an answer up to date until what is returned is called. */
+function follow(path: string, everyMs: number, news: () => void): () => void {
+  const resource = resourceOf(path);
+  resource.followers += 1;
+  const leave = resource.answer.follow(news);
+  resource.want();
+  const timer =
+    everyMs > 0
+      ? window.setInterval(() => {
+          if (!document.hidden && Date.now() - resource.asked >= everyMs * 0.9) void resource.refresh();
+        }, everyMs)
+      : undefined;
+  return () => {
+    leave();
+    resource.followers -= 1;
+    window.clearInterval(timer);
+  };
+}
+
 /**
  * What the service answers under a path; nothing for no path.
  *
@@ -87,23 +106,16 @@ const NOTHING: Answer<never> = { data: undefined, failure: undefined };
  */
 export function useResource<T>(path: string | null, everyMs = 0): Answer<T> {
   const [, redraw] = useState(0);
-  useEffect(() => {
-    if (path === null) return undefined;
-    const resource = resourceOf(path);
-    resource.followers += 1;
-    const leave = resource.answer.follow(() => redraw((count) => count + 1));
-    resource.want();
-    const timer =
-      everyMs > 0
-        ? window.setInterval(() => {
-            if (!document.hidden && Date.now() - resource.asked >= everyMs * 0.9) void resource.refresh();
-          }, everyMs)
-        : undefined;
-    return () => {
-      leave();
-      resource.followers -= 1;
-      window.clearInterval(timer);
-    };
-  }, [path, everyMs]);
+  useEffect(() => (path === null ? undefined : follow(path, everyMs, () => redraw((count) => count + 1))), [path, everyMs]);
   return path === null ? NOTHING : (resourceOf(path).answer.value as Answer<T>);
+}
+
+/** The same under each of several paths; asked again only on news. */
+export function useResources<T>(paths: string[]): Answer<T>[] {
+  const [, redraw] = useState(0);
+  useEffect(() => {
+    const leave = paths.map((path) => follow(path, 0, () => redraw((count) => count + 1)));
+    return () => leave.forEach((one) => one());
+  }, [paths.join(" ")]);
+  return paths.map((path) => resourceOf(path).answer.value as Answer<T>);
 }

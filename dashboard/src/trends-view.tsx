@@ -231,7 +231,7 @@ interface HistoryProps {
 }
 
 function History({ name, series, kinds, markers, tests, xRange, height }: HistoryProps) {
-  const unit = series.unit ?? "";
+  const unit = series.unit;
   const sizes = series.value.filter((one) => one !== null).map(Math.abs);
   const scale = scaleOf(Math.max(0, ...sizes), unit);
   const scaled = (one: number | null | undefined) => (one === null || one === undefined ? null : one * scale.factor);

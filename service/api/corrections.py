@@ -61,5 +61,5 @@ def corrected_phasors(
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))
     answer = rendering.phasors(machine, held, include)
-    in_units = None if units is None else rendering.phasors_in_units(held, units)
+    in_units = None if units is None else rendering.phasors_in_units(held, units, include)
     return answer.model_copy(update={"slow_roll_version": version, "slow_roll_left_out": left_out, "in_units": in_units})

@@ -9,6 +9,7 @@ from service.api import rendering, schemas
 from service.api.access import MachineId, Number, Period, Reading, database
 from service.api.paging import ById, ByTime
 from service.api.problems import RESPONSES, Problem
+from service.api.trend_units import TrendUnitChoice
 from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines
 
@@ -28,13 +29,18 @@ def list_identifications(
 
 
 @router.get("/identifications/{identification_id}", operation_id="read_identification")
-def read_identification(session: Reading, identification_id: Number, covariance: bool = False) -> schemas.IdentificationDetail:
-    """One identification with every estimate, its uncertainty, and the reason where there is none."""
+def read_identification(
+    session: Reading, identification_id: Number, units: TrendUnitChoice, covariance: bool = False
+) -> schemas.IdentificationDetail:
+    """One identification with every estimate, its uncertainty, and the reason where there is none.
+
+    Estimates and derived quantities are in the units asked for, as trends are; the covariance is in SI.
+    """
     row = identifications.get(session, identification_id)
     return schemas.IdentificationDetail(
         **rendering.identification(row).model_dump(),
-        estimates=[rendering.estimate(one) for one in identifications.estimates(session, identification_id)],
-        derived=[rendering.derived(one) for one in derived.of_identification(session, identification_id)],
+        estimates=[rendering.estimate(one, units) for one in identifications.estimates(session, identification_id)],
+        derived=[rendering.derived(one, units) for one in derived.of_identification(session, identification_id)],
         coordinates=row.coordinates if covariance else None,
         covariance=identifications.covariance(row).tolist() if covariance else None,
     )

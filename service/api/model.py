@@ -21,7 +21,7 @@ from estimator.modal_uncertainty import critical_speed_errors, modes_at, natural
 from estimator.mode_shapes import ModeShape, ShaftShape, mode_shapes
 from estimator.modes import log_decrement
 from estimator.train_layout import shaft_begins
-from estimator.units import rpm_to_rad_per_s
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api import model_schemas as schemas
 from service.api.access import Number, database
 from service.api.kept_answers import KeptAnswers
@@ -170,8 +170,9 @@ def read_balancing(
         planes = plane or [disc.id for disc in one.machine.discs]
         if not planes:
             raise Unsuitable(f"machine '{one.machine.id}' has no disc to correct in")
+        speed = _speeds(one, from_rpm, to_rpm, points)
         try:
-            return balance(one.model, planes=planes, speed=_speeds(one, from_rpm, to_rpm, points))
+            return balance(one.model, planes=planes, speed=speed)
         except ValueError as error:
             raise Unsuitable(f"plane: {error}") from error
 
@@ -234,7 +235,11 @@ def _speeds(one: Identified, from_rpm: float | None, to_rpm: float | None, point
     first = one.speed_minimum if from_rpm is None else rpm_to_rad_per_s(from_rpm)
     last = one.speed_maximum if to_rpm is None else rpm_to_rad_per_s(to_rpm)
     if not first < last:
-        raise Unsuitable("from_rpm must be below to_rpm; without them the speeds of the runs are taken")
+        own = f"{rad_per_s_to_rpm(one.speed_minimum):.0f} and {rad_per_s_to_rpm(one.speed_maximum):.0f}"
+        raise Unsuitable(
+            f"from_rpm must be below to_rpm, not {rad_per_s_to_rpm(first):.0f} and {rad_per_s_to_rpm(last):.0f}: "
+            f"where one is left out, that of the runs is taken, {own}"
+        )
     return np.linspace(first, last, points)
 
 

@@ -19,6 +19,7 @@ from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
 from service.identified import NoModel
+from service.known_parameters import ParameterUnknown
 from service.limits import LimitsRefused
 from service.requesting import NotToIdentify
 from service.security.answer_headers import ALWAYS
@@ -61,6 +62,7 @@ OF_MACHINE = "GET /api/v1/machines/<id>"
 
 _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}: GET /api/v1/machines lists those there are"),
+    ParameterUnknown: (HTTPStatus.NOT_FOUND, "no parameter {0}"),
     RunUnknown: (HTTPStatus.NOT_FOUND, f"no run {{0}}: {OF_MACHINE}/runs lists those of a machine"),
     IdentificationUnknown: (
         HTTPStatus.NOT_FOUND,

@@ -13,6 +13,7 @@ from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.api import schemas
+from service.api.trend_units import TrendUnits, shown_in
 from service.api.units import Units
 from storage.blocks import Samples
 from storage.clock import to_datetime
@@ -93,14 +94,18 @@ def phasors(machine: Machine, samples: Samples, include: Collection[schemas.Besi
     )
 
 
-def phasors_in_units(samples: Samples, units: Units) -> schemas.PhasorsInUnits:
-    """Samples in other units."""
+def phasors_in_units(samples: Samples, units: Units, include: Collection[schemas.Beside] = ()) -> schemas.PhasorsInUnits:
+    """Samples in other units. include: what beside the 1× is wanted."""
     good = np.where(samples.usable, samples.phasor, complex(np.nan, np.nan))
+    second = samples.second.T if "2x" in include else None
     return schemas.PhasorsInUnits(
         units=units,
         speed=units.speeds(samples.speed),
         amplitude=[units.amplitudes(np.abs(channel)) for channel in good.T],
         phase=[units.phases(channel) for channel in good.T],
+        amplitude_2x=None if second is None else [units.amplitudes(np.abs(channel)) for channel in second],
+        phase_2x=None if second is None else [units.phases(channel) for channel in second],
+        scatter=[units.amplitudes(channel) for channel in samples.scatter.T] if "scatter" in include else None,
     )
 
 
@@ -165,18 +170,20 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
     )
 
 
-def estimate(row: EstimateRow) -> schemas.EstimateOut:
+def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
+    """In the units chosen in the place of SI."""
+    unit, size = shown_in(row.unit, units)
     return schemas.EstimateOut(
         parameter=row.parameter,
         element=row.element,
         quantity=row.quantity,
-        unit=row.unit,
-        value=row.value,
-        standard_error=row.standard_error,
-        lower=row.lower,
-        upper=row.upper,
-        imaginary=row.imaginary,
-        imaginary_standard_error=row.imaginary_standard_error,
+        unit=unit,
+        value=_scaled(row.value, size),
+        standard_error=_scaled(row.standard_error, size),
+        lower=_scaled(row.lower, size),
+        upper=_scaled(row.upper, size),
+        imaginary=_scaled(row.imaginary, size),
+        imaginary_standard_error=_scaled(row.imaginary_standard_error, size),
         reason=row.reason,
     )
 
@@ -196,10 +203,21 @@ def job(row: JobRow) -> schemas.JobOut:
     )
 
 
-def derived(row: DerivedRow) -> schemas.DerivedOut:
+def derived(row: DerivedRow, units: TrendUnits) -> schemas.DerivedOut:
+    """In the units chosen in the place of SI."""
+    unit, size = shown_in(row.unit, units)
     return schemas.DerivedOut(
-        name=row.name, unit=row.unit, value=row.value, lower=row.lower, upper=row.upper, reason=row.reason
+        name=row.name,
+        unit=unit,
+        value=_scaled(row.value, size),
+        lower=_scaled(row.lower, size),
+        upper=_scaled(row.upper, size),
+        reason=row.reason,
     )
+
+
+def _scaled(value: float | None, size: float) -> float | None:
+    return None if value is None else value / size
 
 
 def source(row: SourceRow) -> schemas.SourceOut:

@@ -30,12 +30,15 @@ class MachineRevision(BaseModel):
 
 
 class PhasorsInUnits(BaseModel):
-    """The same in the units asked for."""
+    """The same in the units asked for; of the 2× and the scatter, too, where `include` asks for them."""
 
     units: Units
     speed: list[float | None]
     amplitude: list[list[float | None]] = Field(description="per channel; null where unusable")
     phase: list[list[float | None]] = Field(description="per channel, not negative and less than a turn")
+    amplitude_2x: list[list[float | None]] | None = None
+    phase_2x: list[list[float | None]] | None = Field(default=None, description="of the 2×, less than a turn of it")
+    scatter: list[list[float | None]] | None = Field(default=None, description="an amplitude")
 
 
 Beside = Literal["2x", "scatter", "status"]
@@ -133,12 +136,12 @@ class Run(BaseModel):
 
 
 class EstimateOut(BaseModel):
-    """One estimated parameter with its uncertainty, SI. Null values: the data do not determine it, `reason` says why."""
+    """One estimated parameter with its uncertainty. Null values: the data do not determine it, `reason` says why."""
 
     parameter: str
     element: str
     quantity: str
-    unit: str
+    unit: str = Field(description="of all its values: SI, or what `units` asks for in its place")
     value: float | None = Field(description="of an unbalance the part along +x at the keyphasor mark")
     standard_error: float | None
     lower: float | None = Field(description="of the 95 % interval; of an unbalance's magnitude")
@@ -149,10 +152,10 @@ class EstimateOut(BaseModel):
 
 
 class DerivedOut(BaseModel):
-    """A quantity that follows from an identification, SI. Null values: there is none, `reason` says why."""
+    """A quantity that follows from an identification. Null values: there is none, `reason` says why."""
 
     name: str
-    unit: str
+    unit: str = Field(description="of all its values: SI, or what `units` asks for in its place")
     value: float | None
     lower: float | None = Field(description="of the 95 % interval")
     upper: float | None
@@ -196,7 +199,9 @@ class IdentificationDetail(IdentificationSummary):
 
     estimates: list[EstimateOut]
     derived: list[DerivedOut] = Field(description="critical speeds, coupling loads and the like; none unless it is accepted")
-    coordinates: list[str] | None = Field(default=None, description="rows of the covariance; direct terms as logarithms")
+    coordinates: list[str] | None = Field(
+        default=None, description="rows of the covariance, in SI; direct terms as logarithms"
+    )
     covariance: list[list[float]] | None = None
 
 

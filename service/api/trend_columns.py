@@ -3,12 +3,13 @@
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from service.api.downsampling import Chosen, min_max
+from service.known_parameters import units_of
 from service.trend_baselines import BaselineBand, baseline_bands
 from storage import machines, trends
 from storage.changes import Changes
@@ -65,7 +66,10 @@ class KeptHistories:
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
-        """The columns of each parameter. Raises MachineUnknown."""
+        """The columns of each parameter, empty but for the unit if it was never identified.
+
+        Raises MachineUnknown, ParameterUnknown for what the machine cannot have.
+        """
         mark = self._changes.mark(trends.TABLES)
         found = self._still_good(machine_id, parameters, scope, lambda kept: mark is not None and kept.mark == mark)
         if not parameters or len(found) < len(parameters):
@@ -79,8 +83,9 @@ class KeptHistories:
             found = self._still_good(machine_id, parameters, scope, lambda kept: kept.stamp == stamp)
             missing = [name for name in parameters if name not in found]
             read = trends.histories(session, machine_id, missing, scope=scope) if missing else {}
-            for name, history in read.items():
-                bands = []
+            units = units_of(session, machine_id, [name for name, history in read.items() if not len(history)])
+            for name, stored in read.items():
+                history, bands = replace(stored, unit=units.get(name, stored.unit)), []
                 if scope == RUN:  # only single runs are compared with a baseline
                     bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
                 found[name] = _columns(history, bands)

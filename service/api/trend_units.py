@@ -1,4 +1,4 @@
-"""Units of trends: SI, and others for who asks with `?units=rpm,g_mm,n_um`; each series says which it is in."""
+"""Units of parameters: SI, and others for who asks with `?units=rpm,g_mm,n_um`; each series or estimate says which."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -60,12 +60,17 @@ def _wrong(given: str | None, message: str) -> RequestValidationError:
 TrendUnitChoice = Annotated[TrendUnits, Depends(_trend_units)]
 
 
+def shown_in(unit: str, units: TrendUnits) -> tuple[str, float]:
+    """How a unit is written where others are chosen, and the size of what comes in its place in it."""
+    return units.get(unit, (unit, 1.0))
+
+
 def in_units(columns: Columns, units: TrendUnits) -> Columns:
     """A history, and the bands beside it, in the units chosen for it."""
     history = columns.history
     if history.unit is None or history.unit not in units:
         return columns
-    written, size = units[history.unit]
+    written, size = shown_in(history.unit, units)
     converted = {name: getattr(history, name) / size for name in ("value", "standard_error", "lower", "upper", "imaginary")}
     bands = [replace(one, band=_scaled(one.band, size)) for one in columns.baselines]
     return replace(

@@ -65,7 +65,7 @@ class Series(BaseModel):
     """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
 
     parameter: str
-    unit: str | None = Field(description="of all its values; null for a parameter that was never identified")
+    unit: str = Field(description="of all its values")
     down_sampling: DownSampling
     baselines: list[BaselineOut] = Field(description="empty until a baseline is complete, and for gathered runs")
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
@@ -119,7 +119,8 @@ async def read_trends(
     """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
     The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
-    baseline's band beside it and each row says how its series was thinned out.
+    baseline's band beside it and each row says how its series was thinned out. The series of a parameter that the machine has
+    and that was never identified is empty; one that no revision of its document has is not found.
     """
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories

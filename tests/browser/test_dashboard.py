@@ -15,6 +15,18 @@ from tests.end_to_end.processes import Service, until
 
 expect.set_options(timeout=PATIENCE_MS)
 
+TERMS = 10
+"""Of the coupling: each has a trend."""
+WORDS_HEIGHT = """(said) => {
+  const words = document.createRange();
+  words.selectNodeContents(said);
+  return words.getBoundingClientRect().height;
+}"""
+"""Of a text with all its lines [px], also of those that are cut off."""
+TOP = "(canvas) => canvas.getBoundingClientRect().top + scrollY"
+"""On the page, wherever it is scrolled to [px]."""
+LINE = 18
+"""Height of a line of a read-out on a phone [px]."""
 SHIFT = 0.1
 """Cumulative layout shift that people do not mind, by web.dev's measure."""
 
@@ -170,6 +182,104 @@ def test_fingers_zoom_a_plot_and_scroll_the_page_over_it(phone: Seen) -> None:
     expect(plot.get_by_role("button", include_hidden=True)).to_have_count(3)
     for button in plot.get_by_role("button", include_hidden=True).all():
         expect(button).to_be_hidden()
+    assert phone.errors == []
+
+
+@pytest.mark.parametrize("by", ["button", "key", "wheel", "fingers", "drag"])
+def test_trends_zoom_together(seen: Seen, phone: Seen, by: str) -> None:
+    page = phone if by == "fingers" else seen
+    plot = trend(page)
+    plots = page.page.locator(".history-plot canvas")
+    expect(plots).to_have_count(TERMS)
+    until(lambda: all(count > 20 for count in drawn(page.page)), within_s=15, what="all are drawn")
+    whole = [looks(canvas) for canvas in plots.all()]
+    zoom(plot, by)
+    until(
+        lambda: all(now != before for now, before in zip(map(looks, plots.all()), whole, strict=True)),
+        within_s=5,
+        what="all of them are zoomed",
+    )
+    expect(page.page.locator(".history-plot .uplot[data-zoomed='1']")).to_have_count(TERMS)
+    if by == "drag":
+        plot.locator(".u-over").dblclick()
+    else:
+        plot.get_by_role("button", name="Show all").click()
+    until(lambda: [looks(canvas) for canvas in plots.all()] == whole, within_s=5, what="all of them show all again")
+    expect(page.page.locator(".history-plot .uplot[data-zoomed='1']")).to_have_count(0)
+    assert page.errors == []
+
+
+def zoom(plot: Locator, by: str) -> None:
+    """Zoom in on a plot."""
+    over, mouse = plot.locator(".u-over"), plot.page.mouse
+    box = over.bounding_box()
+    assert box is not None
+    if by == "button":
+        plot.get_by_role("button", name="Zoom in").click()
+    elif by == "key":
+        plot.press("+")
+    elif by == "fingers":
+        pinch(over)
+    elif by == "wheel":
+        over.hover()
+        plot.page.keyboard.down("Control")
+        mouse.wheel(0, -100)
+        plot.page.keyboard.up("Control")
+    else:
+        mouse.move(box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 2)
+        mouse.down()
+        mouse.move(box["x"] + 0.6 * box["width"], box["y"] + box["height"] / 2, steps=5)
+        mouse.up()
+
+
+def test_enter_picks_the_point_read_out_as_a_click_does(seen: Seen, service: Service) -> None:
+    (series,) = service.get(f"/machines/{MACHINE}/trends", parameter="coupling.C1.kxx")["series"]
+    plot = trend(seen)
+    plot.focus()
+    for _ in range(2):
+        seen.page.keyboard.press("ArrowLeft")
+    plot.get_by_role("button", name="Zoom in").press("Enter")
+    expect(plot.locator(".uplot")).to_have_attribute("data-zoomed", "1")
+    expect(seen.page).to_have_url(re.compile("/trends"))
+    plot.press("Enter")
+    expect(seen.page).to_have_url(re.compile(f"/identified.*identification={series['identification'][-3]}$"))
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("tab", "lines"),
+    [("trends?element=coupling.C1", 2), ("response?channels=B1X,B1Y,B2X,B2Y,B3X,B3Y,B4X,B4Y", 2), ("model", 1)],
+)
+def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> None:
+    """Among them the longest there are: of what was not accepted, and of all channels at once."""
+
+    def not_accepted(route: Route) -> None:
+        answer = route.fetch().json()
+        for series in answer["series"]:
+            series["quality"] = ["not_accepted"] * len(series["quality"])
+        route.fulfill(json=answer)
+
+    phone.page.route(re.compile("/trends[?]"), not_accepted)
+    phone.open(f"machines/{MACHINE}/{tab}")
+    plots = phone.page.locator(".plot:has(canvas)")
+    until(lambda: plots.count() > 2, within_s=15, what="they are drawn")
+    expect(phone.page.locator(".waiting")).to_have_count(0)
+    most = 0
+    for plot in plots.all():
+        said, canvas = plot.locator(".readout"), plot.locator("canvas")
+        plot.focus()
+        before = canvas.evaluate(TOP)
+        for _ in range(8):
+            phone.page.keyboard.press("ArrowLeft")
+            expect(said).to_contain_text(re.compile(r"\d"))
+            assert canvas.evaluate(TOP) == before, "no plot moves from under the finger"
+            box, height = said.bounding_box(), said.evaluate(WORDS_HEIGHT)
+            assert box is not None
+            assert height <= box["height"], said.inner_text()
+            assert box["x"] + box["width"] <= 390
+            most = max(most, round(height / LINE))
+    assert most >= lines
+    phone.picture(f"phone-read-outs-{tab.partition('?')[0]}")
     assert phone.errors == []
 
 
@@ -338,6 +448,26 @@ def test_report_says_an_alert_s_state_at_the_end_of_the_period(seen: Seen, close
     expect(row.locator("td").nth(2)).to_have_text(word)
     expect(seen.page.get_by_text(f"of which {int(word == 'open')} open at the end")).to_be_visible()
     expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("days", "severity"), [(0, "alert"), (10, "danger")])
+def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, severity: str
+) -> None:
+    later = (datetime.now(UTC) + timedelta(days=9)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    events = [{**one, "severity": "alert"} for one in service.get(f"/alerts/{alert['id']}/events")]
+    worse = {**events[-1], "id": 10**9, "at": later, "kind": "severity_changed", "severity": "danger"}
+    today = [{**alert, "severity": "danger", "updated_at": later}]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=today))
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), lambda route: route.fulfill(json=[*events, worse]))
+    last = (datetime.now(UTC) + timedelta(days=days)).date()
+    seen.open(f"reports/{MACHINE}?to={last}")
+    row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
+    expect(row.locator("td").first).to_contain_text(severity)
+    expect(seen.page.locator(".element[data-element='coupling.C1']")).to_have_class(re.compile(rf"\b{severity}\b"))
+    expect(seen.page.get_by_text("1 alert, of which 1 open at the end")).to_be_visible()
     assert seen.errors == []
 
 

@@ -16,11 +16,14 @@ from estimator.machine import Noise
 from estimator.misalignment_force import coupling_forces
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import model_at
+from service.api import openapi
 from service.api.kept_answers import KeptAnswers
 from storage import machines, runs
+from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
-from tests.asking import Api, fields, problem
+from storage.samples import SourceKey
+from tests.asking import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 
@@ -77,6 +80,7 @@ def api(databases: Databases, plant_template: str, tmp_path_factory: pytest.Temp
     with opened(databases, plant_template, tmp_path_factory.mktemp("model") / "model.db") as database:
         with database.transaction() as session:
             machines.revise(session, machine(speed_range={"minimum_rpm": 300, "maximum_rpm": MAXIMUM_RPM}))
+            sample_store.add_block(session, SourceKey(KEY.machine, "monitor", 1), revision=2, first_sequence=0, samples=held)
             row = runs.open_run(session, KEY.machine, revision=2, kind="run-down", direction=1, time_first=START)
             runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
             store_identification(session, outcome(), run_id=row.id, revision=2)
@@ -207,6 +211,32 @@ def test_phasors_and_speeds_come_in_the_units_asked_for(
         assert one["residual_sigma"] == other["residual_sigma"]
 
 
+def takes_units() -> dict[str, str]:
+    """Every path whose answer is declared to come in units that are asked for, and such units."""
+    found = {}
+    for path, item in openapi.document()["paths"].items():
+        for one in item.get("get", {}).get("parameters", []):
+            if one["name"] == "units":
+                found[path.removeprefix(PREFIX)] = "n_um" if "n_um" in one["description"] else "hz,mil_p,rad_lead"
+    return found
+
+
+@pytest.mark.parametrize(("path", "units"), takes_units().items())
+def test_units_that_are_taken_change_values(api: Api, path: str, units: str) -> None:
+    asked = {"parameter": "coupling.C1.kxx", "rpm": 1000}
+    place = path.format(identification_id=1, run_id=1, machine_id=KEY.machine)
+    plain, other = numbers(api.value(place, **asked)), numbers(api.value(place, **asked, units=units))
+    assert other != plain
+
+
+def numbers(answer: Any) -> list[float]:
+    """All numbers of an answer, in order."""
+    if isinstance(answer, dict | list):
+        parts = answer.values() if isinstance(answer, dict) else answer
+        return [number for part in parts for number in numbers(part)]
+    return [answer] if isinstance(answer, float) else []
+
+
 @pytest.mark.parametrize("units", ["furlong", "um_pp,mil_pp", "", "rpm,,um_pp", "rpm " * 20])
 def test_units_that_are_none_are_refused(api: Api, units: str) -> None:
     assert fields(api.get("/identifications/1/bode", units=units)) == ["query.units"]
@@ -274,6 +304,24 @@ def test_an_identification_of_an_older_release_has_no_model(plant: Database) -> 
 )
 def test_what_cannot_be_made_is_refused_in_words(api: Api, path: str, word: str) -> None:
     assert word in problem(api.get(f"/identifications/1/{path}"), 422)["detail"]
+
+
+@pytest.mark.parametrize("what", ["balancing", "misalignment-force"])
+@pytest.mark.parametrize(
+    ("asked", "speeds"),
+    [
+        ({"from_rpm": 2000, "to_rpm": 1000}, "2000 and 1000"),
+        ({"from_rpm": 5000}, "5000 and 2900"),
+        ({"to_rpm": 100}, "400 and 100"),
+    ],
+)
+def test_an_empty_range_of_speeds_is_refused_by_its_own_name(
+    api: Api, what: str, asked: dict[str, float], speeds: str
+) -> None:
+    detail = problem(api.get(f"/identifications/1/model/{what}", **asked), 422)["detail"]
+    assert detail.startswith(f"from_rpm must be below to_rpm, not {speeds}: ")
+    assert "400 and 2900" in detail
+    assert "plane" not in detail
 
 
 @pytest.mark.parametrize(

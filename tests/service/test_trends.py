@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from service.api.downsampling import min_max
 from service.api.formats import CSV, JSON, PARQUET, parquet_bytes
-from storage import baselines, jobs, runs
+from storage import baselines, jobs, machines, runs
 from storage.database import Database
 from tests.asking import Api, fields, problem
-from tests.plant import KEY, SECOND, START, few_examples, identification, samples, store_identification
+from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 
 PATH = f"/machines/{KEY.machine}/trends"
 COLUMNS = ("measured_at", "computed_at", "value", "standard_error", "lower", "upper", "quality", "run_kind", "identification")
@@ -93,7 +93,7 @@ def test_over_a_time_range_to_which_both_ends_belong(
 
 
 def test_several_parameters_come_as_asked_for_each_once(api: Api) -> None:
-    names = ["disc.D1.unbalance", "bearing.B1.kxy", "nothing.there", "bearing.B1.kxx"]
+    names = ["disc.D1.unbalance", "bearing.B1.kxy", "critical_speed.2", "bearing.B1.kxx"]
     found = trend(api, *names, names[0])
     assert [one["parameter"] for one in found] == names
     assert found[0]["imaginary"] == [-5e-4] * 3
@@ -102,7 +102,7 @@ def test_several_parameters_come_as_asked_for_each_once(api: Api) -> None:
     assert found[0]["standard_error"] == [None] * 3
     assert found[1]["value"] == [None] * 3
     assert found[1]["quality"] == ["not_estimable", "not_accepted", "not_estimable"]
-    assert (found[2]["unit"], found[2]["value"]) == (None, [])
+    assert (found[2]["unit"], found[2]["value"]) == ("rad/s", [])
 
 
 def test_of_gathered_runs_they_are_their_own(api: Api) -> None:
@@ -297,3 +297,56 @@ def test_units_of_vibration_change_nothing_in_trends(plant: Database) -> None:
 
 def test_what_is_no_name_of_a_parameter_is_refused(plant: Database) -> None:
     assert fields(Api(plant).get("/machines/pump-7/trends", parameter="nope")) == ["query.parameter[0]"]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("bearing.B4.cyy", "N s/m"),
+        ("coupling.C1.k_phix", "N m/rad"),
+        ("disc.D2.unbalance", "kg m"),
+        ("critical_speed.1", "rad/s"),
+        ("splitting.1-2", "1"),
+        ("coupling.C1.misalignment_moment", "N m"),
+        ("probe.B2X.amplification_factor.12", "1"),
+    ],
+)
+def test_what_the_machine_has_and_was_never_identified_is_empty_and_in_its_unit(plant: Database, name: str, unit: str) -> None:
+    for scope in ("run", "gathered"):
+        (one,) = trend(Api(plant), name, scope=scope)
+        assert (one["unit"], one["value"], one["baselines"]) == (unit, [], [])
+    assert Api(plant).get(PATH, parameter=name, format="csv").status_code == 200
+
+
+def test_it_is_empty_in_the_units_asked_for(plant: Database) -> None:
+    (one,) = trend(Api(plant), "critical_speed.1", units="rpm")
+    assert one["unit"] == "rpm"
+
+
+@pytest.mark.parametrize(
+    ("name", "there"),
+    [
+        ("bearing.NOPE.k_yy", "it has bearing.B1, bearing.B2, bearing.B3, bearing.B4, coupling.C1, disc.D1, disc.D2, "),
+        ("bearing.B1.k_yy", "bearing.B1 has bearing.B1.kxx, bearing.B1.kxy, "),
+        ("bearing.B1.kxx@1500rpm", "bearing.B1 has bearing.B1.kxx, "),
+        ("critical_speed.0", "critical_speed has critical_speed.N"),
+        ("splitting.2-1", "splitting has splitting.M-N"),
+        ("probe.B9X.second_over_first", "probe.B2X"),
+        ("probe.B2X.gain", "probe.B2X has probe.B2X.amplification_factor.N, probe.B2X.second_over_first"),
+        ("nothing.there", "it has bearing.B1, "),
+    ],
+)
+def test_what_no_revision_of_the_machine_has_is_not_found(api: Api, name: str, there: str) -> None:
+    for asked in (name, ["coupling.C1.kxx", name]):
+        detail = problem(api.get(PATH, parameter=asked), 404)["detail"]
+        assert detail.startswith(f"no parameter {name} of machine '{KEY.machine}': ")
+        assert there in detail
+
+
+def test_what_only_an_earlier_revision_had_is_still_there(plant: Database) -> None:
+    with plant.transaction() as session:
+        discs = document()["discs"][:1]
+        machines.revise(session, machine(discs=discs))
+    (one,) = trend(Api(plant), "disc.D2.unbalance")
+    assert (one["unit"], one["value"]) == ("kg m", [])
+    assert "disc.D2" not in problem(Api(plant).get(PATH, parameter="disc.D3.unbalance"), 404)["detail"].partition(": ")[2]

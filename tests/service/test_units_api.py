@@ -1,9 +1,10 @@
-"""Units that are asked for: of samples, phasors of runs and orbits, beside what is there; of trends, in its place."""
+"""Units that are asked for: of samples, phasors of runs and orbits, beside what is there; of parameters, in its place."""
 
 import numpy as np
 import pytest
 
-from storage import runs
+from estimator.derived import Derived
+from storage import derived, identifications, runs
 from storage.database import Database
 from tests.asking import Api, fields
 from tests.plant import KEY, SECOND, START, identification, samples, store_identification, sweep_rpm
@@ -40,6 +41,21 @@ def test_phasors_stand_in_the_units_asked_for_beside_their_own(api: Api) -> None
         assert turned[0] == pytest.approx(turned[1], nan_ok=True)
 
 
+def test_what_comes_beside_the_1x_stands_in_the_units_asked_for_too(plant: Database) -> None:
+    held = samples(3, start=START)
+    held.second[:, 2] = 2e-6 * np.exp(-1j * np.radians(40.0))
+    held.scatter[:, 1] = 1e-6
+    with plant.transaction() as session:
+        run = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=START)
+        runs.close(run, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+    other = Api(plant).value("/runs/1/phasors", units="um_p,deg_lead", include=["2x", "scatter"])["in_units"]
+    assert other["amplitude_2x"] == [[None] * 3, [None] * 3, [pytest.approx(2.0)] * 3, [None] * 3]
+    assert other["phase_2x"] == [[None] * 3, [None] * 3, [pytest.approx(320.0)] * 3, [None] * 3]
+    assert other["scatter"] == [[None] * 3, [pytest.approx(1.0)] * 3, [None] * 3, [None] * 3]
+    plain = Api(plant).value("/runs/1/phasors", units="um_p")["in_units"]
+    assert [plain[name] for name in ("amplitude_2x", "phase_2x", "scatter")] == [None] * 3
+
+
 def test_orbits_stand_in_the_units_asked_for_beside_their_own(api: Api) -> None:
     assert api.value("/runs/1/orbits", rpm=1000)["units"] is None
     found = api.value("/runs/1/orbits", rpm=1000, units="mm_pp,rad_s")
@@ -65,7 +81,46 @@ def test_trends_are_in_the_units_asked_for(api: Api) -> None:
     assert api.value(f"/machines/{KEY.machine}/trends", **asked)["series"] == [stiffness, unbalance]
 
 
+def test_estimates_and_derived_quantities_are_in_the_units_asked_for(api: Api) -> None:
+    speed = Derived("critical_speed.1", "rad/s", 100.0, 90.0, 110.0)
+    with api.database.transaction() as session:
+        derived.add(session, identifications.get(session, 1), [speed, Derived("damping_ratio.1", "1", 0.1, 0.0, 0.2)])
+    own = api.value("/identifications/1", covariance=True)
+    other = api.value("/identifications/1", covariance=True, units="n_um,g_mm,rpm")
+    sizes = {"N/m": ("N/µm", 1e6), "kg m": ("g mm", 1e-6), "rad/s": ("rpm", np.pi / 30)}
+    for kind in ("estimates", "derived"):
+        for ours, theirs in zip(own[kind], other[kind], strict=True):
+            written, size = sizes.get(ours["unit"], (ours["unit"], 1.0))
+            assert theirs["unit"] == written
+            for name in {"value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error"} & ours.keys():
+                assert np.array(theirs[name], float) == pytest.approx(np.array(ours[name], float) / size, nan_ok=True)
+    assert other["derived"][0]["value"] == pytest.approx(955, abs=0.1)
+    assert other["covariance"] == own["covariance"]
+    assert api.value("/identifications/1", covariance=True) == own
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        f"/machines/{KEY.machine}/drawing",
+        f"/machines/{KEY.machine}",
+        f"/machines/{KEY.machine}/deviations",
+        "/identifications/1/correlation",
+        "/runs/1",
+        "/machines",
+    ],
+)
+def test_where_there_are_no_others_units_are_refused(api: Api, path: str) -> None:
+    assert api.get(path).status_code == 200
+    answer = api.get(path, units="rpm")
+    assert fields(answer) == ["query.units"]
+    assert "leave it out" in answer.json()["errors"][0]["message"]
+
+
 @pytest.mark.parametrize("units", ["furlong", "rpm,hz", "rpm,"])
-@pytest.mark.parametrize("path", ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machines/{KEY.machine}/trends"])
+@pytest.mark.parametrize(
+    "path",
+    ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machines/{KEY.machine}/trends", "/identifications/1"],
+)
 def test_units_that_are_none_are_refused(api: Api, path: str, units: str) -> None:
     assert fields(api.get(path, units=units, parameter="coupling.C1.kxx")) == ["query.units"]

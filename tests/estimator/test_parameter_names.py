@@ -1,0 +1,44 @@
+"""Names and units by the document alone are those that identifications have."""
+
+import numpy as np
+import pytest
+from models import rich_document, rich_model
+
+from estimator.condensation import condense
+from estimator.coordinates import Coordinates
+from estimator.derived import model_quantities
+from estimator.estimates import estimates
+from estimator.machine import parse_machine
+from estimator.parameter_names import derived_units, parameter_units, without_number
+
+
+def test_of_a_train_of_everything_parameters_are_named_as_they_are_estimated() -> None:
+    machine = parse_machine(rich_document())
+    train = condense(machine, speed=np.ones(1), direction=np.ones(1))
+    coordinates = Coordinates.of(train, unbalance_scale=1e-3)
+    found = estimates(train, coordinates, coordinates.centre, np.full(coordinates.size, 1e-3), None)
+    assert parameter_units(machine) == {one.name: one.unit for one in found}
+
+
+def test_derived_quantities_are_named_as_they_are_stored() -> None:
+    units = derived_units(rich_model().machine)
+    found = model_quantities(rich_model(), speed=100.0)
+    assert {one.name.partition(".")[0] for one in found} >= {"critical_speed", "damping_ratio", "coupling"}
+    for one in found:
+        assert units[without_number(one.name)] == one.unit
+
+
+@pytest.mark.parametrize(
+    ("name", "general"),
+    [
+        ("critical_speed.12", "critical_speed.N"),
+        ("critical_speed.0", "critical_speed.0"),
+        ("critical_speed.01", "critical_speed.01"),
+        ("splitting.1-2", "splitting.M-N"),
+        ("splitting.2-1", "splitting.2-1"),
+        ("splitting.9-10", "splitting.M-N"),
+        ("coupling.C1.misalignment_force", "coupling.C1.misalignment_force"),
+    ],
+)
+def test_numbers_of_critical_speeds_may_be_any(name: str, general: str) -> None:
+    assert without_number(name) == general
