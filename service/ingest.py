@@ -189,9 +189,11 @@ class Ingest:
         self._closed = self._stop.is_set()  # what comes from now on waits in the sources' logs
         self.depth = len(self._inbox)
         taken = min(self.depth, LARGEST_CYCLE)
+        self._journal.give_way.begin(hurried=self.depth >= BACKLOG or self._healing.asking)
         for _ in range(taken):
             sample = self._inbox.popleft()
             self._admit(sample)
+            self._journal.give_way()
         submitted = 0
         while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
             submitted += 1

@@ -16,6 +16,7 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from service import holes
 from service.collection import Collector
+from service.giving_way import GivingWay
 from service.order import Order
 from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
@@ -76,6 +77,7 @@ class Journal:
         self._orders: dict[SourceKey, Order] = {}
         self._plants: dict[str, str] = {}
         self._documents: dict[str, tuple[int, Machine]] = {}
+        self.give_way = GivingWay()
 
     def next_sequence(self, key: SourceKey) -> int:
         """Number of the next sample expected from a source; 0 when it was never heard of."""
@@ -164,6 +166,7 @@ class Journal:
             if machine_id not in documents:
                 documents[machine_id] = self._document(session, machine_id)
             pending.outcomes.append(self._take(session, pending, one, documents[machine_id][1]))
+            self.give_way()
         fresh: dict[str, list[Samples]] = defaultdict(list)
         for key, parts in pending.parts.items():
             revision, machine = documents[key.machine_id]
@@ -176,6 +179,7 @@ class Journal:
                 samples=joined,
                 received_at=pending.received_at[key],
             )
+            self.give_way()
             fresh[key.machine_id].append(joined)
             late = int(np.count_nonzero(joined.time <= self._collector.seen(session, key.machine_id)))
             if late:
@@ -187,6 +191,7 @@ class Journal:
             joined = join(parts, channels=len(machine.probes))
             in_time = joined.pick(np.argsort(joined.time, kind="stable"))
             self._collector.feed(session, machine, revision, in_time)
+            self.give_way()
         if pending.rejections:
             quarantine.add(session, pending.rejections)
         del held

@@ -35,7 +35,7 @@ from storage.database import Database
 
 logger = logging.getLogger(__name__)
 
-SWITCH_INTERVAL_S = 0.001
+SWITCH_INTERVAL_S = 0.0002
 """How long a thread computes before others have a turn [s]: the event loop waits so long whenever it is needed."""
 
 
