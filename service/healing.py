@@ -12,6 +12,7 @@ from typing import Any
 
 import zenoh
 
+from service.bounded import Bounded
 from service.holes import Hole
 from service.journal import LARGEST_GAP, Arrived
 from service.wire import ALL_LIVE, IDENTIFIER, Key, source_key
@@ -98,9 +99,9 @@ class Healing:
     _quiet: dict[tuple[Key, SourceKey | None], None] = field(default_factory=dict)
     """Whose logs are to be asked as soon as there is room, the longest waiting first."""
     _roll_call: "zenoh.Handler[zenoh.Reply] | None" = None
-    _heard: dict[SourceKey, float] = field(default_factory=dict)
-    _silent_logs: dict[SourceKey, float] = field(default_factory=dict)
-    _fruitless: dict[SourceKey, int] = field(default_factory=dict)
+    _heard: Bounded[SourceKey, float] = field(default_factory=Bounded)
+    _silent_logs: Bounded[SourceKey, float] = field(default_factory=Bounded)
+    _fruitless: Bounded[SourceKey, int] = field(default_factory=Bounded)
 
     @property
     def asking(self) -> bool:

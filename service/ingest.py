@@ -11,6 +11,7 @@ import msgspec
 import zenoh
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 
+from service.bounded import Bounded
 from service.healing import Healing
 from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
 from service.sharing import Share, Whole, lease_of
@@ -70,7 +71,7 @@ class Ingest:
         self._submissions = Submissions() if submissions is None else submissions
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="ingest", daemon=True)
-        self._expected: dict[SourceKey, int] = {}
+        self._expected: Bounded[SourceKey, int] = Bounded()
         self._share = share or Whole()
         self._changes = self._share.changes
         self._healing = Healing(

@@ -15,6 +15,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
 from service import holes
+from service.bounded import Bounded
 from service.collection import Collector
 from service.giving_way import GivingWay
 from service.order import Order
@@ -74,7 +75,7 @@ class Journal:
         self._database = database
         self._collector = collector
         self._share = share or Whole()
-        self._orders: dict[SourceKey, Order] = {}
+        self._orders: Bounded[SourceKey, Order] = Bounded()
         self._plants: dict[str, str] = {}
         self._documents: dict[str, tuple[int, Machine]] = {}
         self.give_way = GivingWay()
