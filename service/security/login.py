@@ -1,6 +1,7 @@
 """Logging in on the page: with an API key, or at the issuer; a session behind a cookie that no script reads."""
 
 import asyncio
+import hmac
 import html
 import secrets
 from pathlib import Path
@@ -19,14 +20,17 @@ from service.security.principal import Principal, Role
 from service.security.rate import Rate
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
-from storage import audit, sessions
+from storage import audit, logins, sessions
 from storage.audit import Entry
 from storage.clock import now
 from storage.database import Database
+from storage.tables import LoginRow
 
 router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
 
 LASTS_S = 12 * 3600
+PATIENCE_S = 600
+"""A login at the issuer takes no longer."""
 LARGEST_FORM = 4096
 UNDER_WAY_COOKIE = "rundown_login"
 STYLE = Path(__file__).with_name("login.css")
@@ -104,13 +108,23 @@ def begin_at_issuer(request: Request) -> Response:
     if security.open_id is None:
         return _page(request, "No issuer is configured.", 404)
     try:
-        where, cookie = security.open_id.begin(str(request.base_url))
+        begun = security.open_id.begin(str(request.base_url))
     except LoginFailed as error:
         return _page(request, f"Not logged in: {error}.", 503)
-    answer = RedirectResponse(where, 303)
+    cookie = secrets.token_urlsafe(32)
+    with cast(Database, request.app.state.database).transaction() as session:
+        logins.begin(
+            session,
+            state_hash=key_hash(begun.state),
+            browser_hash=key_hash(cookie),
+            verifier=begun.verifier,
+            nonce=begun.nonce,
+            expires_at=now() + PATIENCE_S * 1_000_000_000,
+        )
+    answer = RedirectResponse(begun.url, 303)
     # Lax, not strict: the issuer sends the browser back to here.
     answer.set_cookie(
-        UNDER_WAY_COOKIE, cookie, max_age=600, path="/login", httponly=True, samesite="lax", secure=_encrypted(request)
+        UNDER_WAY_COOKIE, cookie, max_age=PATIENCE_S, path="/login", httponly=True, samesite="lax", secure=_encrypted(request)
     )
     return answer
 
@@ -123,9 +137,9 @@ def come_back(request: Request) -> Response:
         return _page(request, "No issuer is configured.", 404)
     address = request.client.host if request.client else "unknown"
     try:
-        browser = request.cookies.get(UNDER_WAY_COOKIE, "")
-        token, nonce = security.open_id.finish(dict(request.query_params), browser, str(request.base_url))
-        claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=nonce)
+        begun, answered = _under_way(request), dict(request.query_params)
+        token = security.open_id.finish(answered, verifier=begun.verifier, own_url=str(request.base_url))
+        claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=begun.nonce)
         who = security.tokens.stands_for(claims)
     except (LoginFailed, TokenRefused, KeysUnavailable) as error:
         _write(request, Entry("unknown", address, "log_in", "issuer", "refused"))
@@ -172,6 +186,16 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
         _cookie_name(request), cookie, max_age=LASTS_S, path="/", httponly=True, samesite="strict", secure=_encrypted(request)
     )
     return answer
+
+
+def _under_way(request: Request) -> LoginRow:
+    """The login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
+    state, browser = request.query_params.get("state", ""), request.cookies.get(UNDER_WAY_COOKIE, "")
+    with cast(Database, request.app.state.database).transaction() as session:
+        found = logins.take(session, key_hash(state), at=now())
+    if found is None or not hmac.compare_digest(found.browser_hash, key_hash(browser)):
+        raise LoginFailed("this login was not begun here, or too long ago: begin again")
+    return found
 
 
 def _page(request: Request, trouble: str, status: int = 200) -> Response:

@@ -1,10 +1,6 @@
-"""Logging in at an issuer: OpenID Connect's authorization code flow with PKCE (RFC 7636), state and nonce.
-
-What a login under way needs is kept in this process for some minutes, under a state that only this browser's cookie fits.
-"""
+"""Logging in at an issuer: OpenID Connect's authorization code flow with PKCE (RFC 7636), state and nonce."""
 
 import hashlib
-import hmac
 import json
 import secrets
 import threading
@@ -18,8 +14,6 @@ from urllib.parse import urlencode
 from service.security.key_set import fetched
 from service.security.secret_files import encrypted
 
-PATIENCE_S = 600.0
-MOST_UNDER_WAY = 1000
 KNOWN_FOR_S = 3600.0
 CALLBACK = "/login/callback"
 
@@ -29,13 +23,16 @@ class LoginFailed(ValueError):
 
 
 @dataclass(frozen=True)
-class UnderWay:
-    """A login that was begun. browser: the cookie of who began it."""
+class Begun:
+    """A login that begins. url: where the browser goes; state: what it comes back with.
 
+    verifier, nonce: for its end, known to nobody else.
+    """
+
+    url: str
+    state: str
     verifier: str
     nonce: str
-    browser: str
-    until: float
 
 
 class OpenId:
@@ -58,21 +55,11 @@ class OpenId:
         self._public_url = public_url.rstrip("/")
         self._clock = clock
         self._lock = threading.Lock()
-        self._under_way: dict[str, UnderWay] = {}
         self._found: tuple[float, dict[str, Any]] | None = None
 
-    def begin(self, own_url: str) -> tuple[str, str]:
-        """Where the browser is to go, and the cookie to give it. own_url: as the browser calls this service. Blocks.
-
-        Raises LoginFailed.
-        """
-        state, nonce, verifier, browser = (secrets.token_urlsafe(32) for _ in range(4))
-        with self._lock:
-            now = self._clock()
-            self._under_way = {name: one for name, one in self._under_way.items() if now < one.until}
-            while len(self._under_way) >= MOST_UNDER_WAY:
-                self._under_way.pop(next(iter(self._under_way)))
-            self._under_way[state] = UnderWay(verifier, nonce, browser, now + PATIENCE_S)
+    def begin(self, own_url: str) -> Begun:
+        """A new login. own_url: as the browser calls this service. Blocks. Raises LoginFailed."""
+        state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
         asked = {
             "response_type": "code",
@@ -84,14 +71,10 @@ class OpenId:
             "code_challenge": challenge,
             "code_challenge_method": "S256",
         }
-        return f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", browser
+        return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
-    def finish(self, answer: Mapping[str, str], browser: str, own_url: str) -> tuple[str, str]:
-        """The ID token, not checked yet, and the nonce that must be in it. Blocks. Raises LoginFailed."""
-        with self._lock:
-            one = self._under_way.pop(answer.get("state", ""), None)
-        if one is None or self._clock() >= one.until or not hmac.compare_digest(one.browser, browser):
-            raise LoginFailed("this login was not begun here, or too long ago: begin again")
+    def finish(self, answer: Mapping[str, str], *, verifier: str, own_url: str) -> str:
+        """The ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""
         if answer.get("iss", self._issuer) != self._issuer:
             raise LoginFailed("another issuer answered")
         if "code" not in answer:
@@ -101,13 +84,13 @@ class OpenId:
             "code": answer["code"],
             "redirect_uri": self._redirect(own_url),
             "client_id": self.client_id,
-            "code_verifier": one.verifier,
+            "code_verifier": verifier,
         }
         if self._client_secret:
             form["client_secret"] = self._client_secret
         try:
             said = json.loads(fetched(self._endpoint("token_endpoint"), data=form))
-            return str(said["id_token"]), one.nonce
+            return str(said["id_token"])
         except (ConnectionError, ValueError, KeyError, TypeError) as error:
             raise LoginFailed("the issuer gave no ID token for the code") from error
 

@@ -21,6 +21,7 @@ from storage.tables.operation import (
     ChangeCountRow,
     IdempotencyKeyRow,
     LeaseRow,
+    LoginRow,
     ReplicaRow,
 )
 
@@ -45,6 +46,7 @@ __all__ = [
     "JobRow",
     "LeaseRow",
     "LimitsRow",
+    "LoginRow",
     "MachineRow",
     "MachineStateRow",
     "QuarantineCountRow",

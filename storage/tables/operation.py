@@ -88,6 +88,19 @@ class BrowserSessionRow(Base):
     expires_at: Mapped[int]
 
 
+class LoginRow(Base):
+    """A login under way at an issuer. Hashes of the state that it comes back with and of the cookie of who began it."""
+
+    __tablename__ = "logins"
+    __table_args__ = (Index(None, "expires_at"),)
+
+    state_hash: Mapped[str] = mapped_column(String(64), primary_key=True)
+    browser_hash: Mapped[str] = mapped_column(String(64))
+    verifier: Mapped[str] = mapped_column(String(64))
+    nonce: Mapped[str] = mapped_column(String(64))
+    expires_at: Mapped[int]
+
+
 class AuditRow(Base):
     """One entry of the audit trail; its hash covers it and the hash of the entry before. The database refuses changes."""
 

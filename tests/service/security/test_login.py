@@ -10,8 +10,10 @@ from service.security import api_keys
 from service.security.answer_headers import NOTHING
 from service.security.authentication import REMEMBERED_S
 from service.security.configuration import Security
+from service.security.login import PATIENCE_S
 from service.security.open_id import LoginFailed, OpenId
-from storage import audit
+from storage import audit, logins
+from storage.clock import now
 from storage.database import Database
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY
@@ -160,6 +162,37 @@ def test_a_login_at_the_issuer_gives_its_role_and_plants(api: Api, issuer: Issue
     assert (me["name"], me["role"], me["plants"]) == ("Berta", "analyst", [KEY.plant])
     api.http.cookies.clear()
     assert api.ask("GET", back).status_code == 401  # a code is good once
+
+
+def test_a_login_comes_to_its_end_at_another_replica(api: Api, store: Database, issuer: Issuer) -> None:
+    issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "viewer", "rundown_plants": "*"}
+    back = begun(api)
+    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    other = opened_api(store, Security(tokens=tokens(issuer), open_id=open_id, requests=PATIENT))
+    other.http.cookies.update(api.http.cookies)
+    assert other.ask("GET", back).status_code == 303
+    assert value(other.ask("GET", ME))["name"] == "Berta"
+    other.http.close()
+
+
+def test_a_login_takes_no_longer_than_its_time(api: Api, issuer: Issuer, monkeypatch: pytest.MonkeyPatch) -> None:
+    issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "viewer", "rundown_plants": "*"}
+    back = begun(api)
+    late = now() + (PATIENCE_S + 1) * 1_000_000_000
+    monkeypatch.setattr("service.security.login.now", lambda: late)
+    assert "too long ago" in api.ask("GET", back).text
+
+
+def test_of_logins_that_nobody_ends_so_many_are_kept(store: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(logins, "MOST", 3)
+    for number in range(5):
+        with store.transaction() as session:
+            begin = {"browser_hash": "b", "verifier": "v", "nonce": "n", "expires_at": now() + 10**9 * (60 + number)}
+            logins.begin(session, state_hash=f"s{number}", **begin)
+    with store.transaction() as session:
+        taken = [number for number in range(5) if logins.take(session, f"s{number}", at=now()) is not None]
+        assert taken == [2, 3, 4]
+        assert all(logins.take(session, f"s{number}", at=now()) is None for number in range(5))
 
 
 def test_a_login_that_another_browser_began_is_not_taken(api: Api, issuer: Issuer) -> None:

@@ -1,0 +1,29 @@
+"""Repository of logins under way at an issuer: what is needed when the browser comes back, to whichever replica."""
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.tables import LoginRow
+
+MOST = 1000
+"""Anybody may begin one: beyond so many the oldest are forgotten."""
+
+
+def begin(session: Session, *, state_hash: str, browser_hash: str, verifier: str, nonce: str, expires_at: int) -> None:
+    """Note one; those that came to no end in their time are forgotten."""
+    session.execute(delete(LoginRow).where(LoginRow.expires_at <= now()))
+    kept = select(LoginRow.state_hash).order_by(LoginRow.expires_at.desc()).limit(MOST - 1)
+    session.execute(delete(LoginRow).where(LoginRow.state_hash.not_in(kept.scalar_subquery())))
+    session.add(
+        LoginRow(state_hash=state_hash, browser_hash=browser_hash, verifier=verifier, nonce=nonce, expires_at=expires_at)
+    )
+
+
+def take(session: Session, state_hash: str, *, at: int) -> LoginRow | None:
+    """One that goes on at a moment [ns], once."""
+    row = session.scalars(select(LoginRow).where(LoginRow.state_hash == state_hash).with_for_update()).one_or_none()
+    if row is None:
+        return None
+    session.delete(row)
+    return row if at < row.expires_at else None
