@@ -75,7 +75,7 @@ def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: C
     row.state = state
     row.reason = reason
     row.count = len(samples)
-    row.data = encode(samples)
+    row.data, row.released_at = encode(samples), None  # made anew, it has its samples again
     row.coverage = None if coverage is None else asdict(coverage) | {LEFT_OUT: 0}
     row.quality = row.flags = None  # of other samples, if there is any
     if len(samples):

@@ -252,6 +252,20 @@ def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, jo
     assert run.coverage["late_samples_left_out"] == 10
 
 
+def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_made_anew(plant: Database, journal: Journal) -> None:
+    """The raw samples may be kept for longer than those of runs."""
+    send(journal, CYCLE, 0, 50)
+    send(journal, CYCLE, 60, 120)
+    with plant.transaction() as session:
+        (row,) = runs.of_machine(session, KEY.machine)
+        row.data, row.flags, row.released_at = None, None, START
+    send(journal, CYCLE, 50, 60)
+    settle(journal)
+    (run,) = found_runs(plant)
+    assert (run.count, run.released_at) == (85, None)
+    assert len(held(plant, run)) == 85
+
+
 def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: Journal) -> None:
     """In trends, baselines and alerts; the one before stays readable."""
     send(journal, CYCLE, 0, 50)
