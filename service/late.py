@@ -81,7 +81,10 @@ def _settled(session: Session, machine_id: str, window: Window, patience_s: floa
     if machine.collection.runs == ROLLING:
         return True
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
-    if any(row.state == runs.OPEN or (_holds(row, first, last) and _waits(row, patience_s)) for row in beside):
+    before = round(1e9 * machine.collection.pre_trigger_s)
+    # So near to a run they may lengthen it.
+    near = max(OperatingLimits.of(machine).sweep.gap, before)
+    if any(row.state == runs.OPEN or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return False
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
         # Made anew from the blocks that are left, it would lose what it has.
@@ -91,7 +94,6 @@ def _settled(session: Session, machine_id: str, window: Window, patience_s: floa
         return True
     begin = min([first, *(row.time_first for row in beside)]) - BESIDE
     end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
-    before = round(1e9 * machine.collection.pre_trigger_s)
 
     def concerned(start: int, stop: int) -> bool:
         return start - before <= last and stop >= first

@@ -223,6 +223,25 @@ def test_a_reopened_run_waits_twice_as_long_each_time(plant: Database, monkeypat
     assert counts == [(76, 0), (76, 1), (78, 0), (78, 1), (80, 0)]
 
 
+def test_what_lengthens_a_run_bit_by_bit_waits_like_what_lies_in_it(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As from a source that sends what it has kept, in order, behind what it measures now."""
+    moment = [0.0]
+    monkeypatch.setattr("service.collection.time.monotonic", lambda: moment[0])
+    monkeypatch.setattr("service.late.now", lambda: START + round(SECOND * moment[0]))
+    journal = Journal(plant, Collector(late_s=10.0))
+    send(journal, CYCLE, 0, 60)
+    send(journal, CYCLE, 100, 120)
+    for number in range(60, 100):
+        send(journal, CYCLE, number, number + 1)
+        moment[0] += 20.0
+        settle(journal)
+    asked = [job.options for job in found_jobs(plant) if job.options]
+    assert 3 <= len(asked) <= 7
+    for moment[0] in (5000.0, 5020.0):
+        settle(journal)
+    assert [run.count for run in found_runs(plant) if run.state == runs.CLOSED] == [85]
+
+
 def test_late_samples_that_do_not_cease_are_sorted_in_all_the_same(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     moment = [0.0]
     monkeypatch.setattr("service.collection.time.monotonic", lambda: moment[0])
