@@ -5,7 +5,7 @@ import threading
 import time
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version as version_of_the_code
 
 from sqlalchemy.exc import DBAPIError, IntegrityError
@@ -31,6 +31,14 @@ GATHERED_KIND = "gathered"
 """`run_kind` of an identification from several runs, which may be of both kinds."""
 
 
+@dataclass(frozen=True)
+class _Taken:
+    """A job that is being computed. reopened: how often each of its runs had been made anew when its samples were read."""
+
+    job_id: int
+    reopened: tuple[int, ...]
+
+
 class Identifying:
     """The thread that keeps the workers busy and files their results."""
 
@@ -40,7 +48,7 @@ class Identifying:
         self._share = share or Whole()
         self._options = Options()
         self._engine = engine(settings)
-        self._running: dict[Future[worker.Outcome], int] = {}
+        self._running: dict[Future[worker.Outcome], _Taken] = {}
         self._stop = threading.Event()
         self._news = threading.Event()  # a result is there, or the service stops
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
@@ -107,7 +115,7 @@ class Identifying:
             return
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
-                if row.id not in self._running.values():
+                if all(row.id != taken.job_id for taken in self._running.values()):
                     logger.warning("job %d was taken and not begun; it is taken again", row.id)
                     jobs.put_back_unhurt(row)
 
@@ -120,28 +128,30 @@ class Identifying:
         free = min(capacity - computing, 2 * capacity - len(self._running))
         if free <= 0:
             return
-        tasks: list[tuple[int, worker.Task]] = []
+        tasks: list[tuple[_Taken, worker.Task]] = []
         with self._database.transaction() as session:
             for row in jobs.take(session, free, holder=self._share.holder):
                 try:
-                    tasks.append((row.id, _task(session, row, self._options, self._settings)))
+                    taken = _Taken(row.id, _reopened(session, row))
+                    tasks.append((taken, _task(session, row, self._options, self._settings)))
                 except DBAPIError:
                     raise
                 except Exception as error:  # noqa: BLE001 - whatever is the matter with one job must not stop the others
                     jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
         away: EngineAway | None = None
-        for job_id, task in tasks:
+        for taken, task in tasks:
             try:
                 future = self._engine.submit(task)
-                self._running[future] = job_id
+                self._running[future] = taken
                 future.add_done_callback(lambda _: self._news.set())
             except EngineAway as error:
                 away = error
-                self._put_back_unhurt(job_id)
+                self._put_back_unhurt(taken.job_id)
         if away is not None:
             raise away
 
-    def _file(self, future: Future[worker.Outcome], job_id: int) -> None:
+    def _file(self, future: Future[worker.Outcome], taken: _Taken) -> None:
+        job_id = taken.job_id
         try:
             result = future.result()
         except BrokenProcessPool as error:
@@ -156,17 +166,21 @@ class Identifying:
             self._fail(job_id, f"{type(error).__name__}: {error}")
             return
         try:
-            self._store(job_id, result)
+            self._store(taken, result)
         except IntegrityError as error:
             self._fail(job_id, f"its result cannot be stored: {error.orig}")
 
-    def _store(self, job_id: int, outcome: worker.Outcome) -> None:
-        result = outcome.identification
+    def _store(self, taken: _Taken, outcome: worker.Outcome) -> None:
+        job_id, result = taken.job_id, outcome.identification
         with self._database.transaction() as session:
             row = self._own(session, job_id)
             if row is None:
                 return
             machines.lock(session, row.machine_id)
+            if _reopened(session, row) != taken.reopened:
+                logger.info("job %d is computed again: late samples have made its run anew meanwhile", job_id)
+                jobs.put_back_unhurt(row)
+                return
             if row.scope == jobs.RUN:
                 runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
             if result is None:
@@ -223,7 +237,15 @@ class Identifying:
             for machine in machines.every(session):
                 newest = runs.newest_closed(session, machine.id, revision=machine.revision, limit=self._settings.gathered_runs)
                 if len(newest) > 1:
-                    jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=sorted(run.id for run in newest))
+                    ordered = sorted(newest, key=lambda run: run.id)
+                    again = [run.times_reopened or 0 for run in ordered]
+                    # Runs that late samples have made anew are gathered anew.
+                    options = {"reopened": again} if any(again) else None
+                    jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)
+
+
+def _reopened(session: Session, row: JobRow) -> tuple[int, ...]:
+    return tuple(runs.get(session, run_id).times_reopened or 0 for run_id in row.run_ids)
 
 
 def _task(session: Session, row: JobRow, options: Options, settings: Settings) -> worker.Task:

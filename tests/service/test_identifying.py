@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -100,6 +101,43 @@ def test_a_result_is_kept_and_the_next_one_computed_when_nothing_can_be_conclude
         assert [row.accepted for row in identifications.of_machine(session, train.id)] == [True, True]
 
 
+def made_anew(database: Database, run_id: int) -> int:
+    """As late samples do it, here with fewer samples; returns how many."""
+    with database.transaction() as session:
+        held, row = runs.samples(session, run_id), runs.get(session, run_id)
+        assert held is not None
+        fewer = held.pick(np.arange(len(held)) % 10 != 0)
+        runs.close(row, samples=fewer, state=runs.CLOSED, reason="the speed left the speed range")
+        row.times_reopened = (row.times_reopened or 0) + 1
+        return len(fewer)
+
+
+def test_of_a_run_that_was_made_anew_meanwhile_the_new_samples_are_identified(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    run_id = close_run(database, train, seed=1, start_s=1_700_000_000)
+    counted: list[int] = []
+    store = Identifying._store
+
+    def late(self: Identifying, *arguments: Any) -> None:
+        if not counted:
+            counted.append(made_anew(database, run_id))
+        store(self, *arguments)
+
+    monkeypatch.setattr(Identifying, "_store", late)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1})
+    with database.reading() as session:
+        (row,) = identifications.of_machine(session, train.id)
+        assert row.samples == counted[0]
+        flags = runs.flags(session, run_id)
+        assert flags is not None
+        assert len(flags) == counted[0]
+        assert jobs.of_machine(session, train.id, limit=1)[0].attempts == 1
+
+
 def test_interrupted_job_is_computed_after_the_next_start(database: Database, train: Machine) -> None:
     with database.transaction() as session:
         machines.create(session, train)
@@ -174,3 +212,9 @@ def test_newest_runs_are_identified_together_on_schedule(database: Database, tra
         assert (row.scope, row.run_kind, row.run_ids) == ("gathered", "gathered", wanted[1:])
         assert row.accepted
         assert row.samples == 200
+    fewer = made_anew(database, wanted[2])
+    with identifying(database, gathered_interval_s=0.2, gathered_runs=2):
+        wait_until(lambda: counts(database) == {"done": 2})
+    with database.reading() as session:
+        again, _ = identifications.of_machine(session, train.id)
+        assert (again.run_ids, again.samples) == (wanted[1:], 100 + fewer)
