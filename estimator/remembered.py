@@ -4,8 +4,8 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
-KEPT = 16
-"""Results of each function: an identification asks about its machine, exact, scaled and turned the other way."""
+KEPT = 6
+"""Results of each function: an identification asks about its machine, with exact probes, scaled, and turned the other way."""
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")

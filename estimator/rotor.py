@@ -5,7 +5,6 @@ Shafts and discs are the same in every direction across the axis, so one bending
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +44,8 @@ class Rotor:
 
     stations: per shaft id the node stations [m]; first_node: per shaft id the number of its first node.
     discs: what discs and coupling halves add in a plane. materials: what the shafts of each material add; its stiffness goes
-    with E and its mass with ρ. internal: per material β of its internal damping [s].
+    with E and its mass with ρ. internal: per material β of its internal damping [s]. Matrices (N, N) are made when asked for:
+    those of a long train, kept with it, would fill the memory.
     """
 
     stations: dict[str, Floats]
@@ -65,29 +65,29 @@ class Rotor:
         """Number of degrees of freedom in one bending plane, N/2."""
         return int(self.discs.mass.shape[0])
 
-    @cached_property
+    @property
     def mass(self) -> Floats:
         """M (N, N)."""
         return both_planes(self.discs.mass + sum(part.mass for part in self.materials.values()))
 
-    @cached_property
+    @property
     def gyroscopic(self) -> Floats:
         """G (N, N), skew-symmetric."""
         return across_planes(self.discs.gyroscopic + sum(part.gyroscopic for part in self.materials.values()))
 
-    @cached_property
+    @property
     def stiffness(self) -> Floats:
         """K (N, N)."""
         return both_planes(self.discs.stiffness + sum(part.stiffness for part in self.materials.values()))
 
-    @cached_property
+    @property
     def damping(self) -> Floats:
         """C (N, N): external damping αM + βK of the shafts, and their internal damping."""
         alpha, beta = self.rayleigh
         parts = (alpha * m.mass + (beta + self.internal[name]) * m.stiffness for name, m in self.materials.items())
         return both_planes(sum(parts, np.zeros_like(self.discs.mass)))
 
-    @cached_property
+    @property
     def circulatory(self) -> Floats:
         """H (N, N): internal damping acts on the velocity in the rotating shaft, which at rest in space leaves C (-Ω × q)."""
         parts = (self.internal[name] * m.stiffness for name, m in self.materials.items())

@@ -67,6 +67,8 @@ def _builder(machine: Machine) -> Callable[[Floats | None], SystemMatrices]:
     owner = np.repeat(np.arange(len(unknown)), [len(one.pairs) for one in unknown])
     order = np.array([one.order for one in unknown])[owner]
     expected = np.array([one.expected for one in unknown])
+    mass, damping, stiffness = rotor.mass, rotor.damping, rotor.stiffness
+    gyroscopic, circulatory = rotor.gyroscopic, rotor.circulatory
 
     def built(coefficients: Floats | None) -> SystemMatrices:
         values = expected if coefficients is None else np.asarray(coefficients)
@@ -74,11 +76,11 @@ def _builder(machine: Machine) -> Callable[[Floats | None], SystemMatrices]:
             raise ValueError(f"machine '{machine.id}' has {expected.size} coefficients, not {values.shape}")
         added = [(left[:, order == n] * values[owner[order == n]]) @ right[:, order == n].T for n in range(3)]
         return SystemMatrices(
-            mass=rotor.mass + added[2],
-            damping=rotor.damping + added[1],
-            gyroscopic=rotor.gyroscopic,
-            stiffness=rotor.stiffness + added[0],
-            circulatory=rotor.circulatory,
+            mass=mass + added[2],
+            damping=damping + added[1],
+            gyroscopic=gyroscopic,
+            stiffness=stiffness + added[0],
+            circulatory=circulatory,
         )
 
     return built
