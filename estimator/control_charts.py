@@ -1,8 +1,9 @@
 """Control charts on standardised deviations, mean 0 and variance 1 while nothing has changed: CUSUM for steps, EWMA for creep.
 
-CUSUM: Page (1954, doi:10.1093/biomet/41.1-2.100). Its limits come from its run length, computed as a Markov chain (Brook and
-Evans 1972, doi:10.1093/biomet/59.3.539), so that a chart has a stated rate of false alarms. EWMA: Roberts (1959,
-doi:10.1080/00401706.1959.10489860), run length in the same way (Lucas and Saccucci 1990, doi:10.1080/00401706.1990.10484583).
+CUSUM: Page (1954, doi:10.1093/biomet/41.1-2.100). Its limits come from its run length, so that a chart has a stated rate of
+false alarms: Page's integral equation by Gauss-Legendre quadrature (Goel and Wu 1971, doi:10.1080/00401706.1971.10488779).
+EWMA: Roberts (1959, doi:10.1080/00401706.1959.10489860), run length in the same way (Crowder 1987,
+doi:10.1080/00401706.1987.10488267).
 """
 
 import math
@@ -15,8 +16,8 @@ import scipy.special
 
 from estimator.condensation import Floats
 
-STATES = 101
-"""Steps of the Markov chain: run lengths are right to a per cent or so."""
+NODES_PER_WIDTH, NODE_STEP, MOST_NODES = 2.0, 24, 360
+"""Nodes of the quadrature per standard deviation of what one value moves the chart by, in such steps: five digits hold."""
 LARGEST_LIMIT = 30.0
 
 
@@ -44,13 +45,13 @@ def change_began(deviation: Floats, *, reference: float) -> int | None:
 
 def cusum_run_length(*, reference: float, limit: float, shift: float = 0.0) -> float:
     """Values until the upper CUSUM exceeds the limit, on average, when all deviations are shifted by so many σ."""
-    width = 2.0 * limit / (2 * STATES - 1)
-    middle = width * np.arange(STATES)
-    # From the middle of one state into another: the lowest collects everything down to minus infinity.
-    upper = middle[None, :] + width / 2.0 - middle[:, None] + reference - shift
-    within = scipy.special.ndtr(upper)
-    move = np.diff(within, axis=1, prepend=0.0)
-    return float(np.linalg.solve(np.eye(STATES) - move, np.ones(STATES))[0])
+    place, weight = _quadrature(0.0, limit, width=1.0)
+    # From 0, where all that is below collects, and from each node to each other.
+    start = np.concatenate([[0.0], place])
+    to_zero = scipy.special.ndtr(reference - shift - start)
+    onward = weight * _density(place[None, :] + reference - shift - start[:, None])
+    move = np.concatenate([to_zero[:, None], onward], axis=1)
+    return float(np.linalg.solve(np.eye(start.size) - move, np.ones(start.size))[0])
 
 
 def ewma(deviation: Floats, *, weight: float) -> Floats:
@@ -69,12 +70,30 @@ def ewma(deviation: Floats, *, weight: float) -> Floats:
 def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float:
     """Values until the two-sided EWMA leaves ±limit, its long-run standard deviations, on average."""
     edge = limit * math.sqrt(weight / (2.0 - weight))
-    width = 2.0 * edge / STATES
-    middle = -edge + width * (np.arange(STATES) + 0.5)
-    bounds = np.concatenate([middle - width / 2.0, [edge]])
-    within = scipy.special.ndtr((bounds[None, :] - (1.0 - weight) * middle[:, None]) / weight - shift)
-    move = np.diff(within, axis=1)
-    return float(np.linalg.solve(np.eye(STATES) - move, np.ones(STATES))[STATES // 2])
+    place, share = _quadrature(-edge, edge, width=weight)
+    start = np.concatenate([[0.0], place])
+    onward = share / weight * _density((place[None, :] - (1.0 - weight) * start[:, None]) / weight - shift)
+    length = np.linalg.solve(np.eye(place.size) - onward[1:], np.ones(place.size))
+    return float(1.0 + onward[0] @ length)
+
+
+def _quadrature(begin: float, end: float, *, width: float) -> tuple[Floats, Floats]:
+    """Nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
+    count = NODE_STEP * math.ceil(NODES_PER_WIDTH * (end - begin) / width / NODE_STEP)
+    place, weight = _rule(min(count, MOST_NODES))
+    half = (end - begin) / 2.0
+    return begin + half * (place + 1.0), half * weight
+
+
+@cache
+def _rule(count: int) -> tuple[Floats, Floats]:
+    place, weight = np.polynomial.legendre.leggauss(count)
+    return place, weight
+
+
+def _density(value: Floats) -> Floats:
+    """Of the standard normal distribution."""
+    return np.asarray(np.exp(-0.5 * value**2) / math.sqrt(2.0 * math.pi))
 
 
 @cache
