@@ -59,6 +59,8 @@ CHECKS = (
     "missing_required_header",
 )
 """Left out is positive_data_acceptance: that ends come in order or a cursor is one of this list, no schema says."""
+ANSWERS: dict[str, dict[str, Any]] = {"missing_required_header": {"expected-statuses": ["400", "415", "422", "428"]}}
+"""What a check takes for right: a change without If-Match is answered 428 (RFC 6585)."""
 KNOWN: dict[str, list[Any]] = {
     "path.machine_id": [KEY.machine, "fan-2"],
     "path.alert_id": [1, 2],
@@ -138,7 +140,7 @@ def configuration(*, examples: int, sequences: int, seed: int, limits: bool, onl
         "continue-on-failure": True,
         "request-timeout": 60.0,
         "generation": {"max-examples": examples, "no-shrink": True},
-        "checks": {"enabled": False} | {name: {"enabled": True} for name in CHECKS},
+        "checks": {"enabled": False} | {name: {"enabled": True} | ANSWERS.get(name, {}) for name in CHECKS},
         "phases": {"coverage": {"enabled": limits}, "stateful": {"generation": {"max-examples": sequences}}},
         "dictionaries": {names[name]: {"values": values} for name, values in KNOWN.items()},
         "parameters": {name: {"dictionary": names[name], "probability": 0.5} for name in KNOWN},
