@@ -105,6 +105,7 @@ def test_errors_pooled_over_seeds_are_as_stated() -> None:
     assert 0.92 <= math.sqrt(np.mean(np.square(errors))) <= 1.08
 
 
+@pytest.mark.long
 def test_measured_run_up_is_stored_as_one_run_equal_to_the_file(service: Service) -> None:
     with (DATA / "rk4_runup_1x.csv").open() as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]

@@ -30,6 +30,7 @@ def narrow() -> list[Identification]:
     return [found(seed, NARROW) for seed in range(3)]
 
 
+@pytest.mark.long
 def test_what_is_given_in_a_narrow_range_is_worth_its_standard_error(narrow: list[Identification]) -> None:
     coefficients, _ = truth(chapter_3())
     deviation = [
@@ -43,6 +44,7 @@ def test_what_is_given_in_a_narrow_range_is_worth_its_standard_error(narrow: lis
     assert np.max(np.abs(deviation)) < 4.0
 
 
+@pytest.mark.long
 def test_flat_directions_are_said_to_be_open(narrow: list[Identification]) -> None:
     reasons = [one.reason for result in narrow for one in result.estimates if one.reason]
     assert any("far beyond its standard error" in reason for reason in reasons)

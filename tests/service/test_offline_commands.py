@@ -80,6 +80,7 @@ def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, 
     assert "a probe on shaft" in text
 
 
+@pytest.mark.long
 def test_an_unmentioned_trial_weight_is_noticed(healthy: str, tmp_path: Path) -> None:
     document = chapter_3_document()
     document["discs"][0]["unbalance"] = {"magnitude": 0.0135, "angle_deg": 36}
@@ -171,6 +172,7 @@ def test_files_that_are_not_there_or_something_else(healthy: str, tmp_path: Path
     assert "is neither YAML nor JSON" in run("identify", "README.md", healthy, status=1)
 
 
+@pytest.mark.long
 def test_a_machine_with_seals_bows_and_loads_is_sampled_and_identified(tmp_path: Path) -> None:
     path = str(tmp_path / "run.csv")
     run("sample", "examples/sealed-pump.yaml", path)

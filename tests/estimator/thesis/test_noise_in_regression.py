@@ -132,6 +132,7 @@ def test_the_fit_keeps_what_chapter_4_promises() -> None:
     assert np.median(errors) < 1e-3
 
 
+@pytest.mark.long
 def test_a_model_wrong_by_five_per_cent_is_put_right() -> None:
     """E 5 % too small and the density 5 % too large: rejected as it is, and found when both are unknowns."""
     biased = fitted(modulus=0.95, density=1.05)
