@@ -41,6 +41,7 @@ class MachineState(BaseModel):
     direction: Literal["positive", "negative"] | None = Field(description="positive turns +x towards +y")
     newest_sample_at: datetime | None
     run: OpenRun | None
+    late_samples_waiting: int = Field(0, description="they came late, are stored, and will be sorted into their runs")
 
 
 class PastState(BaseModel):
@@ -69,6 +70,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         direction=rendering.direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
+        late_samples_waiting=sum(count for _, _, _, count in now.late),
     )
 
 

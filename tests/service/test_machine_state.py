@@ -158,3 +158,11 @@ def test_a_run_tells_its_coverage(journal: Journal, api: Api) -> None:
         assert run["coverage"]["largest_hole_rpm"] < 11
         assert run["coverage"]["usable"] == {"B2X": 1.0, "B2Y": 1.0, "B3X": 1.0, "B3Y": 1.0}
         assert run["coverage"]["duration_s"] == pytest.approx(260, abs=10)
+
+
+def test_what_came_late_and_is_not_sorted_in_yet_is_told(journal: Journal, api: Api) -> None:
+    send(journal, CYCLE, 0, 700)
+    send(journal, CYCLE, 720, len(CYCLE))
+    assert state(api)["late_samples_waiting"] == 0
+    send(journal, CYCLE, 700, 720)
+    assert state(api)["late_samples_waiting"] == 20
