@@ -232,7 +232,9 @@ def test_samples_are_read_through_revisions_that_describe_the_same_machine(chang
     none = changing.value("/machines/pump-7/samples")
     assert (none["time"], none["revisions"]) == ([], [3])
     assert changing.value("/machines/pump-7/samples", revision=2)["time"] == before["time"]
-    problem(changing.get("/machines/pump-7/samples", revision=9), 404)
+    detail = problem(changing.get("/machines/pump-7/samples", revision=9), 404)["detail"]
+    assert detail == "no revision 9 of machine 'pump-7': GET /api/v1/machines/<id>/revisions lists them"
+    assert "no machine nobody: " in problem(changing.get("/machines/nobody/samples", revision=1), 404)["detail"]
 
 
 def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant: Database, api: Api) -> None:
