@@ -93,6 +93,21 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(("severities", "mark"), [(["alert"], "▲"), (["danger"], "◆"), (["alert", "danger"], "◆")])
+def test_an_element_is_marked_by_the_worst_of_its_alerts(
+    seen: Seen, service: Service, severities: list[str], mark: str
+) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    answer = [{**alert, "id": 1000 + number, "severity": severity} for number, severity in enumerate(severities)]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends")
+    buttons = seen.page.get_by_role("group", name="Element").get_by_role("button")
+    marked = buttons.filter(has=seen.page.locator(".severity"))
+    expect(marked).to_have_count(1)
+    expect(marked).to_have_text(re.compile(rf"^{mark} {severities[-1]} .*C1"))
+    assert seen.errors == []
+
+
 def test_an_element_of_the_train_is_chosen_by_keys(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}")
     coupling = seen.page.get_by_role("button", name=re.compile("^coupling C1"))
