@@ -420,6 +420,24 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("from=x&to=y", ["first day is no date: “x”.", "last day is no date: “y”."]),
+        ("from=2026-01-01T00:00:00Z&to=2026-02-01", ["first day is no date: “2026-01-01T00:00:00Z”."]),
+        ("from=2026-01-01&to=2026-02-31", ["last day is no date: “2026-02-31”."]),
+        ("from=2026-02-02&to=2026-02-01", ["first day lies behind its last."]),
+    ],
+)
+def test_report_says_what_is_wrong_with_a_period(seen: Seen, asked: str, said: list[str]) -> None:
+    seen.open(f"reports/{MACHINE}?{asked}")
+    wrong = seen.page.locator(".empty")
+    expect(wrong).to_have_count(len(said))
+    for number, words in enumerate(said):
+        expect(wrong.nth(number)).to_contain_text(f"The period's {words}")
+    assert seen.errors == []
+
+
 def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, service: Service) -> None:
     coupling = seen.page.locator("[data-element='coupling.C1']")
     newest = next(one for one in service.get(f"/machines/{MACHINE}/identifications", scope="run") if one["accepted"])
