@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, Query
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
 from service.api import rendering, schemas
 from service.api.access import MachineId, Number, Period, Reading
@@ -27,8 +27,9 @@ def _apart(given: Sequence[str]) -> list[str]:
 
 Include = Annotated[
     tuple[schemas.Beside, ...],
+    Field(max_length=3),
     BeforeValidator(_apart),
-    Query(max_length=3, description="what else the sources send of each value; repeated, or with commas between"),
+    Query(description="what else the sources send of each value; repeated, or with commas between"),
 ]
 
 
