@@ -14,6 +14,8 @@ from estimator.rotor import assemble_rotor
 NUMBER = re.compile(r"[1-9][0-9]{0,2}")
 """Of a critical speed: how many there are says the model, not the document."""
 PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
+PLACES = {".N": ".1", ".M-N": ".1-2"}
+"""What stands in names of derived quantities for the number of a critical speed, or of two; the first that can be there."""
 
 
 def parameter_units(machine: Machine) -> dict[str, str]:
@@ -39,6 +41,17 @@ def derived_units(machine: Machine) -> dict[str, str]:
     for channel in machine.channels:
         found |= {f"probe.{channel}.amplification_factor.N": "1", f"probe.{channel}.second_over_first": "1"}
     return found
+
+
+def derived_unit(machine: Machine, name: str) -> str | None:
+    """SI unit of a quantity that can be derived, such as `critical_speed.1`; None for any other name."""
+    return None if name.endswith(tuple(PLACES)) else derived_units(machine).get(without_number(name))
+
+
+def in_words(name: str) -> str:
+    """A name of `derived_units` with the first numbers that it can have in the place of N or M-N: `critical_speed.1 …`."""
+    stem, dot, place = name.rpartition(".")
+    return f"{stem}{PLACES[dot + place]} …" if dot + place in PLACES else name
 
 
 def without_number(name: str) -> str:

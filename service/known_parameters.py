@@ -1,16 +1,19 @@
-"""Which parameters and derived quantities a machine can have, under any revision of its document, and in which units."""
+"""Which parameters and derived quantities a machine can have, under newer revisions of its document, and in which units."""
 
 from collections.abc import Collection, Iterator
 
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
-from estimator.parameter_names import derived_units, parameter_units, without_number
+from estimator.parameter_names import derived_unit, derived_units, in_words, parameter_units
 from storage import machines
+
+MOST_REVISIONS = 20
+"""Newest ones that are looked at: of each the rotor is assembled (some 1 ms), and anybody can ask for any name."""
 
 
 class ParameterUnknown(KeyError):
-    """No revision of a machine's document has a parameter, or derived quantity, of that name."""
+    """None of the newest revisions of a machine's document has a parameter, or derived quantity, of that name."""
 
 
 def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[str, str]:
@@ -23,8 +26,8 @@ def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[
         left = [name for name in names if name not in found]
         if not left:
             break
-        units = parameter_units(document) | derived_units(document)
-        found |= {name: units[one] for name in left if (one := name if name in units else without_number(name)) in units}
+        parameters = parameter_units(document)
+        found |= {name: unit for name in left if (unit := parameters.get(name) or derived_unit(document, name))}
     for name in names:
         if name not in found:
             there = _what_there_is(machines.document(session, machine_id), name)
@@ -33,13 +36,14 @@ def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[
 
 
 def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
-    for number in range(machines.get(session, machine_id).revision, 0, -1):
+    newest = machines.get(session, machine_id).revision
+    for number in range(newest, max(0, newest - MOST_REVISIONS), -1):
         yield machines.document(session, machine_id, number)
 
 
 def _what_there_is(document: Machine, name: str) -> str:
     """The names that the element has; where there is no such element, the elements."""
-    names = [*parameter_units(document), *derived_units(document)]
+    names = [*parameter_units(document), *map(in_words, derived_units(document))]
     element = _element(name)
     own = [one for one in names if _element(one) == element]
     if own:

@@ -20,6 +20,10 @@ class MachineUnknown(KeyError):
     """No machine of that id."""
 
 
+class RevisionUnknown(MachineUnknown):
+    """The machine is there, but no such revision of its document."""
+
+
 class PlantChanged(ValueError):
     """A revision may not move a machine to another plant: its key on the wire would change."""
 
@@ -80,10 +84,10 @@ def lock(session: Session, machine_id: str) -> None:
 
 
 def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
-    """Raises MachineUnknown when the machine or that revision of it is not there."""
+    """Raises MachineUnknown, of a machine that is there RevisionUnknown."""
     row = session.get(RevisionRow, (machine_id, number))
     if row is None:
-        raise MachineUnknown(f"{machine_id} revision {number}")
+        raise RevisionUnknown(f"{number} of machine '{get(session, machine_id).id}'")
     return row
 
 

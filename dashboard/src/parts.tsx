@@ -78,6 +78,7 @@ export function Mode({ state }: { state: string }) {
   );
 }
 
+/** The worst first. */
 export const SEVERITY_GLYPHS: Record<string, string> = { danger: "◆", alert: "▲", info: "●" };
 
 /** A severity as a sign with its own shape and colour, and the word beside it where there is room. */

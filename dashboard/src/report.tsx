@@ -27,6 +27,24 @@ function day(at: Date): string {
   return new Date(at.getTime() - at.getTimezoneOffset() * 60_000).toISOString().slice(0, 10);
 }
 
+function midnight(written: string): Date {
+  return new Date(`${written}T00:00`);
+}
+
+/** Whether it is a day of the calendar, as a date field writes it. */
+function isDay(written: string): boolean {
+  const at = midnight(written);
+  return !Number.isNaN(at.getTime()) && day(at) === written;
+}
+
+/** Why there is no report of a period; empty where there is one. */
+function wrongWith(first: string, last: string): string[] {
+  const ends = [["first", "from", first], ["last", "to", last]] as const;
+  const none = ends.filter(([, , written]) => !isDay(written));
+  if (none.length === 0 && first > last) return ["The period's first day lies behind its last."];
+  return none.map(([which, name, written]) => `The period's ${which} day is no date: “${written}”. Choose one, or write ${name}=2026-01-31 in the address, without a time.`);
+}
+
 export function Report({ id }: { id: string }) {
   useLayoutEffect(() => {
     onPaper(true);
@@ -44,11 +62,10 @@ function Whole({ machine, revision }: { machine: Document; revision: number }) {
   const { query: chosen } = useStore(place);
   const first = chosen.get("from") ?? day(new Date(Date.now() - PERIOD_DAYS * DAY_MS));
   const last = chosen.get("to") ?? day(new Date());
-  const from = new Date(`${first}T00:00`);
-  const to = new Date(new Date(`${last}T00:00`).getTime() + DAY_MS - 1);
-  if (Number.isNaN(from.getTime()) || Number.isNaN(to.getTime()) || from > to) {
-    return <Panel title="Report"><Period first={first} last={last} /><Empty>The period's first day lies behind its last.</Empty></Panel>;
-  }
+  const wrong = wrongWith(first, last);
+  if (wrong.length > 0) return <Panel title="Report"><Period first={first} last={last} />{wrong.map((one) => <Empty key={one}>{one}</Empty>)}</Panel>;
+  const from = midnight(first);
+  const to = new Date(midnight(last).getTime() + DAY_MS - 1);
   return (
     <article class="report">
       <header>

@@ -2,7 +2,7 @@
 import type { Alert, BaselineBand, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
-import { Panel, Shown, Time } from "./parts";
+import { Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
 import { comparable, elementsOf, NotIdentified, useNewest, useNewestSummary } from "./newest";
 import { useResource } from "./resource";
@@ -73,17 +73,22 @@ export function TrendsView({ machine }: { machine: Document }) {
 }
 
 function Elements({ elements, chosen, alerts }: { elements: string[]; chosen: string; alerts: Alert[] }) {
-  const open = new Set(alerts.filter((one) => !one.closed_at).map((one) => one.element));
+  const open = alerts.filter((one) => !one.closed_at);
   return (
     <span class="buttons" role="group" aria-label="Element">
       {elements.map((one) => (
         <button key={one} type="button" aria-pressed={one === chosen} onClick={() => choose({ element: one })}>
-          {open.has(one) && <span class="severity alert">▲ </span>}
+          <Worst alerts={open.filter((alert) => alert.element === one)} />
           {elementName(one)}
         </button>
       ))}
     </span>
   );
+}
+
+function Worst({ alerts }: { alerts: Alert[] }) {
+  const severity = Object.keys(SEVERITY_GLYPHS).find((one) => alerts.some((alert) => alert.severity === one));
+  return severity ? <><Severity severity={severity} word={false} /> </> : null;
 }
 
 interface HistoriesProps {

@@ -54,7 +54,7 @@ from service.api.overview import Overview
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
-from service.api.undeclared_units import refuse_undeclared_units
+from service.api.unheeded_units import refuse_unheeded_units
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
 from service.security.authentication import Authentication
@@ -154,7 +154,7 @@ def application(
         people,
     ):
         # Not by way of another router: the framework works out each operation anew for every level.
-        app.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_undeclared_units)])
+        app.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_unheeded_units)])
     app.include_router(metrics.router)
     app.include_router(dashboard.router)
     app.include_router(login.router)

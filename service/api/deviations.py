@@ -9,6 +9,8 @@ from pydantic import Field
 from sqlalchemy.orm import Session
 
 from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
+from estimator.machine import Machine
+from estimator.parameter_names import derived_unit
 from estimator.parameters import is_direct
 from estimator.point import Point
 from estimator.slow_drift import Drift
@@ -67,7 +69,8 @@ def read_trend_tests(
 ) -> schemas.TrendTestsOut:
     """Steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
 
-    Where only parameters or only elements are asked for, the others are left out.
+    Where only parameters or only elements are asked for, the others are left out. Quantities derived from parameters, such as
+    critical_speed.1, have trends but no tests.
     """
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
@@ -84,9 +87,16 @@ def read_trend_tests(
     left_out = _left_out(session, found, baseline, after[-1].point)
     asked = left_out if everything else [*parameter, *element]
     told = {name for one in tests for name in (one.name, parameter_of(one.name))}
-    unknown = f"machine '{machine_id}' has nothing of that name"
-    reasons = {name: left_out.get(name, unknown) for name in asked if name not in told}
+    machine = machines.document(session, machine_id, found.identification.revision)
+    reasons = {name: left_out.get(name) or _not_tested(machine, name) for name in asked if name not in told}
     return schemas.TrendTestsOut(**_about(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
+
+
+def _not_tested(machine: Machine, name: str) -> str:
+    """Why there is no test of what an identification does not determine."""
+    if derived_unit(machine, name) is not None:
+        return "derived from the parameters: trend tests are of identified parameters and of elements"
+    return f"machine '{machine.id}' has nothing of that name"
 
 
 def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None:

@@ -1,8 +1,10 @@
 """Samples and runs."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from fastapi import APIRouter, Query
+from pydantic import BeforeValidator, Field
 
 from service.api import rendering, schemas
 from service.api.access import MachineId, Number, Period, Reading
@@ -17,7 +19,18 @@ router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIE
 
 LARGEST_SAMPLE_COUNT = 10_000
 
-Include = Annotated[tuple[schemas.Beside, ...], Query(max_length=3, description="what else the sources send of each value")]
+
+def _apart(given: Sequence[str]) -> list[str]:
+    """What is asked for, whether in one parameter with commas between or in several."""
+    return [name for one in given for name in one.split(",")]
+
+
+Include = Annotated[
+    tuple[schemas.Beside, ...],
+    Field(max_length=3),
+    BeforeValidator(_apart),
+    Query(description="what else the sources send of each value; repeated, or with commas between"),
+]
 
 
 @router.get("/machines/{machine_id}/samples", operation_id="read_samples")

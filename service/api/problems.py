@@ -29,7 +29,7 @@ from storage.claim import DatabaseUnusable
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
 from storage.jobs import JobUnknown
-from storage.machines import MachineExists, MachineUnknown, PlantChanged
+from storage.machines import MachineExists, MachineUnknown, PlantChanged, RevisionUnknown
 from storage.runs import RunUnknown, SamplesReleased
 from storage.slow_roll import SlowRollUnknown
 from storage.suppressions import SuppressionUnknown
@@ -62,6 +62,7 @@ OF_MACHINE = "GET /api/v1/machines/<id>"
 
 _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     MachineUnknown: (HTTPStatus.NOT_FOUND, "no machine {0}: GET /api/v1/machines lists those there are"),
+    RevisionUnknown: (HTTPStatus.NOT_FOUND, f"no revision {{0}}: {OF_MACHINE}/revisions lists them"),
     ParameterUnknown: (HTTPStatus.NOT_FOUND, "no parameter {0}"),
     RunUnknown: (HTTPStatus.NOT_FOUND, f"no run {{0}}: {OF_MACHINE}/runs lists those of a machine"),
     IdentificationUnknown: (

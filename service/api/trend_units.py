@@ -5,12 +5,11 @@ from dataclasses import replace
 from typing import Annotated, get_args
 
 from fastapi import Depends, Query
-from fastapi.exceptions import RequestValidationError
 
 from estimator.baseline_band import Band
 from estimator.units import RAD_PER_S
 from service.api.trend_columns import Columns
-from service.api.units import Amplitude, Phase, Speed
+from service.api.units import Amplitude, Phase, Speed, names_in, wrong_units
 
 OTHERS: Mapping[str, tuple[str, str, float]] = {
     "rpm": ("rad/s", "rpm", RAD_PER_S["rpm"]),
@@ -40,21 +39,17 @@ async def _trend_units(
         ),
     ] = None,
 ) -> TrendUnits:
-    chosen: dict[str, tuple[str, float]] = {}
-    for name in [] if units is None else units.split(","):
+    chosen: dict[str, str] = {}
+    for name in names_in(units):
         if name in OF_PHASORS:
             continue
         if name not in OTHERS:
-            raise _wrong(units, f"'{name}' is none of {', '.join(OTHERS)}")
-        si, written, size = OTHERS[name]
+            raise wrong_units(units, f"'{name}' is none of {', '.join(OTHERS)}")
+        si = OTHERS[name][0]
         if si in chosen:
-            raise _wrong(units, f"'{name}' and '{chosen[si][0]}' are both in the place of {si}: name one")
-        chosen[si] = written, size
-    return chosen
-
-
-def _wrong(given: str | None, message: str) -> RequestValidationError:
-    return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
+            raise wrong_units(units, f"'{name}' and '{chosen[si]}' are both in the place of {si}: name one")
+        chosen[si] = name
+    return {si: OTHERS[name][1:] for si, name in chosen.items()}
 
 
 TrendUnitChoice = Annotated[TrendUnits, Depends(_trend_units)]

@@ -120,7 +120,7 @@ async def read_trends(
 
     The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
     baseline's band beside it and each row says how its series was thinned out. The series of a parameter that the machine has
-    and that was never identified is empty; one that no revision of its document has is not found.
+    and that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
     """
     wanted = asked_format(request, chosen)
     kept: KeptHistories = request.app.state.histories

@@ -75,17 +75,27 @@ async def _units_if_asked(units: Asked = None) -> Units | None:
 
 async def _units(units: Asked = None) -> Units:
     chosen: dict[str, Any] = {}
-    for name in [] if units is None else units.split(","):
+    for name in names_in(units):
         kind = next((kind for kind, known in _KINDS.items() if name in known), None)
         if kind is None:
-            raise _wrong(units, f"'{name}' is none of {', '.join(one for known in _KINDS.values() for one in known)}")
+            raise wrong_units(units, f"'{name}' is none of {', '.join(one for known in _KINDS.values() for one in known)}")
         if kind in chosen:
-            raise _wrong(units, f"'{name}' and '{chosen[kind]}' are both units of {kind}: name one")
+            raise wrong_units(units, f"'{name}' and '{chosen[kind]}' are both units of {kind}: name one")
         chosen[kind] = name
     return Units(**chosen)
 
 
-def _wrong(given: str | None, message: str) -> RequestValidationError:
+def names_in(units: str | None) -> list[str]:
+    """The units that a question names. Raises RequestValidationError for one that is given twice."""
+    names = [] if units is None else units.split(",")
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise wrong_units(units, f"'{twice}' is given twice: name it once")
+    return names
+
+
+def wrong_units(given: str | None, message: str) -> RequestValidationError:
+    """What is wrong with the units of a question."""
     return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
 
 

@@ -93,6 +93,21 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(("severities", "mark"), [(["alert"], "▲"), (["danger"], "◆"), (["alert", "danger"], "◆")])
+def test_an_element_is_marked_by_the_worst_of_its_alerts(
+    seen: Seen, service: Service, severities: list[str], mark: str
+) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    answer = [{**alert, "id": 1000 + number, "severity": severity} for number, severity in enumerate(severities)]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends")
+    buttons = seen.page.get_by_role("group", name="Element").get_by_role("button")
+    marked = buttons.filter(has=seen.page.locator(".severity"))
+    expect(marked).to_have_count(1)
+    expect(marked).to_have_text(re.compile(rf"^{mark} {severities[-1]} .*C1"))
+    assert seen.errors == []
+
+
 def test_an_element_of_the_train_is_chosen_by_keys(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}")
     coupling = seen.page.get_by_role("button", name=re.compile("^coupling C1"))
@@ -402,6 +417,24 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     expect(seen.page.locator(".bar")).to_be_hidden()
     assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("from=x&to=y", ["first day is no date: “x”.", "last day is no date: “y”."]),
+        ("from=2026-01-01T00:00:00Z&to=2026-02-01", ["first day is no date: “2026-01-01T00:00:00Z”."]),
+        ("from=2026-01-01&to=2026-02-31", ["last day is no date: “2026-02-31”."]),
+        ("from=2026-02-02&to=2026-02-01", ["first day lies behind its last."]),
+    ],
+)
+def test_report_says_what_is_wrong_with_a_period(seen: Seen, asked: str, said: list[str]) -> None:
+    seen.open(f"reports/{MACHINE}?{asked}")
+    wrong = seen.page.locator(".empty")
+    expect(wrong).to_have_count(len(said))
+    for number, words in enumerate(said):
+        expect(wrong.nth(number)).to_contain_text(f"The period's {words}")
     assert seen.errors == []
 
 

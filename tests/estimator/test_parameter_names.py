@@ -9,7 +9,7 @@ from estimator.coordinates import Coordinates
 from estimator.derived import model_quantities
 from estimator.estimates import estimates
 from estimator.machine import parse_machine
-from estimator.parameter_names import derived_units, parameter_units, without_number
+from estimator.parameter_names import derived_unit, derived_units, in_words, parameter_units, without_number
 
 
 def test_of_a_train_of_everything_parameters_are_named_as_they_are_estimated() -> None:
@@ -42,3 +42,15 @@ def test_derived_quantities_are_named_as_they_are_stored() -> None:
 )
 def test_numbers_of_critical_speeds_may_be_any(name: str, general: str) -> None:
     assert without_number(name) == general
+
+
+@pytest.mark.parametrize("name", ["critical_speed.N", "splitting.M-N", "probe.B1X.amplification_factor.N", "coupling.C1.kxx"])
+def test_what_stands_for_numbers_is_no_name_of_a_derived_quantity(name: str) -> None:
+    assert derived_unit(rich_model().machine, name) is None
+
+
+def test_every_derived_quantity_is_said_by_a_name_that_it_can_have() -> None:
+    machine = rich_model().machine
+    for name, unit in derived_units(machine).items():
+        assert derived_unit(machine, in_words(name).removesuffix(" …")) == unit
+    assert in_words("critical_speed.N") == "critical_speed.1 …"

@@ -232,7 +232,9 @@ def test_samples_are_read_through_revisions_that_describe_the_same_machine(chang
     none = changing.value("/machines/pump-7/samples")
     assert (none["time"], none["revisions"]) == ([], [3])
     assert changing.value("/machines/pump-7/samples", revision=2)["time"] == before["time"]
-    problem(changing.get("/machines/pump-7/samples", revision=9), 404)
+    detail = problem(changing.get("/machines/pump-7/samples", revision=9), 404)["detail"]
+    assert detail == "no revision 9 of machine 'pump-7': GET /api/v1/machines/<id>/revisions lists them"
+    assert "no machine nobody: " in problem(changing.get("/machines/nobody/samples", revision=1), 404)["detail"]
 
 
 def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant: Database, api: Api) -> None:
@@ -249,7 +251,10 @@ def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant:
     assert whole["scatter_um_pp"] == [[None] * 2, [pytest.approx(2.0)] * 2, [None] * 2, [None] * 2]
     assert whole["amplitude_2x_um_pp"] == [[None] * 2, [None] * 2, [pytest.approx(4.0)] * 2, [None] * 2]
     assert whole["phase_2x_lag_deg"][2] == pytest.approx([40.0] * 2)
-    problem(api.get("/machines/pump-7/samples", include="3x"), 422)
+    for commas in ("2x,scatter,status", ["2x,scatter", "status"]):
+        assert api.value("/machines/pump-7/samples", include=commas) == whole
+    for wrong in ("3x", "2x,3x", "2x,", "2x,scatter,status,2x"):
+        problem(api.get("/machines/pump-7/samples", include=wrong), 422)
 
 
 def test_of_a_machine_without_samples_there_are_none(api: Api) -> None:

@@ -235,6 +235,16 @@ def test_without_a_choice_everything_is_tested(plant: Database, api: httpx.Clien
     assert all(one["drift"] is None for one in both["tests"])
 
 
+def test_derived_quantities_are_not_tested_and_the_answer_says_why(plant: Database, api: httpx.Client) -> None:
+    Weeks(plant).file(times=BASELINE + 1)
+    names = ["critical_speed.1", "coupling.C1.misalignment_force", "critical_speed.N"]
+    found = asked(api, "/trend-tests", parameter=names)
+    derived = "derived from the parameters: trend tests are of identified parameters and of elements"
+    unknown = "machine 'pump-7' has nothing of that name"
+    assert found["left_out"] == dict(zip(names, [derived, derived, unknown], strict=True))
+    assert found["tests"] == []
+
+
 def test_runs_are_compared_as_under_the_baselines_conditions(plant: Database, api: httpx.Client) -> None:
     """A bearing that softens by 0.3 % per kelvin of its oil; five runs teach two thirds of that."""
     oil = Condition(name="oil", unit="degC")

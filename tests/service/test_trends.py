@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from service.api.downsampling import min_max
 from service.api.formats import CSV, JSON, PARQUET, parquet_bytes
+from service.known_parameters import MOST_REVISIONS
 from storage import baselines, jobs, machines, runs
 from storage.database import Database
 from tests.asking import Api, fields, problem
@@ -329,14 +330,17 @@ def test_it_is_empty_in_the_units_asked_for(plant: Database) -> None:
         ("bearing.NOPE.k_yy", "it has bearing.B1, bearing.B2, bearing.B3, bearing.B4, coupling.C1, disc.D1, disc.D2, "),
         ("bearing.B1.k_yy", "bearing.B1 has bearing.B1.kxx, bearing.B1.kxy, "),
         ("bearing.B1.kxx@1500rpm", "bearing.B1 has bearing.B1.kxx, "),
-        ("critical_speed.0", "critical_speed has critical_speed.N"),
-        ("splitting.2-1", "splitting has splitting.M-N"),
+        ("critical_speed.0", "critical_speed has critical_speed.1 …"),
+        ("critical_speed.N", "critical_speed has critical_speed.1 …"),
+        ("splitting.2-1", "splitting has splitting.1-2 …"),
+        ("splitting.M-N", "splitting has splitting.1-2 …"),
+        ("probe.B2X.amplification_factor.N", "probe.B2X has probe.B2X.amplification_factor.1 …, "),
         ("probe.B9X.second_over_first", "probe.B2X"),
-        ("probe.B2X.gain", "probe.B2X has probe.B2X.amplification_factor.N, probe.B2X.second_over_first"),
+        ("probe.B2X.gain", "probe.B2X has probe.B2X.amplification_factor.1 …, probe.B2X.second_over_first"),
         ("nothing.there", "it has bearing.B1, "),
     ],
 )
-def test_what_no_revision_of_the_machine_has_is_not_found(api: Api, name: str, there: str) -> None:
+def test_what_the_machine_cannot_have_is_not_found(api: Api, name: str, there: str) -> None:
     for asked in (name, ["coupling.C1.kxx", name]):
         detail = problem(api.get(PATH, parameter=asked), 404)["detail"]
         assert detail.startswith(f"no parameter {name} of machine '{KEY.machine}': ")
@@ -350,3 +354,13 @@ def test_what_only_an_earlier_revision_had_is_still_there(plant: Database) -> No
     (one,) = trend(Api(plant), "disc.D2.unbalance")
     assert (one["unit"], one["value"]) == ("kg m", [])
     assert "disc.D2" not in problem(Api(plant).get(PATH, parameter="disc.D3.unbalance"), 404)["detail"].partition(": ")[2]
+
+
+def test_of_many_revisions_the_newest_are_looked_at(plant: Database) -> None:
+    with plant.transaction() as session:
+        for number in range(MOST_REVISIONS - 1):
+            machines.revise(session, machine(discs=document()["discs"][:1], name=f"Pump {number}"))
+    assert trend(Api(plant), "disc.D2.unbalance")[0]["value"] == []
+    with plant.transaction() as session:
+        machines.revise(session, machine(discs=document()["discs"][:1]))
+    problem(Api(plant).get(PATH, parameter="disc.D2.unbalance"), 404)

@@ -11,6 +11,7 @@ from tests.plant import KEY, SECOND, START, identification, samples, store_ident
 
 RUN = 20
 MIL_P_PER_UM_PP = 1 / 25.4 / 2
+TAKING_UNITS = ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machines/{KEY.machine}/trends", "/identifications/1"]
 
 
 @pytest.fixture
@@ -118,9 +119,25 @@ def test_where_there_are_no_others_units_are_refused(api: Api, path: str) -> Non
 
 
 @pytest.mark.parametrize("units", ["furlong", "rpm,hz", "rpm,"])
-@pytest.mark.parametrize(
-    "path",
-    ["/runs/1/phasors", f"/machines/{KEY.machine}/samples", f"/machines/{KEY.machine}/trends", "/identifications/1"],
-)
+@pytest.mark.parametrize("path", TAKING_UNITS)
 def test_units_that_are_none_are_refused(api: Api, path: str, units: str) -> None:
     assert fields(api.get(path, units=units, parameter="coupling.C1.kxx")) == ["query.units"]
+
+
+@pytest.mark.parametrize("path", TAKING_UNITS)
+def test_units_in_several_parameters_are_refused_lest_only_the_last_counts(api: Api, path: str) -> None:
+    answer = api.get(path, units=["rpm", "hz"], parameter="coupling.C1.kxx")
+    assert fields(answer) == ["query.units"]
+    assert answer.json()["errors"][0]["message"].endswith("give it once, with commas between: units=rpm,hz")
+
+
+@pytest.mark.parametrize("path", TAKING_UNITS)
+def test_units_given_twice_are_called_so(api: Api, path: str) -> None:
+    answer = api.get(path, units="hz,hz", parameter="coupling.C1.kxx")
+    assert fields(answer) == ["query.units"]
+    assert answer.json()["errors"][0]["message"] == "'hz' is given twice: name it once"
+
+
+def test_of_two_units_of_a_quantity_both_are_said_as_they_were_given(api: Api) -> None:
+    answer = api.get("/identifications/1", units="hz,rpm")
+    assert answer.json()["errors"][0]["message"] == "'rpm' and 'hz' are both in the place of rad/s: name one"

@@ -55,10 +55,12 @@ def test_unknown_machines_and_revisions_are_said(plant: Database) -> None:
             lambda: machines.get(session, "nobody"),
             lambda: machines.revise(session, machine(id="nobody")),
             lambda: machines.document(session, "nobody"),
-            lambda: machines.document(session, "pump-7", 2),
+            lambda: machines.document(session, "nobody", 1),
         ):
-            with pytest.raises(machines.MachineUnknown):
+            with pytest.raises(machines.MachineUnknown, match="nobody"):
                 look()
+        with pytest.raises(machines.RevisionUnknown, match="2 of machine 'pump-7'"):
+            machines.document(session, "pump-7", 2)
 
 
 def test_machines_come_by_id(plant: Database) -> None:
