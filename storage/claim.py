@@ -1,7 +1,9 @@
 """The claim on a database: services hold it, on PostgreSQL several share it; whoever replaces the data holds it alone."""
 
+import contextlib
 import fcntl
 import threading
+import time
 from pathlib import Path
 from typing import TextIO
 
@@ -10,6 +12,8 @@ from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
 CLAIM_KEY = 0x52554E444F574E
 """Number of the advisory lock that is held on a PostgreSQL database."""
+PATIENCE_S, LOOK_S = 2.0, 0.1
+"""A server takes a moment to notice that who held a claim was killed."""
 
 
 class DatabaseUnusable(RuntimeError):
@@ -35,9 +39,12 @@ class Claim:
             # Outside of any transaction: one that is never ended would keep the server from tidying up.
             self._connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
             lock = func.pg_try_advisory_lock_shared if shared else func.pg_try_advisory_lock
-            if not self._connection.scalar(select(lock(CLAIM_KEY))):
-                self.release()
-                raise DatabaseUnusable(held)
+            until = time.monotonic() + PATIENCE_S
+            while not self._connection.scalar(select(lock(CLAIM_KEY))):
+                if time.monotonic() >= until:
+                    self.release()
+                    raise DatabaseUnusable(held)
+                time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
             self._file = path.with_name(path.name + ".lock").open("w")
             try:
@@ -80,7 +87,9 @@ class Claim:
     def release(self) -> None:
         """Let go of it."""
         if self._connection is not None:
-            # Given back to the pool, the connection would hold the lock on.
+            with contextlib.suppress(DBAPIError, PendingRollbackError):  # broken: then the server lets go of it by itself
+                self._connection.execute(select(func.pg_advisory_unlock_all()))
+            # Given back to the pool, the connection would hold on what the server has not given up.
             self._connection.invalidate()
             self._connection.close()
             self._connection = None

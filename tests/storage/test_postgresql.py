@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import threading
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -83,10 +84,20 @@ def test_a_claim_that_another_service_took_meanwhile_is_said(plant: Database, po
 
 
 def test_a_claim_ends_with_its_database(plant: Database) -> None:
+    for _ in range(20):
+        one = Database(plant.url)
+        one.claim()
+        one.close()
+
+
+def test_a_claim_that_is_given_up_a_moment_later_is_waited_for(plant: Database) -> None:
+    """As that of a process that was killed."""
     first, second = Database(plant.url), Database(plant.url)
     first.claim()
-    first.close()
+    later = threading.Timer(0.5, first.close)
+    later.start()
     second.claim()
+    later.join()
     second.close()
 
 
