@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import select, text, update
+from sqlalchemy import select, update
 from sqlalchemy.exc import DBAPIError
 
 from service import alerting
@@ -19,8 +19,8 @@ from storage import deliveries, fleet, idempotency, jobs, machines, suppressions
 from storage.database import Database
 from storage.tables import IdempotencyKeyRow, TimelineRow
 from tests.asking import PREFIX, Api, fields, problem, value
-from tests.databases import chosen
 from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification
+from tests.refusing import refuse
 
 ROOT = Path(__file__).parents[2]
 NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "anna"}
@@ -240,11 +240,9 @@ def test_what_is_asked_twice_under_a_key_is_done_once(api: Api) -> None:
     assert notes(api) == 2
 
 
-@pytest.mark.skipif(chosen() != "sqlite", reason="the trigger is written for SQLite")
 def test_what_was_done_and_could_not_be_answered_is_not_done_again(api: Api) -> None:
     with api.database.transaction() as session:
-        refusing = "SELECT RAISE(ABORT, 'cannot be kept')"
-        session.execute(text(f"CREATE TRIGGER refuse BEFORE UPDATE ON idempotency_keys BEGIN {refusing}; END"))
+        refuse(session, "idempotency_keys", write="UPDATE")
     headers = {"Idempotency-Key": "0b5c"}
     with contextlib.suppress(DBAPIError):  # over a network the answer breaks off
         api.ask("POST", TIMELINE, json=NOTE, headers=headers)

@@ -23,8 +23,8 @@ from storage import machines, quarantine, runs
 from storage import samples as sample_store
 from storage.database import Database
 from storage.tables import SourceRow
-from tests.databases import chosen
 from tests.plant import KEY, SECOND, START, batch, machine, sweep_rpm, wait_until
+from tests.refusing import refuse
 
 SAMPLES = "rundown/v1/plant-1/pump-7/samples"
 
@@ -368,14 +368,11 @@ def test_what_cannot_be_taken_is_kept_apart_and_stops_nothing(plant: Database, i
     assert ingest.trouble is None
 
 
-@pytest.mark.skipif(chosen() != "sqlite", reason="the trigger is written for SQLite")
 def test_what_the_database_cannot_hold_is_put_aside_and_stops_nothing(
     plant: Database, ingest: Ingest, client: zenoh.Session
 ) -> None:
-    refusing = "SELECT RAISE(ABORT, 'cannot be held')"
     with plant.transaction() as session:
-        trigger = f"CREATE TRIGGER poison BEFORE INSERT ON sample_blocks WHEN NEW.source = 'poison' BEGIN {refusing}; END"
-        session.execute(text(trigger))
+        refuse(session, "sample_blocks", write="INSERT", when="NEW.source = 'poison'")
     wait_until(lambda: heard(client))
     put_batch(client, 0, 5, source="poison")
     put_batch(client, 0, 5, source="good")
