@@ -1,4 +1,4 @@
-"""Housekeeping: lets go of samples that are old enough, gives room back, and warns well before the disk is full."""
+"""Housekeeping: lets go of samples that are old enough, gives disk and memory back, and warns well before the disk is full."""
 
 import logging
 import threading
@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from service.collection import standing
 from service.late import BESIDE
+from service.memory import give_back
 from service.settings import Settings
 from service.sharing import RETENTION, Share, Whole
 from storage import disk, machines, retention, runs
@@ -21,7 +22,7 @@ logger = logging.getLogger(__name__)
 INTERVAL_S = 600.0
 """Between two rounds."""
 LOOK_S = 10.0
-"""Between two looks at the disk."""
+"""Between two looks at disk and memory."""
 PAUSE_S = 0.05
 """Between two transactions, for those who wait."""
 BLOCKS, RUNS = 200, 20
@@ -103,6 +104,7 @@ class Housekeeping:
         next_round, pause = time.monotonic(), 0.0
         while not self._stop.wait(pause):
             pause = LOOK_S
+            give_back()
             try:
                 self._look()
                 if time.monotonic() >= next_round and self._share.leads(RETENTION):

@@ -1,11 +1,11 @@
-"""To the journal: receives messages from zenoh and HTTP; what is missing before them is fetched in `service/healing.py`."""
+"""To the journal: takes what came from zenoh and HTTP; what is missing before it is fetched in `service/healing.py`."""
 
 import logging
 import threading
 import time
-from collections import deque
 from collections.abc import Collection
 from concurrent.futures import Future
+from dataclasses import replace
 
 import msgspec
 import zenoh
@@ -13,6 +13,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 
 from service.bounded import Bounded
 from service.healing import Healing
+from service.inbox import Inbox, Message
 from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
 from service.sharing import Share, Whole, lease_of
 from service.submissions import NotStoring, Submission, Submissions
@@ -36,7 +37,8 @@ from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 
-QUEUE_SIZE = 50_000
+TOKENS = 50_000
+"""Comings and goings of sources that wait."""
 LARGEST_CYCLE = 1_000
 """Messages stored in one transaction."""
 CYCLE_S = 0.1
@@ -82,22 +84,19 @@ class Ingest:
             take=self._take,
             owns=self._share.owns,
         )
-        self._inbox: deque[zenoh.Sample] = deque()
+        self._inbox = Inbox()
         self._arrived: list[Arrived] = []
         self._promises: dict[int, Future[Outcome]] = {}  # by place in `_arrived`
         self._refused: list[tuple[Future[Outcome], Rejected]] = []
         self._rejections: list[Rejection] = []
         self._trouble: str | None = None
         self._began = time.monotonic()  # the cycle
-        self._closed = False
-        self.depth = 0
-        """Messages that waited at the beginning of the last cycle."""
 
     def start(self) -> None:
         """Subscribe and begin."""
-        self._samples = self._session.declare_subscriber(ALL_SAMPLES, zenoh.handlers.FifoChannel(QUEUE_SIZE))
+        self._inbox.start(self._session, ALL_SAMPLES)
         self._tokens = self._session.liveliness().declare_subscriber(
-            ALL_LIVE, zenoh.handlers.FifoChannel(QUEUE_SIZE), history=True
+            ALL_LIVE, zenoh.handlers.FifoChannel(TOKENS), history=True
         )
         self._questions = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(LARGEST_CYCLE))
         self._thread.start()
@@ -106,7 +105,7 @@ class Ingest:
         """Take no more, store what is queued, end the thread."""
         self._stop.set()
         self._thread.join()
-        self._samples.undeclare()
+        self._inbox.close()
         self._tokens.undeclare()
         self._questions.undeclare()
 
@@ -124,8 +123,13 @@ class Ingest:
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
+        """Whether the threads run."""
+        return self._thread.is_alive() and self._inbox.alive
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system, by the name of the metric."""
+        return {"rundown_ingest_queue_messages": len(self._inbox), "rundown_ingest_queue_bytes": self._inbox.size}
 
     def _run(self) -> None:
         next_check = 0.0
@@ -185,15 +189,13 @@ class Ingest:
             self._healing.token(token)
         while (question := self._questions.try_recv()) is not None:
             self._answer(question)
-        while not self._closed and len(self._inbox) < QUEUE_SIZE and (sample := self._samples.try_recv()) is not None:
-            self._inbox.append(sample)
-        self._closed = self._stop.is_set()  # what comes from now on waits in the sources' logs
-        self.depth = len(self._inbox)
-        taken = min(self.depth, LARGEST_CYCLE)
-        self._journal.give_way.begin(hurried=self.depth >= BACKLOG or self._healing.asking)
-        for _ in range(taken):
-            sample = self._inbox.popleft()
-            self._admit(sample)
+        if self._stop.is_set():
+            self._inbox.close()  # what comes from now on waits in the sources' logs
+        self._journal.give_way.begin(hurried=len(self._inbox) >= BACKLOG or self._healing.asking)
+        taken = 0
+        while taken < LARGEST_CYCLE and (message := self._inbox.take()) is not None:
+            taken += 1
+            self._admit(message)
             self._journal.give_way()
         submitted = 0
         while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
@@ -229,7 +231,7 @@ class Ingest:
                 outcome = self._stored_alone(one)
             except (DataError, IntegrityError) as error:
                 rejected = Rejected("undecodable", f"the database cannot hold it: {error.orig}")
-                self._reject(one.key, one.batch.machine, one.payload, rejected)
+                self._reject(one.key, one.batch.machine, one.payload, rejected, received_at=one.received_at)
                 if promise is not None:
                     promise.set_exception(rejected)
             except (DBAPIError, NotHeld):
@@ -297,49 +299,63 @@ class Ingest:
             # Its numbers must stay free for the corrected batch.
             self._journal.require_convertible(batch, received_at=received_at)
         except Rejected as rejected:
-            self._reject(where, submission.machine, submission.body, rejected)
+            self._reject(where, submission.machine, submission.body, rejected, received_at=received_at)
             self._refused.append((submission.promise, rejected))
             return
         self._take(Arrived(batch, where, submission.body, received_at), submission.promise)
 
-    def _admit(self, sample: zenoh.Sample) -> None:
+    def _admit(self, message: Message) -> None:
         """Decode a published message and place it."""
-        key_text = str(sample.key_expr)
         try:
-            key = Key.parse(key_text)
+            key = Key.parse(message.key)
         except Rejected as rejected:
-            if self._share.owns(key_text):
-                self._reject(key_text, None, sample.payload.to_bytes(), rejected)
+            if self._share.owns(message.key):
+                self._refuse(message, None, rejected)
             return
         if not self._share.owns(key.machine):
             return
-        arrived = self._read(key, key_text, sample)
+        arrived = self._read(key, message)
         if arrived is not None:
             self._healing.place(key, arrived)
 
     def _read_reply(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
-        return self._read(key, key.samples, reply)
+        return self._read(key, replace(Message.of(reply), key=key.samples))
 
-    def _read(self, key: Key, key_text: str, sample: zenoh.Sample) -> Arrived | None:
+    def _read(self, key: Key, message: Message) -> Arrived | None:
         """A message as a batch, None when it is rejected."""
-        payload = sample.payload.to_bytes()
         try:
-            batch = decode_batch(key, payload, str(sample.encoding))
+            require_size(message.size)
+            batch = decode_batch(key, message.payload, message.encoding)
             self._require_machine(key)
         except Rejected as rejected:
-            self._reject(key_text, key.machine, payload, rejected)
+            self._refuse(message, key.machine, rejected)
             return None
-        return Arrived(batch, key_text, payload, now())
+        return Arrived(batch, message.key, message.payload, message.received_at)
 
-    def _reject(self, key_text: str, machine: str | None, payload: bytes, rejected: Rejected) -> None:
+    def _refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
+        received_at, size = message.received_at, message.size
+        self._reject(message.key, machine, message.payload, rejected, received_at=received_at, size=size)
+
+    def _reject(
+        self,
+        key: str,
+        machine: str | None,
+        payload: bytes,
+        rejected: Rejected,
+        *,
+        received_at: int,
+        size: int | None = None,
+    ) -> None:
+        """Keep what was not taken, by its reason. size: of all of it, where the payload is not [bytes]."""
         self._rejections.append(
             Rejection.of_message(
-                received_at=now(),
-                key=key_text,
+                received_at=received_at,
+                key=key,
                 machine_id=machine,
                 reason=rejected.reason,
                 detail=rejected.detail,
                 payload=payload,
+                size=size,
             )
         )
 

@@ -127,11 +127,10 @@ def serve(settings: Settings) -> None:
             states,
             try_out=dispatcher.try_out,
             submissions=forwarding,
-            depth=lambda: ingest.depth,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges,
+            gauges=lambda: housekeeping.gauges | ingest.gauges,
         )
         _prefer_answers()
         config = uvicorn.Config(

@@ -32,10 +32,19 @@ class Rejection:
 
     @classmethod
     def of_message(
-        cls, *, received_at: int, key: str, machine_id: str | None, reason: str, detail: str, payload: bytes
+        cls,
+        *,
+        received_at: int,
+        key: str,
+        machine_id: str | None,
+        reason: str,
+        detail: str,
+        payload: bytes,
+        size: int | None = None,
     ) -> Self:
-        """A whole message, of which no more waits in memory than will be kept."""
-        return cls(received_at, key, machine_id, reason, detail, payload[:KEPT_BYTES], size=len(payload))
+        """A message, of which no more waits in memory than will be kept. size: of all of it, where the payload is not."""
+        whole = len(payload) if size is None else size
+        return cls(received_at, key, machine_id, reason, detail, payload[:KEPT_BYTES], size=whole)
 
 
 def add(session: Session, rejections: Sequence[Rejection]) -> None:

@@ -81,16 +81,15 @@ def application(
     *,
     try_out: TryOut | None = None,
     submissions: Taking | None = None,
-    depth: Callable[[], int] | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
-    to a subscription, where this process delivers; `submissions` takes samples, `depth` tells how many messages wait, where
-    this process stores. baseline_runs: as in the settings. security: who may use it;
-    by default anybody, until there is an API key. warnings, gauges: what housekeeping has to say and to show.
+    to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
+    who may use it; by default anybody, until there is an API key. warnings: what housekeeping has to say; gauges: figures
+    of housekeeping and ingest for a monitoring system.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -109,7 +108,6 @@ def application(
     app.state.parts = parts
     app.state.try_out = try_out
     app.state.submissions = submissions
-    app.state.depth = depth
     app.state.warnings = warnings
     app.state.gauges = gauges
     app.state.machine_list = MachineList()

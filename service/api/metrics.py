@@ -67,7 +67,8 @@ class _Figures(Collector):
 
 
 _GAUGES = {
-    "rundown_ingest_queue_messages": "messages from zenoh that waited when the ingest last looked",
+    "rundown_ingest_queue_messages": "messages from zenoh that wait",
+    "rundown_ingest_queue_bytes": "size of the messages from zenoh that wait",
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_ingest_storing": "1 while samples can be stored",
     "rundown_database_bytes": "size of the database with its log",
@@ -85,8 +86,6 @@ def read_metrics(request: Request, session: Reading) -> Response:
     """Counters and gauges as OpenMetrics text."""
     state = request.app.state
     gauges = dict(state.gauges())
-    if state.depth is not None:
-        gauges["rundown_ingest_queue_messages"] = state.depth()
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)

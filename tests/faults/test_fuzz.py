@@ -67,7 +67,6 @@ def test_messages_of_64_mb_are_told_and_let_go(tmp_path: Path) -> None:
                 publisher.put(bytes(HUGE), encoding=JSON)
             until(lambda: rejected() == before + count, within_s=60, what="all are told")
 
-        send(HUGE_COUNT)  # zenoh keeps the room in which it puts fragments together
         before = psutil.Process(serving.pid).memory_info().rss
         send(HUGE_COUNT)
         entry = service.get("/quarantine")["entries"][0]
@@ -76,7 +75,7 @@ def test_messages_of_64_mb_are_told_and_let_go(tmp_path: Path) -> None:
         until(lambda: sum(row["received"] for row in service.get("/sources")) == 5, within_s=20, what="others are heard")
         until(
             lambda: psutil.Process(serving.pid).memory_info().rss - before < LARGEST_GROWTH,
-            within_s=20,
+            within_s=60,
             what="their memory is let go of",
         )
         publisher.undeclare()

@@ -1,0 +1,107 @@
+"""From zenoh to the ingest thread: messages are copied as they come, and wait here, so many and so many bytes at most.
+
+A message that waits the way zenoh hands it over keeps the whole buffer that it came in, up to fifty times its own size.
+"""
+
+import logging
+import threading
+from collections import deque
+from dataclasses import dataclass
+
+import zenoh
+
+from service.wire import LARGEST_MESSAGE
+from storage.clock import now
+from storage.quarantine import KEPT_BYTES
+
+logger = logging.getLogger(__name__)
+
+MOST_MESSAGES = 50_000
+MOST_BYTES = 256 << 20
+"""Of all that waits; beyond either zenoh holds the senders back."""
+CHANNEL_SIZE = 2_000
+"""Messages that zenoh itself keeps until they are copied."""
+LOOK_S = 0.02
+"""Between two looks at what has come."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """What was published. Of one that is larger than any that is taken, only the beginning; size: of all of it [bytes]."""
+
+    key: str
+    payload: bytes
+    encoding: str
+    size: int
+    received_at: int
+
+    @classmethod
+    def of(cls, sample: zenoh.Sample) -> "Message":
+        """A copy of what zenoh holds, received now."""
+        payload = sample.payload.to_bytes()
+        kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
+        return cls(str(sample.key_expr), kept, str(sample.encoding), len(payload), now())
+
+
+class Inbox:
+    """The thread that copies, and what waits. One other thread takes."""
+
+    def __init__(self) -> None:
+        self._waiting: deque[Message] = deque()
+        self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
+
+    def start(self, session: zenoh.Session, key_expression: str) -> None:
+        """Subscribe and begin."""
+        self._subscriber = session.declare_subscriber(key_expression, zenoh.handlers.FifoChannel(CHANNEL_SIZE))
+        self._thread.start()
+
+    def close(self) -> None:
+        """Copy what has come by now and nothing after that; what has been copied can still be taken."""
+        if not self._closing.is_set():
+            self._closing.set()
+            self._thread.join()
+            self._subscriber.undeclare()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    @property
+    def size(self) -> int:
+        """Of all that waits [bytes]."""
+        return self._came_bytes - self._taken_bytes
+
+    def __len__(self) -> int:
+        """Messages that wait."""
+        return len(self._waiting)
+
+    def take(self) -> Message | None:
+        """The one that has waited longest."""
+        if not self._waiting:
+            return None
+        message = self._waiting.popleft()
+        self._taken_bytes += len(message.payload)
+        return message
+
+    def _run(self) -> None:
+        closing = False
+        while not closing:
+            closing = self._closing.wait(LOOK_S)  # then once more
+            try:
+                self._copy()
+            except Exception:
+                # One message must never end the ingest of all others.
+                logger.exception("a message cannot be copied from zenoh and is dropped")
+
+    def _copy(self) -> None:
+        while self._has_room and (sample := self._subscriber.try_recv()) is not None:
+            message = Message.of(sample)
+            self._came_bytes += len(message.payload)
+            self._waiting.append(message)
+
+    @property
+    def _has_room(self) -> bool:
+        return len(self._waiting) < MOST_MESSAGES and self.size < MOST_BYTES
