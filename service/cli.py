@@ -4,6 +4,7 @@ import logging
 import signal
 import threading
 import time
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -52,7 +53,7 @@ from service.stream import session as zenoh_session
 from service.stream_access import AccessUnusable, from_environment
 from service.wire import Key, Rejected
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, help="Condition monitoring of coupled rotor trains.")
+app = typer.Typer(no_args_is_help=True, add_completion=False)
 app.add_typer(key_app, name="key")
 app.add_typer(audit_app, name="audit")
 
@@ -63,6 +64,21 @@ for command in (backup, restore, move, export):
 LINGER_S = 5.0
 SAMPLE_S = 600.0
 Method = Literal["likelihood", "regression"]
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"rundown {version('rundown')}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    asked: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_say_version, help="which release this is")
+    ] = False,
+) -> None:
+    """Condition monitoring of coupled rotor trains."""
 
 
 @app.command()
@@ -135,7 +151,7 @@ def worker(
     """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
     from service.cluster_worker import work
 
-    log_to_terminal("INFO")
+    _log_as_set()
     work(scheduler, processes=processes, memory_bytes=memory_mb * 2**20, stop=_stop_on_signal())
 
 
@@ -152,9 +168,9 @@ def router(
     """
     from service.security.exposure import Exposed, require_guarded
 
-    log_to_terminal("INFO")
+    settings = _log_as_set()
     try:
-        for door in require_guarded(_settings({}), listen):
+        for door in require_guarded(settings, listen):
             logging.getLogger(__name__).warning("open to everybody: %s", door)
     except Exposed as error:
         fail(str(error))
@@ -228,7 +244,7 @@ def edge(
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
     from service.edge.command import run_edge
 
-    log_to_terminal("INFO")
+    _log_as_set()
     try:
         run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
     except (UnreadableFile, StreamUnusable, AccessUnusable, LogError) as error:
@@ -467,6 +483,13 @@ def _stop_on_signal() -> threading.Event:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     return stop
+
+
+def _log_as_set() -> Settings:
+    """Log as the settings say."""
+    settings = _settings({})
+    log_to_terminal(settings.log_level, settings.log_format)
+    return settings
 
 
 def _settings(given: dict[str, Any]) -> Settings:

@@ -1,6 +1,8 @@
 #!/bin/sh
 # Make the secrets that compose.yaml asks for, once; a file that is there already is kept. Run it as root in this folder:
 # each file belongs to the user of the container that reads it, and to nobody else.
+#
+#   secrets.sh [HOST_OR_ADDRESS ...]     # by which sources outside reach the router
 set -eu
 umask 077
 mkdir -p secrets
@@ -9,11 +11,11 @@ random() { head -c 24 /dev/urandom | base64 | tr '+/' '-_'; }
 [ -e secrets/grafana_password ] || random > secrets/grafana_password
 printf 'postgresql+psycopg://rundown:%s@postgresql/rundown\n' "$(cat secrets/database_password)" > secrets/database_url
 [ -e secrets/metrics_key ] || : > secrets/metrics_key
-for name in authority router rundown; do
-    [ -e "secrets/$name.key" ] || ../certificates.sh secrets "$name"
-done
+[ -e secrets/authority.key ] || ../certificates.sh secrets authority
+[ -e secrets/router.key ] || ../certificates.sh secrets router "$@"
+[ -e secrets/rundown.key ] || ../certificates.sh secrets rundown
 chmod 711 secrets && chmod 600 secrets/* && chmod 644 secrets/*.crt
 chown 10001 secrets/database_url secrets/router.key secrets/rundown.key # rundown
 chown 65534 secrets/metrics_key # prometheus
 chown 472 secrets/grafana_password # grafana
-echo "secrets/ is ready; make the keys next: docker compose run --rm api key create metrics --role viewer"
+echo "secrets/ is ready; make the keys next: deploy/README.md"

@@ -1,6 +1,7 @@
 """The commands that work on recorded runs without a service, run in this process on data of the dense model."""
 
 import csv
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,10 @@ def run(*arguments: str, status: int = 0) -> str:
     found = CliRunner().invoke(app, list(arguments))
     assert found.exit_code == status, found.output
     return found.output
+
+
+def test_the_command_says_which_release_it_is() -> None:
+    assert run("--version") == f"rundown {version('rundown')}\n"
 
 
 @pytest.fixture
