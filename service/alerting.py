@@ -106,7 +106,7 @@ def reset(session: Session, row: AlertRow, person: Person) -> None:
 
 def comment(session: Session, row: AlertRow, person: Person) -> None:
     """A person notes something, also on a closed alert."""
-    _record(session, row, "commented", row.state, person)
+    _record(session, row, "commented", row.state, person, at=now())
 
 
 def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
@@ -198,14 +198,14 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
     state_before = row.state
     row.condition, row.severity, row.state = after.condition.value, int(after.severity), after.state
     row.suppressions = sorted(after.suppressions)
-    row.updated_at = now()
+    row.updated_at = now() if row.event_count else row.opened_at  # with its first event it opens
     if after.closed:
         row.closed_at = row.updated_at
-    _record(session, row, kind, state_before, person)
+    _record(session, row, kind, state_before, person, at=row.updated_at)
 
 
-def _record(session: Session, row: AlertRow, kind: str, state_before: str, person: Person) -> None:
+def _record(session: Session, row: AlertRow, kind: str, state_before: str, person: Person, *, at: int) -> None:
     event = alerts.add_event(
-        session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=now()
+        session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at
     )
     deliveries.queue(session, event)

@@ -75,6 +75,9 @@ def test_events_say_who_when_and_why(plant: Database, found: IdentificationRow) 
         assert (third.kind, third.state_before, third.state) == ("commented", "acknowledged", "acknowledged")
         assert [event.number for event in (first, second, third)] == [1, 2, 3]
         assert before <= first.at <= second.at <= third.at <= time.time_ns()
+        alerting.clear_alert(session, row)
+        last = alerts.history(session, row.id)[-1]
+        assert (row.opened_at, row.closed_at, row.updated_at) == (first.at, last.at, last.at)
 
 
 def test_elements_have_alerts_of_their_own(plant: Database, found: IdentificationRow) -> None:
