@@ -24,12 +24,6 @@ export function openAt(alert: Alert, at: string): boolean {
   return Date.parse(alert.opened_at) <= Date.parse(at) && (!alert.closed_at || Date.parse(alert.closed_at) > Date.parse(at));
 }
 
-/** Its state at a moment since it was opened. Of one that changed later only whether it was open is known. */
-export function stateAt(alert: Alert, at: string): string {
-  if (Date.parse(alert.updated_at) <= Date.parse(at)) return stateInWords(alert.state);
-  return openAt(alert, at) ? "open" : stateInWords("normal");
-}
-
 /** Whether it waits for somebody to acknowledge it. */
 export function calls(alert: Alert): boolean {
   return ["unacknowledged", "returned", "latched_unacknowledged"].includes(alert.state);

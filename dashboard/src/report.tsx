@@ -2,7 +2,7 @@
 import { useLayoutEffect } from "preact/hooks";
 import type { Alert, Deviations, Document, Drawing, Identification, IdentificationSummary, MachineRevision, Run, TimelineEntry } from "./answers";
 import { query } from "./api";
-import { openAt, stateAt } from "./alert-words";
+import { openAt, stateInWords } from "./alert-words";
 import { useAlertsAt } from "./alerts-at";
 import { marksOf } from "./deviations";
 import { elementName, rpm } from "./format";
@@ -121,7 +121,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
         <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => openAt(one, to))} />
       </Panel>
       <Panel title="Alerts of the period">
-        <Shown answer={{ data: then.data, failure: alerts.failure ?? then.failure }}>{() => <AlertTable alerts={during} to={to} />}</Shown>
+        <Shown answer={{ data: then.data, failure: alerts.failure ?? then.failure }}>{() => <AlertTable alerts={during} />}</Shown>
       </Panel>
       <Panel title="What was done">
         <Shown answer={timeline}>
@@ -204,7 +204,7 @@ function counted(count: number | undefined, what: string): string {
   return `${count ?? "…"} ${what}${count === 1 ? "" : "s"}`;
 }
 
-function AlertTable({ alerts, to }: { alerts: Alert[]; to: string }) {
+function AlertTable({ alerts }: { alerts: Alert[] }) {
   if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
   return (
     <div class="scroll">
@@ -216,7 +216,7 @@ function AlertTable({ alerts, to }: { alerts: Alert[]; to: string }) {
             <th title="at the end of the period">State</th>
             <th>Opened</th>
             <th>Closed</th>
-            <th>What it says</th>
+            <th title="at the end of the period">What it said</th>
           </tr>
         </thead>
         <tbody>
@@ -226,7 +226,7 @@ function AlertTable({ alerts, to }: { alerts: Alert[]; to: string }) {
                 <Severity severity={one.severity} />
               </td>
               <td>{elementName(one.element)}</td>
-              <td>{stateAt(one, to)}</td>
+              <td>{stateInWords(one.state)}</td>
               <td>
                 <Time at={one.opened_at} />
               </td>
