@@ -30,7 +30,7 @@ from storage.tables import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
 """Who does what nobody else does."""
-LONGEST_SHELVING = 30 * 86_400 * 1_000_000_000
+LONGEST_SHELVING_NS = 30 * 86_400 * 1_000_000_000
 """Shelving ends: at the latest after thirty days [ns]."""
 
 
@@ -116,7 +116,7 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> No
     if Suppression.SHELVED in standing(row).suppressions:
         raise Forbidden("the alert is shelved already: end that first")
     moment = now()
-    if not moment < until <= moment + LONGEST_SHELVING:
+    if not moment < until <= moment + LONGEST_SHELVING_NS:
         raise Forbidden("an alert is shelved until a moment to come, at most 30 days ahead")
     suppress(session, row.machine_id, Suppression.SHELVED, person, rule=row.rule, element=row.element, until=until)
 
@@ -205,7 +205,5 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
 
 
 def _record(session: Session, row: AlertRow, kind: str, state_before: str, person: Person, *, at: int) -> None:
-    event = alerts.add_event(
-        session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at
-    )
+    event = alerts.add_event(session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at)
     deliveries.queue(session, event)

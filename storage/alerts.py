@@ -60,6 +60,7 @@ def add(
         evidence=evidence,
         identification_id=identification_id,
         measured_at=measured_at,
+        first_measured_at=measured_at,
         opened_at=moment,
         updated_at=moment,
         closed_at=None,

@@ -32,6 +32,7 @@ def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
         "evidence": row.evidence,
         "identification": row.identification_id,
         "measured_at": to_datetime(row.measured_at),
+        "first_measured_at": to_datetime(row.first_measured_at),
         "opened_at": to_datetime(row.opened_at),
         "updated_at": to_datetime(row.updated_at),
         "closed_at": time_or_none(row.closed_at),

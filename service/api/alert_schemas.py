@@ -1,21 +1,27 @@
 """What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
 
 import re
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, model_validator
+from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
 
 from estimator.written import Written
+from service.alerting import LONGEST_SHELVING_NS
 from service.api.times import Time
 from service.security.principal import Author
 
 Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
+Said = Annotated[str, Field(min_length=1, max_length=2000, pattern=r"^[^\x00]*[^\x00\s][^\x00]*$")]
+"""A comment that says something."""
 
 
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 """What the store can count in nanoseconds."""
+
+
+LONGEST_SHELVING = timedelta(microseconds=LONGEST_SHELVING_NS / 1000)
 
 
 def _aware(moment: datetime) -> datetime:
@@ -47,31 +53,39 @@ class AlertOut(BaseModel):
     message: str
     evidence: dict[str, Any]
     identification: int
-    measured_at: datetime
-    opened_at: datetime
+    measured_at: datetime = Field(description="when the run was measured that says so last")
+    first_measured_at: datetime = Field(description="when the run was measured that raised it")
+    opened_at: datetime = Field(description="when it was raised")
     updated_at: datetime
     closed_at: datetime | None
     events: int = Field(description="how many events it has had")
 
 
-class By(BaseModel):
+class By(Written):
     """Who does it, and why."""
 
     by: Author
     comment: Comment = ""
 
 
-class Remark(BaseModel):
+class Remark(Written):
     """A comment and who makes it."""
 
     by: Author
-    comment: Annotated[Comment, Field(min_length=1)]
+    comment: Said
 
 
 class Shelving(By):
     """Until when: at most 30 days ahead. There is no shelving for ever."""
 
     until: Moment
+
+    @field_validator("until")
+    @classmethod
+    def _within_reach(cls, until: datetime) -> datetime:
+        if not timedelta(0) < until - datetime.now(UTC) <= LONGEST_SHELVING:
+            raise ValueError(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING.days} days ahead")
+        return until
 
 
 class SuppressionIn(By):
@@ -99,12 +113,12 @@ class SuppressionOut(BaseModel):
     ended_by: str | None
 
 
-class TimelineIn(BaseModel):
+class TimelineIn(Written):
     """A note or a marker. A maintenance begins a new baseline."""
 
     at: Moment
     kind: Literal["note", "maintenance", "marker"] = "note"
-    text: Annotated[Comment, Field(min_length=1)]
+    text: Said
     by: Author
 
 
@@ -124,7 +138,7 @@ class BaselineIn(Written):
     """A new baseline. Without named identifications it is made of the first accepted ones of each kind of run."""
 
     since: Moment
-    reason: Annotated[Comment, Field(min_length=1)]
+    reason: Said
     by: Author
     identifications: Annotated[list[Annotated[int, Field(ge=0, le=2**62)]], Field(max_length=200)] | None = None
 
@@ -144,7 +158,7 @@ class BaselineOut(BaseModel):
 _ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 
 
-class SubscriptionIn(BaseModel):
+class SubscriptionIn(Written):
     """Who is told of every alert event.
 
     webhook: target is an http or https URL; the answer gives its secret, once. alertmanager: the URL of a Prometheus

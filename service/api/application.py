@@ -54,7 +54,8 @@ from service.api.overview import Overview
 from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
-from service.api.unheeded_units import refuse_unheeded_units
+from service.api.unchanged import Unchanged
+from service.api.unheeded import refuse_unheeded
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
 from service.security.authentication import Authentication
@@ -121,6 +122,7 @@ def application(
     app.add_middleware(Idempotency, database=database)
     app.add_middleware(BodySize)
     app.add_middleware(Compression)
+    app.add_middleware(Unchanged)
     # Those asked most first: each request is held against one route after the other.
     for part in (
         machines,
@@ -152,7 +154,7 @@ def application(
         people,
     ):
         # Not by way of another router: the framework works out each operation anew for every level.
-        app.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_unheeded_units)])
+        app.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_unheeded)])
     app.include_router(metrics.router)
     app.include_router(dashboard.router)
     app.include_router(login.router)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.machine import Identifier
 from service.api.access import MachineId, Period, Reading, database, instant
-from service.api.alert_schemas import Comment, Moment
+from service.api.alert_schemas import Moment, Said
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.principal import Author
@@ -30,9 +30,7 @@ class CalibrationIn(BaseModel):
 
     channel: Identifier = Field(description="of a probe in the document in force")
     at: Moment = Field(description="when it was calibrated")
-    certificate: Annotated[Comment, Field(min_length=1)] = Field(
-        description="what it says: number, laboratory, sensitivity found, uncertainty"
-    )
+    certificate: Said = Field(description="what it says: number, laboratory, sensitivity found, uncertainty")
     by: Author
 
 

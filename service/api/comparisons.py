@@ -5,8 +5,10 @@ from typing import Annotated
 import numpy as np
 from fastapi import APIRouter, Query, Request
 from pydantic import BaseModel, Field
+from sqlalchemy.orm import Session
 
-from estimator.parameter_change import Values, element_changes, parameter_changes
+from estimator.deviation import parameter_of
+from estimator.parameter_change import ParameterChange, Values, element_changes, parameter_changes
 from service.api.access import Number, Reading
 from service.api.model import kept
 from service.api.problems import RESPONSES, Unsuitable
@@ -41,13 +43,13 @@ class Correlation(BaseModel):
 
 
 class Change(BaseModel):
-    """Change of one coordinate, SI."""
+    """Change of one coordinate, SI; null where one of the two does not determine it."""
 
     parameter: str
-    first: float
-    second: float
-    per_cent: float | None = Field(description="of direct terms and scale factors; null for what may change its sign")
-    sigma: float | None = Field(description="change over the standard errors of both; null where both are exact")
+    first: float | None
+    second: float | None
+    per_cent: float | None = Field(description="of direct terms and scale factors; null for what may change its sign, too")
+    sigma: float | None = Field(description="change over the standard errors of both; null where both are exact, too")
 
 
 class ElementOut(BaseModel):
@@ -84,21 +86,13 @@ def compare_identifications(request: Request, session: Reading, first: Which, se
         raise Unsuitable(
             f"only those of one machine: identification {first} is of machine '{machine_of[0]}', {second} of '{machine_of[1]}'"
         )
+    unknown = [_undetermined(session, number) for number in (first, second)]
     before, after = (_values(kept(request, number, ("values",), lambda one: one)[0]) for number in (first, second))
     return Comparison(
         machine=machine_of[0],
         first=first,
         second=second,
-        changes=[
-            Change(
-                parameter=one.name,
-                first=one.first,
-                second=one.second,
-                per_cent=None if one.relative is None else 100 * one.relative,
-                sigma=one.sigma if np.isfinite(one.sigma) else None,
-            )
-            for one in parameter_changes(before, after)
-        ],
+        changes=[_change(one, *unknown) for one in parameter_changes(before, after)],
         elements=[
             ElementOut(
                 element=one.element,
@@ -130,6 +124,23 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
         strongest=[
             Pair(one=row.coordinates[i], other=row.coordinates[j], correlation=float(matrix[i, j])) for i, j in strongest
         ],
+    )
+
+
+def _undetermined(session: Session, identification_id: int) -> set[str]:
+    """Names of what an identification says nothing about, though its model has a value there."""
+    return {row.parameter for row in identifications.estimates(session, identification_id) if row.value is None}
+
+
+def _change(one: ParameterChange, unknown_first: set[str], unknown_second: set[str]) -> Change:
+    name = parameter_of(one.name)
+    told = name not in unknown_first | unknown_second
+    return Change(
+        parameter=one.name,
+        first=None if name in unknown_first else one.first,
+        second=None if name in unknown_second else one.second,
+        per_cent=100 * one.relative if told and one.relative is not None else None,
+        sigma=one.sigma if told and np.isfinite(one.sigma) else None,
     )
 
 

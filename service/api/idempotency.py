@@ -34,13 +34,13 @@ class Idempotency:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it as it was answered before."""
-        key = None
+        keys = []
         if scope["type"] == "http" and scope["method"] == "POST":
-            key = dict(scope["headers"]).get(b"idempotency-key")
-        if key is None:
+            keys = [value for header, value in scope["headers"] if header == b"idempotency-key"]
+        if not keys:
             await self._app(scope, receive, send)
             return
-        name = key.decode("latin-1").strip()
+        name = b", ".join(keys).decode("latin-1").strip()
         if not 0 < len(name) <= LONGEST_KEY or not re.fullmatch(KEY_PATTERN, name):
             detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable ASCII characters without a space, such as a UUID"
             await problem_response(HTTPStatus.BAD_REQUEST, detail)(scope, receive, send)

@@ -1,11 +1,10 @@
 """What the API is asked and answers about limits."""
 
 from datetime import datetime
-from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict
 
-from service.api.alert_schemas import Comment
+from service.api.alert_schemas import Said
 from service.limits import Limits
 from service.security.principal import Author
 
@@ -16,7 +15,7 @@ class LimitsIn(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     by: Author
-    comment: Annotated[Comment, Field(min_length=1)]
+    comment: Said
     limits: Limits
 
 

@@ -73,7 +73,7 @@ def _read(cursor: str, kind: str, which: int) -> Keys:
 
 def _fits(keys: tuple[Any, ...], kind: str) -> bool:
     return all(
-        (type(key) is int and abs(key) <= LARGEST_INTEGER) if one == "i" else (isinstance(key, str) and "\0" not in key)
+        (type(key) is int and abs(key) <= LARGEST_INTEGER) if one == "i" else (isinstance(key, str) and key.isprintable())
         for key, one in zip(keys, kind, strict=True)
     )
 

@@ -9,7 +9,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DataError, DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.machine import DocumentError, problems_of
@@ -146,6 +146,10 @@ def add_handlers(app: FastAPI) -> None:
         elif error.status_code == HTTPStatus.BAD_REQUEST and detail == UNREADABLE:
             detail = "the body cannot be read: it must be JSON in UTF-8, and not nested without end"
         return problem_response(error.status_code, detail, headers)
+
+    @app.exception_handler(DataError)
+    async def unstorable(_request: Request, error: DataError) -> JSONResponse:
+        return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, f"the database cannot hold or look for that: {error.orig}")
 
     @app.exception_handler(DBAPIError)
     async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:

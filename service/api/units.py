@@ -88,6 +88,8 @@ async def _units(units: Asked = None) -> Units:
 def names_in(units: str | None) -> list[str]:
     """The units that a question names. Raises RequestValidationError for one that is given twice."""
     names = [] if units is None else units.split(",")
+    if "" in names:
+        raise wrong_units(units, "a unit is missing beside a comma")
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice is not None:
         raise wrong_units(units, f"'{twice}' is given twice: name it once")

@@ -38,6 +38,7 @@ class AlertRow(Base):
     evidence: Mapped[dict[str, Any]]
     identification_id: Mapped[int] = mapped_column(ForeignKey("identifications.id"))
     measured_at: Mapped[int]
+    first_measured_at: Mapped[int] = mapped_column(server_default="0")
     opened_at: Mapped[int]
     updated_at: Mapped[int]
     closed_at: Mapped[int | None]

@@ -3,6 +3,7 @@
 import time
 from typing import Any
 
+import alembic.command
 import pytest
 from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
@@ -16,6 +17,7 @@ from storage import alerts, deliveries, suppressions
 from storage.database import Database
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow, IdentificationRow
 from tests.plant import SECOND, START, identification, store_identification
+from tests.storage.test_migrations import migrate
 
 ANNA = Person("anna", "seen on the shaft")
 MACHINE, RULE, ELEMENT = "pump-7", "misalignment", "coupling.C1"
@@ -48,6 +50,19 @@ def test_an_open_alert_is_brought_up_to_date_without_a_second_event(plant: Datab
         assert again.id == first.id
         assert again.message == "after"
         assert kinds(session, first) == ["raised"]
+
+
+def test_an_alert_keeps_when_the_run_was_measured_that_raised_it(plant: Database, found: IdentificationRow) -> None:
+    with plant.transaction() as session:
+        later = store_identification(session, identification(), run_id=2, measured_at=START + SECOND)
+        first = raised(session, found)
+        raised(session, later)
+        assert (first.first_measured_at, first.measured_at) == (START, START + SECOND)
+    # Older releases did not keep it: their alerts' first events tell.
+    migrate(plant, alembic.command.downgrade, "0019")
+    migrate(plant, alembic.command.upgrade, "head")
+    with plant.reading() as session:
+        assert alerts.get(session, first.id).first_measured_at == START
 
 
 def test_a_closed_alert_stays_and_the_next_is_a_new_one(plant: Database, found: IdentificationRow) -> None:
@@ -150,7 +165,7 @@ def test_a_shelving_outlives_the_episode(plant: Database, found: IdentificationR
             alerting.unshelve(session, again, ANNA)
 
 
-@pytest.mark.parametrize("ahead", [-SECOND, 0, alerting.LONGEST_SHELVING + 60 * SECOND])
+@pytest.mark.parametrize("ahead", [-SECOND, 0, alerting.LONGEST_SHELVING_NS + 60 * SECOND])
 def test_shelving_ends(plant: Database, found: IdentificationRow, ahead: int) -> None:
     with plant.transaction() as session:
         row = raised(session, found)

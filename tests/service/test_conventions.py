@@ -1,9 +1,12 @@
 """What holds for all of the API: lists in parts, changes of what was read, keys for asking once, sizes, stages, its file."""
 
+import base64
 import contextlib
 import json
+import zlib
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +30,7 @@ NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "anna"}
 TIMELINE = f"{PREFIX}/machines/{KEY.machine}/timeline"
 ALERT = f"{PREFIX}/alerts/1"
 ANNA = {"by": "anna"}
+TOMORROW = (datetime.now(UTC) + timedelta(days=1)).isoformat()
 IN_FORCE = f"{PREFIX}/machines/{KEY.machine}/slow-roll/in-force"
 
 
@@ -134,7 +138,8 @@ def test_a_cursor_of_another_list_is_refused(api: Api) -> None:
 
 @pytest.mark.parametrize("path", ["runs", "identifications", "samples", "states", "timeline", "trends"])
 def test_a_range_whose_ends_are_exchanged_is_refused(api: Api, path: str) -> None:
-    asked = {"from": "2026-02-01T00:00:00Z", "to": "2026-01-01T00:00:00Z", "parameter": "x"}
+    asked = {"from": "2026-02-01T00:00:00Z", "to": "2026-01-01T00:00:00Z"}
+    asked |= {"parameter": "x"} if path == "trends" else {}
     answer = api.get(f"/machines/{KEY.machine}/{path}", **asked)
     assert fields(answer) == ["query.from"]
     assert "exchange" in answer.json()["errors"][0]["message"]
@@ -165,7 +170,7 @@ def test_a_time_is_written_as_one(api: Api, moment: str) -> None:
 
 CHANGES = [
     ("POST", ALERT, f"{ALERT}/acknowledge", ANNA),
-    ("POST", ALERT, f"{ALERT}/shelve", ANNA | {"until": "2099-01-01T00:00:00Z"}),
+    ("POST", ALERT, f"{ALERT}/shelve", ANNA | {"until": TOMORROW}),
     ("PUT", f"{PREFIX}/machines/{KEY.machine}", f"{PREFIX}/machines/{KEY.machine}", document(name="New")),
     ("POST", f"{PREFIX}/subscriptions/1", f"{PREFIX}/subscriptions/1/disable", None),
     ("POST", f"{PREFIX}/suppressions/1", f"{PREFIX}/suppressions/1/end", ANNA),
@@ -196,14 +201,12 @@ def test_an_alert_is_acknowledged_as_it_was_read(api: Api) -> None:
 def test_of_two_people_who_read_the_same_only_one_decides(api: Api) -> None:
     without_if_match(api)
     tag = api.ask("GET", ALERT).headers["etag"]
-    until = {"until": "2099-01-01T00:00:00Z"}
 
-    def decide(name: str, what: str, more: dict[str, str]) -> int:
-        body = {"by": name} | more
-        return api.ask("POST", f"{ALERT}/{what}", json=body, headers={"if-match": tag}).status_code
+    def decide(name: str) -> int:
+        return api.ask("POST", f"{ALERT}/acknowledge", json={"by": name}, headers={"if-match": tag}).status_code
 
     with ThreadPoolExecutor(2) as people:
-        asked = [people.submit(decide, "anna", "acknowledge", {}), people.submit(decide, "ben", "acknowledge", until)]
+        asked = [people.submit(decide, name) for name in ("anna", "ben")]
         assert sorted(one.result() for one in asked) == [200, 412]
 
 
@@ -216,6 +219,53 @@ def test_a_machine_is_revised_as_it_was_read(api: Api) -> None:
     problem(api.ask("PUT", path, json=document(name="Two"), headers={"if-match": tag}), 412)
     again = api.ask("PUT", path, json=document(name="Two"), headers={"if-match": first.headers["etag"]})
     assert again.json()["revision"] == 3
+
+
+def test_who_has_an_answer_already_is_told_so(api: Api) -> None:
+    for path in (ALERT, f"{PREFIX}/machines/{KEY.machine}", f"{PREFIX}/machines/{KEY.machine}/limits"):
+        whole = api.ask("GET", path)
+        tag = whole.headers["etag"]
+        for known in (tag, f"W/{tag}", f'"other", {tag}', "*"):
+            again = api.ask("GET", path, headers={"if-none-match": known})
+            assert (again.status_code, again.content, again.headers["etag"]) == (304, b"", tag)
+            assert api.ask("HEAD", path, headers={"if-none-match": known}).status_code == 304
+        assert api.ask("GET", path, headers={"if-none-match": '"other"'}).content == whole.content
+    unchanged = api.ask("GET", ALERT).headers["etag"]
+    api.ask("POST", f"{ALERT}/acknowledge", json=ANNA)
+    assert api.ask("GET", ALERT, headers={"if-none-match": unchanged}).status_code == 200
+
+
+# --- what is asked for in vain --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", ["/machines", f"/machines/{KEY.machine}", "/alerts/1/events", "/sources", "/health"])
+def test_a_parameter_that_nobody_knows_is_refused(api: Api, path: str) -> None:
+    answer = api.get(path, nonsense="1")
+    assert fields(answer) == ["query.nonsense"]
+    assert "knows no such parameter" in answer.json()["errors"][0]["message"]
+
+
+def test_what_no_store_could_look_for_is_refused(api: Api) -> None:
+    assert fields(api.ask("GET", f"{PREFIX}/quarantine?machine=%00")) == ["query.machine"]
+    which = zlib.crc32(f"{PREFIX}/sources".encode())
+    for text in ("a\ud800", "a\x00", "a\n"):
+        cursor = base64.urlsafe_b64encode(json.dumps([which, text, "b", 1]).encode()).decode().rstrip("=")
+        assert fields(api.get("/sources", cursor=cursor)) == ["query.cursor"]
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "field"),
+    [
+        (f"{ALERT}/acknowledge", {"by": "anna", "coment": "typo"}, "coment"),
+        (f"{ALERT}/comments", {"by": "anna", "comment": "  "}, "comment"),
+        (f"{ALERT}/shelve", {"by": "anna", "until": "2999-01-01T00:00:00Z"}, "until"),
+        (TIMELINE, NOTE | {"note": "typo"}, "note"),
+        (TIMELINE, NOTE | {"text": "\n"}, "text"),
+        (f"{PREFIX}/subscriptions", {"kind": "zenoh", "name": "x", "secret": "mine"}, "secret"),
+    ],
+)
+def test_what_would_be_dropped_without_a_word_is_refused(api: Api, path: str, body: dict[str, Any], field: str) -> None:
+    assert fields(api.ask("POST", path, json=body)) == [field]
 
 
 # --- asking once ----------------------------------------------------------------------------------------------------

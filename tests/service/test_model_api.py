@@ -23,6 +23,7 @@ from storage import samples as sample_store
 from storage.blocks import Samples
 from storage.database import Database
 from storage.samples import SourceKey
+from storage.tables import EstimateRow
 from tests.asking import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
@@ -211,19 +212,23 @@ def test_phasors_and_speeds_come_in_the_units_asked_for(
         assert one["residual_sigma"] == other["residual_sigma"]
 
 
-def takes_units() -> dict[str, str]:
-    """Every path whose answer is declared to come in units that are asked for, and such units."""
+ASKED = {"parameter": "coupling.C1.kxx", "rpm": 1000}
+"""Of those that take it."""
+
+
+def takes_units() -> dict[str, tuple[str, dict[str, Any]]]:
+    """Every path whose answer is declared to come in units that are asked for, such units, and what else is asked."""
     found = {}
     for path, item in openapi.document()["paths"].items():
-        for one in item.get("get", {}).get("parameters", []):
-            if one["name"] == "units":
-                found[path.removeprefix(PREFIX)] = "n_um" if "n_um" in one["description"] else "hz,mil_p,rad_lead"
+        takes = {one["name"]: one for one in item.get("get", {}).get("parameters", [])}
+        if "units" in takes:
+            units = "n_um" if "n_um" in takes["units"]["description"] else "hz,mil_p,rad_lead"
+            found[path.removeprefix(PREFIX)] = units, {name: value for name, value in ASKED.items() if name in takes}
     return found
 
 
-@pytest.mark.parametrize(("path", "units"), takes_units().items())
-def test_units_that_are_taken_change_values(api: Api, path: str, units: str) -> None:
-    asked = {"parameter": "coupling.C1.kxx", "rpm": 1000}
+@pytest.mark.parametrize(("path", "units", "asked"), [(path, *rest) for path, rest in takes_units().items()])
+def test_units_that_are_taken_change_values(api: Api, path: str, units: str, asked: dict[str, Any]) -> None:
     place = path.format(identification_id=1, run_id=1, machine_id=KEY.machine)
     plain, other = numbers(api.value(place, **asked)), numbers(api.value(place, **asked, units=units))
     assert other != plain
@@ -265,6 +270,20 @@ def test_two_identifications_are_compared(api: Api) -> None:
     assert elements["coupling.C1"]["probability"] < 1e-6
     assert elements["bearing.B1"]["distance"] == pytest.approx(0.0, abs=1e-9)
     assert (body["only_first"], body["only_second"]) == ([], [])
+
+
+def test_what_one_of_two_does_not_determine_has_no_change(api: Api) -> None:
+    name = "coupling.C1.kxx"
+    with api.database.transaction() as session:
+        row = session.get(EstimateRow, (2, name))
+        assert row is not None
+        row.value, row.reason = None, "the data do not determine it"
+    changes = {one["parameter"]: one for one in api.value("/identifications/compare", first=1, second=2)["changes"]}
+    assert changes.pop(name) == {"parameter": name, "first": pytest.approx(2e6), "second": None} | {
+        "per_cent": None,
+        "sigma": None,
+    }
+    assert all(one["second"] is not None for one in changes.values())
 
 
 def test_identifications_of_two_machines_are_not_compared(plant: Database) -> None:

@@ -118,22 +118,27 @@ def test_where_there_are_no_others_units_are_refused(api: Api, path: str) -> Non
     assert "leave it out" in answer.json()["errors"][0]["message"]
 
 
+def also(path: str) -> dict[str, str]:
+    """What else has to be asked for."""
+    return {"parameter": "coupling.C1.kxx"} if path.endswith("/trends") else {}
+
+
 @pytest.mark.parametrize("units", ["furlong", "rpm,hz", "rpm,"])
 @pytest.mark.parametrize("path", TAKING_UNITS)
 def test_units_that_are_none_are_refused(api: Api, path: str, units: str) -> None:
-    assert fields(api.get(path, units=units, parameter="coupling.C1.kxx")) == ["query.units"]
+    assert fields(api.get(path, units=units, **also(path))) == ["query.units"]
 
 
 @pytest.mark.parametrize("path", TAKING_UNITS)
 def test_units_in_several_parameters_are_refused_lest_only_the_last_counts(api: Api, path: str) -> None:
-    answer = api.get(path, units=["rpm", "hz"], parameter="coupling.C1.kxx")
+    answer = api.get(path, units=["rpm", "hz"], **also(path))
     assert fields(answer) == ["query.units"]
     assert answer.json()["errors"][0]["message"].endswith("give it once, with commas between: units=rpm,hz")
 
 
 @pytest.mark.parametrize("path", TAKING_UNITS)
 def test_units_given_twice_are_called_so(api: Api, path: str) -> None:
-    answer = api.get(path, units="hz,hz", parameter="coupling.C1.kxx")
+    answer = api.get(path, units="hz,hz", **also(path))
     assert fields(answer) == ["query.units"]
     assert answer.json()["errors"][0]["message"] == "'hz' is given twice: name it once"
 

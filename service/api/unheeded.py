@@ -1,0 +1,49 @@
+"""Questions that would not be heeded are refused, lest somebody takes the answer for one to what they asked."""
+
+from fastapi import Request
+from fastapi.dependencies.models import Dependant
+from fastapi.exceptions import RequestValidationError
+from fastapi.routing import APIRoute
+
+from service.api.units import wrong_units
+
+UNITS = "units"
+NO_UNITS = "leave it out: this answer comes in the units that its fields' names and descriptions say, and in no others"
+
+_names: dict[str, frozenset[str]] = {}
+"""What each operation takes, by its id."""
+
+
+async def refuse_unheeded(request: Request) -> None:
+    """Raises RequestValidationError for a parameter that the operation does not know, that no store could look for, or for
+    units of which only the last would count.
+    """
+    route = request.scope["route"]
+    if not request.scope["query_string"] or not isinstance(route, APIRoute):
+        return
+    known = _known(route)
+    for name, value in request.query_params.multi_items():
+        if name == UNITS and UNITS not in known:
+            raise wrong_units(value, NO_UNITS)
+        if name not in known:
+            takes = f"it takes {', '.join(sorted(known))}" if known else "it takes none"
+            raise _wrong(name, value, f"this operation knows no such parameter: {takes}")
+        if "\0" in value:
+            raise _wrong(name, value, "a text holds no NUL")
+    given = request.query_params.getlist(UNITS)
+    if len(given) > 1:
+        raise wrong_units(given[-1], f"given {len(given)} times: give it once, with commas between: units={','.join(given)}")
+
+
+def _known(route: APIRoute) -> frozenset[str]:
+    if route.unique_id not in _names:
+        _names[route.unique_id] = frozenset(_taken(route.dependant))
+    return _names[route.unique_id]
+
+
+def _taken(dependant: Dependant) -> set[str]:
+    return {one.alias for one in dependant.query_params}.union(*map(_taken, dependant.dependencies))
+
+
+def _wrong(name: str, value: str, message: str) -> RequestValidationError:
+    return RequestValidationError([{"type": "value_error", "loc": ("query", name), "msg": message, "input": value}])
