@@ -12,11 +12,10 @@ import numpy as np
 import threadpoolctl
 import typer
 from pydantic import ValidationError
-from pydantic_settings import SettingsError
 
 from estimator.gate import Gated, identify_gated
 from estimator.identification import Identification
-from estimator.machine import Machine, QualityRules, field_path
+from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
 from estimator.quality import Recorded
@@ -42,7 +41,7 @@ from service.printing import (
 from service.recording import read_recording, split, write_recording
 from service.roles import Role
 from service.security.command import audit_app, key_app
-from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings
+from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings, SettingsWrong, settings_of
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
 from service.source import Source
@@ -495,8 +494,6 @@ def _log_as_set() -> Settings:
 def _settings(given: dict[str, Any]) -> Settings:
     """From the command line and the environment; ends the command where they are wrong."""
     try:
-        return Settings(**given)
-    except ValidationError as error:
-        fail("\n".join(f"setting {field_path(item['loc'])}: {item['msg']}" for item in error.errors()))
-    except SettingsError as error:
-        fail(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]')
+        return settings_of(**given)
+    except SettingsWrong as error:
+        fail(str(error))

@@ -14,7 +14,7 @@ from typing import Any, Literal
 from urllib.parse import urlsplit
 
 import httpx
-from sqlalchemy import create_engine, text
+from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.security.exposure import host_of
@@ -25,7 +25,7 @@ from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
 from storage import disk, schema
 from storage.claim import DatabaseUnusable
-from storage.database import Database
+from storage.database import Database, engine_of
 from storage.database_version import named, objections
 
 Level = Literal["ok", "warning", "wrong"]
@@ -62,7 +62,7 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
 def _database(settings: Settings) -> Iterator[Finding]:
     what = "database"
     try:
-        engine = create_engine(settings.database, pool_pre_ping=True)
+        engine = engine_of(settings.database)
         name = engine.url.database
         if engine.dialect.name == "sqlite" and name and not Path(name).exists():
             yield Finding("wrong", what, f"the file {name} is not there: start the service once, or mend RUNDOWN_DATABASE")
@@ -71,7 +71,7 @@ def _database(settings: Settings) -> Iterator[Finding]:
             version, against = named(engine), objections(engine)
             revision = schema.revision_of(connection)
             skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
-    except (SQLAlchemyError, ModuleNotFoundError) as error:
+    except (SQLAlchemyError, DatabaseUnusable) as error:
         reason = str(getattr(error, "orig", None) or error).strip().splitlines()[0]
         yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
         return
@@ -190,22 +190,49 @@ def _api(client: httpx.Client) -> Generator[Finding, None, bool]:
     return True
 
 
+class _NoAnswer(RuntimeError):
+    """The API does not say what it is asked for; the message says what it says instead."""
+
+
+class _KeyNeeded(RuntimeError):
+    """It says that to who has a key."""
+
+
 def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
     """What the service knows of its machines; returns one of them, as plant and id."""
-    answer = client.get("/api/v1/machines", params={"limit": 1})
-    if answer.status_code in (401, 403):
+    try:
+        first = _asked(client, "/api/v1/machines?limit=1")
+        sources = _asked(client, "/api/v1/sources")
+    except _KeyNeeded:
         yield Finding("warning", "API key", "the rest needs a key of a viewer or more: give one with --api-key-file")
         return None
-    first = answer.json()
+    except _NoAnswer as error:
+        yield Finding("wrong", "machines", str(error))
+        return None
     if not first:
         yield Finding("warning", "machines", "none is known: POST a document to /api/v1/machines")
         return None
-    for source in client.get("/api/v1/sources").json():
+    for source in sources:
         if source.get("lost"):
             words = f"{source['lost']} samples never came: does it keep a log?"
             yield Finding("warning", f"source {source['machine']}/{source['source']}", words)
     yield Finding("ok", "machines", f"{first[0]['id']} and perhaps others are known")
     return Key(first[0]["plant"], first[0]["id"])
+
+
+def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
+    """A list of the API. Raises _KeyNeeded, _NoAnswer."""
+    try:
+        answer = client.get(path)
+        told = answer.json()
+    except (httpx.TransportError, ValueError) as error:
+        raise _NoAnswer(f"{path} is not answered: {error}") from error
+    if answer.status_code in (httpx.codes.UNAUTHORIZED, httpx.codes.FORBIDDEN):
+        raise _KeyNeeded
+    if not isinstance(told, list):
+        detail = told.get("detail") if isinstance(told, dict) else told
+        raise _NoAnswer(f"{path} is answered with {answer.status_code}: {detail}")
+    return told
 
 
 def _stream(settings: Settings, machine: Key | None) -> Iterator[Finding]:

@@ -14,6 +14,7 @@ import uvicorn
 
 from service.api.application import application
 from service.api.event_stream import Broadcaster
+from service.api.operations import ENDED
 from service.api.stuck_clients import end_stuck_connections
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
@@ -178,7 +179,7 @@ def _waiting(settings: Settings) -> str:
 
 def _state(part: Part) -> str:
     if not part.alive:
-        return "its thread has ended"
+        return ENDED
     return part.trouble or "ok"
 
 

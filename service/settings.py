@@ -1,9 +1,10 @@
 """All settings of the service, from the environment (`RUNDOWN_…`) or the command line."""
 
-from typing import Annotated, Literal, Self
+import re
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
 from service.logs import LogFormat
 from service.roles import Role
@@ -151,9 +152,28 @@ class Settings(BaseSettings):
     def _of_role(self) -> Self:
         """What works beside others needs a store that several may write, and by default finds its sources' router at home."""
         if self.role != "all" and not self.database.startswith("postgresql"):
-            raise ValueError(f"role '{self.role}' works beside others, which needs a PostgreSQL database, not {self.database}")
+            kind = re.match(r"\w*", self.database)
+            raise ValueError(
+                f"role '{self.role}' works beside others, which needs a PostgreSQL database: a URL that begins with "
+                f"postgresql+psycopg://, not with {kind[0] if kind else ''}"
+            )
         if self.role in ("identify", "api") and "zenoh_listen" not in self.model_fields_set:
             self.zenoh_listen = []
             if "zenoh_connect" not in self.model_fields_set:
                 self.zenoh_connect = [DEFAULT_ZENOH_ENDPOINT]
         return self
+
+
+class SettingsWrong(ValueError):
+    """Settings cannot be used; the message says which and why. Never what was given: it may be a secret."""
+
+
+def settings_of(**given: Any) -> Settings:
+    """The settings from the environment, and those given here. Raises SettingsWrong."""
+    try:
+        return Settings(**given)
+    except ValidationError as error:
+        found = [(".".join(map(str, one["loc"])), one["msg"].removeprefix("Value error, ")) for one in error.errors()]
+    except SettingsError as error:
+        raise SettingsWrong(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]') from None
+    raise SettingsWrong("\n".join(f"setting {name}: {words}" if name else words for name, words in found))

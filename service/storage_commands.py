@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from service.ending import fail
-from service.settings import Settings
+from service.settings import SettingsWrong, settings_of
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
 
@@ -73,11 +73,13 @@ def export(
     from service.column_files import ParquetMissing
     from service.history_export import export as export_history
     from storage.claim import DatabaseUnusable
-    from storage.database import Database
+    from storage.database import Database, require_there
     from storage.machines import MachineUnknown
 
     try:
-        opened = Database(_url(database))
+        url = _url(database)
+        require_there(url)
+        opened = Database(url)
     except DatabaseUnusable as error:
         fail(str(error))
     try:
@@ -92,4 +94,7 @@ def export(
 
 
 def _url(given: str | None) -> str:
-    return given or Settings().database
+    try:
+        return given or settings_of().database
+    except SettingsWrong as error:
+        fail(str(error))

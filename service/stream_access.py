@@ -11,7 +11,7 @@ from typing import Annotated, Any
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from service.settings import Settings
+from service.settings import Settings, SettingsWrong, settings_of
 from service.wire.keys import Key
 
 Place = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}/[A-Za-z0-9_-]{1,64}$")]
@@ -103,9 +103,9 @@ class StreamSecurity:
 def from_environment() -> StreamSecurity | None:
     """The same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
     try:
-        return StreamSecurity.of(Settings())
-    except ValidationError as error:
-        raise AccessUnusable("; ".join(one["msg"].removeprefix("Value error, ") for one in error.errors())) from error
+        return StreamSecurity.of(settings_of())
+    except SettingsWrong as error:
+        raise AccessUnusable(str(error)) from error
 
 
 def read_access(path: Path) -> Access:

@@ -3,6 +3,7 @@
 Of both kinds holds: one writes at a time, and who only looks sees one state from its first query to its last.
 """
 
+import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,6 +29,7 @@ _CONNECTION = {
     "keepalives_idle": 10,
     "keepalives_interval": 5,
     "keepalives_count": 3,
+    "tcp_user_timeout": 10_000,
     # The server lets go of what a client holds that has vanished, or hangs in the middle of a transaction.
     "options": "-c idle_in_transaction_session_timeout=10s "
     "-c tcp_keepalives_idle=5 -c tcp_keepalives_interval=5 -c tcp_keepalives_count=2",
@@ -176,11 +178,21 @@ def _end_looking(session: Session) -> None:
 
 
 def shown(url: str) -> str:
-    """A URL without its password."""
+    """A URL without its passwords. Of one that cannot be read only how it begins, where there may be one in it."""
     try:
-        return make_url(url).render_as_string(hide_password=True)
-    except ArgumentError:
-        return repr(url)
+        parsed = make_url(url)
+    except (ArgumentError, ValueError):
+        secret = "@" in url or "password" in url.lower()
+        return repr(re.match(r"[\w+]*", url)[0] + "…") if secret else repr(url)  # type: ignore[index]
+    hidden = {name: "hidden" for name in parsed.query if "password" in name.lower()}
+    return parsed.update_query_dict(hidden).render_as_string(hide_password=True)
+
+
+def require_there(url: str) -> None:
+    """Raises DatabaseUnusable where there is no such file; opening it would make an empty one."""
+    path = file_of(engine_of(url))
+    if path is not None and not path.is_file():
+        raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
 
 def engine_of(url: str) -> Engine:
@@ -189,6 +201,8 @@ def engine_of(url: str) -> Engine:
         return _engine(url)
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+    except ValueError:  # its text may hold a part of the password
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
 
 
 def _engine(url: str) -> Engine:

@@ -15,6 +15,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import psycopg
 import pytest
 from sqlalchemy import make_url
@@ -72,6 +73,21 @@ class Server:
             self._process.send_signal(how)
             self._process.wait(START_TIMEOUT_S)
             self._process = None
+
+    @contextlib.contextmanager
+    def frozen(self) -> Iterator[None]:
+        """It takes connections and questions, and answers none: as on a machine that is stopped, or starved."""
+        assert self._process is not None
+        every = [psutil.Process(self._process.pid)]
+        every[0].suspend()
+        every += every[0].children()
+        for one in every[1:]:
+            one.suspend()
+        try:
+            yield
+        finally:
+            for one in every:
+                one.resume()
 
     def execute(self, command: str, database: str = "postgres") -> None:
         """One command, outside a transaction."""

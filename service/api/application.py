@@ -41,6 +41,7 @@ from service.api import (
 )
 from service.api.body_size import BodySize
 from service.api.compression import Compression
+from service.api.database_check import DatabaseCheck
 from service.api.documentation import add_documentation
 from service.api.event_stream import Broadcaster
 from service.api.fresh_answers import FreshAnswers
@@ -107,6 +108,7 @@ def application(
     add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.state.database = database
     app.state.parts = parts
+    app.state.database_check = DatabaseCheck(database)
     app.state.try_out = try_out
     app.state.submissions = submissions
     app.state.warnings = warnings

@@ -6,13 +6,17 @@ The counts are those of the store, so a restart does not set them back.
 from collections.abc import Iterable, Mapping
 
 from fastapi import APIRouter, Request, Response
+from fastapi.concurrency import run_in_threadpool
 from prometheus_client.core import CollectorRegistry, CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.openmetrics.exposition import CONTENT_TYPE_LATEST, generate_latest
 from prometheus_client.registry import Collector
+from sqlalchemy.exc import DBAPIError
 
-from service.api.access import Reading
+from service.api.access import database
 from service.security.requirement import VIEWER
-from storage import jobs, quarantine, samples
+from service.security.store import Store
+from storage import quarantine, samples
+from storage.claim import DatabaseUnusable
 from storage.clock import now
 from storage.samples import Totals
 
@@ -22,6 +26,9 @@ LARGEST_MACHINE_COUNT = 1_000
 """Machines that are told apart; …"""
 OTHERS = "*"
 """… the label of all further ones together, which no machine can have as its id."""
+
+
+_Kept = tuple[list[Totals], Mapping[str, int], Mapping[str, int]]
 
 
 class _Figures(Collector):
@@ -71,6 +78,7 @@ _GAUGES = {
     "rundown_ingest_queue_bytes": "size of the messages from zenoh that wait",
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_ingest_storing": "1 while samples can be stored",
+    "rundown_database_answers": "1 while the database answers; otherwise only what needs none is shown",
     "rundown_database_bytes": "size of the database with its log",
     "rundown_disk_free_bytes": "free on the file system of the database",
     "rundown_disk_budget_bytes": "how large the database may become",
@@ -82,17 +90,28 @@ _GAUGES = {
 
 
 @router.get("/metrics", operation_id="read_metrics", response_class=Response)
-def read_metrics(request: Request, session: Reading) -> Response:
-    """Counters and gauges as OpenMetrics text."""
+async def read_metrics(request: Request) -> Response:
+    """Counters and gauges as OpenMetrics text; while the database does not answer, those that need none."""
     state = request.app.state
     gauges = dict(state.gauges())
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
-    totals = _bounded(samples.totals(session))
+    figures: _Kept = [], {}, {}
+    try:
+        by_state = await state.database_check.jobs()
+        figures = *await run_in_threadpool(_kept, database(request)), by_state
+        gauges["rundown_database_answers"] = 1
+    except (DatabaseUnusable, DBAPIError):
+        gauges["rundown_database_answers"] = 0
     registry = CollectorRegistry(auto_describe=False)
-    registry.register(_Figures(totals, quarantine.counts(session), jobs.count(session), gauges))
+    registry.register(_Figures(*figures, gauges))
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
+
+
+def _kept(store: Store) -> tuple[list[Totals], dict[str, int]]:
+    with store.reading() as session:
+        return _bounded(samples.totals(session)), quarantine.counts(session)
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:

@@ -5,6 +5,7 @@ from importlib.metadata import version
 from typing import Annotated, cast
 
 from fastapi import APIRouter, Query, Request, Response, status
+from sqlalchemy.exc import DBAPIError
 
 from service.api import rendering, schemas
 from service.api.access import Reading, database, moment, principal
@@ -12,26 +13,28 @@ from service.api.paging import ById, BySource
 from service.api.times import Time
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
 from service.wire import Reason
-from storage import jobs, quarantine, samples
+from storage import quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 
 router = APIRouter(tags=["operations"])
 
 Parts = Callable[[], dict[str, str]]
+ENDED = "its thread has ended"
+"""What is said of a part that will not work again in this process."""
 
 
-def _health(request: Request) -> schemas.Health:
+async def _health(request: Request) -> schemas.Health:
     parts: dict[str, str] = request.app.state.parts()
     counts: dict[str, int] = {}
     kept = cast(Database, request.app.state.database)
     try:
-        kept.check()
+        counts = await request.app.state.database_check.jobs()
         parts["database"] = "ok"
-        with database(request).reading() as session:
-            counts = jobs.count(session)
     except DatabaseUnusable as error:
         parts["database"] = str(error)
+    except DBAPIError as error:
+        parts["database"] = f"the database does not answer: {error.orig}"
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
     ready = healthy and parts.get("stream", "ok") == "ok"
@@ -55,21 +58,34 @@ def _health(request: Request) -> schemas.Health:
 
 
 @router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
-def read_health(request: Request, response: Response) -> schemas.Health:
+async def read_health(request: Request, response: Response) -> schemas.Health:
     """Whether every part works; 503 when one does not."""
-    health = _health(request)
+    health = await _health(request)
     if not health.healthy:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
     return health
 
 
 @router.get("/ready", operation_id="read_readiness", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
-def read_readiness(request: Request, response: Response) -> schemas.Health:
+async def read_readiness(request: Request, response: Response) -> schemas.Health:
     """Whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
-    health = _health(request)
+    health = await _health(request)
     if not health.ready:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
     return health
+
+
+@router.get("/alive", operation_id="read_life", dependencies=[ANYBODY], responses={503: {"model": schemas.Life}})
+async def read_life(request: Request, response: Response) -> schemas.Life:
+    """Whether starting this process anew would help: 503 when one of its threads has ended.
+
+    It depends on nothing outside, so that nobody ends a process that only waits for its database or its router.
+    """
+    parts: dict[str, str] = request.app.state.parts()
+    alive = ENDED not in parts.values()
+    if not alive:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return schemas.Life(alive=alive)
 
 
 @router.get("/sources", operation_id="list_sources", dependencies=[VIEWER])

@@ -283,6 +283,12 @@ class Purged(BaseModel):
     deleted: int
 
 
+class Life(BaseModel):
+    """Whether the process can still do its work."""
+
+    alive: bool
+
+
 class Health(BaseModel):
     """Whether each part of the service works, and what is the matter where it does not."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from sqlalchemy.exc import DBAPIError
 
 from service.security import api_keys
+from service.security.key_set import KeysUnavailable
 from service.security.principal import ANONYMOUS, OPEN, Principal, Role
 from service.security.tokens import TokenRefused, Tokens
 from storage import keys, sessions
@@ -22,6 +23,11 @@ logger = logging.getLogger(__name__)
 
 REMEMBERED_S = 3.0
 """So long a revoked key may still open."""
+GRACE_S = 3600.0
+"""So long what was good before stays good while the database, in which it could be revoked, does not answer: a monitoring
+system is to see that it does not."""
+PATIENCE_S = 5.0
+"""An answer of the database that takes longer is none."""
 MOST_REMEMBERED = 10_000
 COOKIE = "rundown_session"
 SAFE_COOKIE = "__Host-rundown_session"
@@ -94,7 +100,16 @@ class Authentication:
         known = self._remembered.get(place)
         if known is not None and self._clock() < known[0]:
             return known[1]
-        found = await asyncio.to_thread(self._checked, given)
+        try:
+            found = await asyncio.wait_for(asyncio.to_thread(self._checked, given), PATIENCE_S)
+        except (DBAPIError, TimeoutError) as error:
+            if known is not None and self._clock() < known[0] + GRACE_S:
+                return known[1]
+            if isinstance(error, TimeoutError):
+                raise KeysUnavailable(
+                    f"the database has not answered for {PATIENCE_S:g} s: keys cannot be looked up"
+                ) from None
+            raise
         if len(self._remembered) >= MOST_REMEMBERED:
             self._remembered.clear()
         self._remembered[place] = self._clock() + REMEMBERED_S, found

@@ -3,10 +3,11 @@
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from service.ending import fail
 from service.security.principal import Role
 
 if TYPE_CHECKING:
@@ -35,10 +36,10 @@ def create_key(
     try:
         chosen = Role.of(role)
     except ValueError as error:
-        _fail(str(error))
+        fail(str(error))
     if not re.fullmatch(r"[^\x00-\x1f]{1,120}", name):
-        _fail("the name must have 1 to 120 characters")
-    with _opened(database) as opened, opened.transaction() as session:
+        fail("the name must have 1 to 120 characters")
+    with _opened(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         until = _time(row.expires_at)
     typer.echo(text)
@@ -76,7 +77,7 @@ def rotate_key(
             with opened.transaction() as session:
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
         except (KeyUnknown, ValueError) as error:
-            _fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
+            fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
         typer.echo(text)
         typer.echo(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
@@ -92,7 +93,7 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
             with opened.transaction() as session:
                 api_keys.revoke(session, prefix)
         except KeyUnknown:
-            _fail(f"no key {prefix}")
+            fail(f"no key {prefix}")
     typer.echo(f"{prefix} is revoked")
 
 
@@ -111,7 +112,7 @@ def verify_audit(
     if noted is not None:
         match = re.fullmatch(r"([0-9]{1,18}):([0-9a-f]{64})", noted)
         if match is None:
-            _fail(f"'{noted}' is not NUMBER:HASH")
+            fail(f"'{noted}' is not NUMBER:HASH")
         known = int(match[1]), match[2]
     with _opened(database) as opened, opened.reading() as session:
         found = audit.verify(session, known=known)
@@ -119,23 +120,26 @@ def verify_audit(
     for one in found:
         typer.echo(f"entry {one.number}: {one.reason}", err=True)
     if found:
-        _fail(f"the audit trail does not hold, in {len(found)} places")
+        fail(f"the audit trail does not hold, in {len(found)} places")
     typer.echo(f"{number} entries hold: {number}:{digest}")
 
 
 @contextmanager
-def _opened(url: str | None) -> "Iterator[Database]":
-    """The store, closed in the end."""
-    from pydantic import ValidationError
-
-    from service.settings import Settings
+def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
+    """The store, closed in the end. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    from service.settings import SettingsWrong, settings_of
     from storage.claim import DatabaseUnusable
-    from storage.database import Database
+    from storage.database import Database, require_there
 
     try:
-        database = Database(url or Settings().database)
-    except (DatabaseUnusable, ValidationError) as error:
-        _fail(str(error))
+        settings = settings_of()
+        named = url is not None or {"database", "database_file"} & settings.model_fields_set
+        chosen = url or settings.database
+        if not (new and named):
+            require_there(chosen)
+        database = Database(chosen)
+    except (DatabaseUnusable, SettingsWrong) as error:
+        fail(str(error))
     try:
         yield database
     finally:
@@ -146,8 +150,3 @@ def _time(nanoseconds: int) -> str:
     from storage.clock import to_datetime
 
     return to_datetime(nanoseconds).strftime("%Y-%m-%dT%H:%MZ")
-
-
-def _fail(message: str) -> NoReturn:
-    typer.echo(f"rundown: {message}", err=True)
-    raise typer.Exit(1)

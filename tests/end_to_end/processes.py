@@ -30,10 +30,10 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def rundown(*arguments: str, timeout: float = 60.0) -> subprocess.CompletedProcess[str]:
+def rundown(*arguments: str, timeout: float = 60.0, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run a command to its end."""
-    command = [sys.executable, "-m", "service", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+    command, around = [sys.executable, "-m", "service", *arguments], os.environ | environment
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, env=around)
 
 
 def process(log: Path, *arguments: str, **environment: str) -> AbstractContextManager[subprocess.Popen[bytes]]:

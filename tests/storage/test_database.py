@@ -90,9 +90,20 @@ def test_a_url_of_no_known_database_is_said(url: str, said: str) -> None:
         Database(url)
 
 
-def test_the_password_is_not_shown() -> None:
+@pytest.mark.parametrize(
+    "url",
+    [
+        "nosuch://operator:secret@somewhere/db",
+        "postgresql+psycopg//operator:secret@somewhere/db",
+        "postgresql+psycopg://operator@127.0.0.1:1/db?password=secret&sslpassword=secret",
+        "postgresql+psycopg://operator:secret@127.0.0.1:abc/db",
+        "postgresql+psycopg://operator:sec:ret@127.0.0.1:secret/db",
+        "password=secret",
+    ],
+)
+def test_the_password_is_not_shown(url: str) -> None:
     with pytest.raises(DatabaseUnusable) as caught:
-        Database("nosuch://operator:secret@somewhere/db")
+        Database(url)
     assert "secret" not in str(caught.value)
 
 

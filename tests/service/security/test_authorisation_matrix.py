@@ -29,6 +29,7 @@ FOR_ANYBODY = {
     "/api/v1/openapi.json",
     "/api/v1/docs",
     "/api/v1/docs/static",
+    "/api/v1/alive",
     "/api/v1/health",
     "/api/v1/ready",
 }

@@ -81,6 +81,41 @@ def test_the_command_refuses_and_says_what_to_do(tmp_path: Path) -> None:
     assert once.returncode == 1
 
 
+WRONG = "postgres://rundown:s3cret@db/x"
+
+
+@pytest.mark.parametrize(
+    ("url", "command"),
+    [
+        (WRONG, ("serve",)),
+        ("mysql://u:s3cret@db/x", ("serve",)),
+        ("postgresql//u:s3cret@db/x", ("serve",)),
+        (WRONG, ("key", "list")),
+        (WRONG, ("export", "pump-7", "x")),
+        (WRONG, ("router",)),
+        (WRONG, ("doctor",)),
+    ],
+)
+def test_no_command_says_the_password_of_a_database_that_is_wrong(tmp_path: Path, url: str, command: tuple[str, ...]) -> None:
+    file = tmp_path / "url"
+    file.write_text(url)
+    file.chmod(0o600)
+    told = rundown(*command, RUNDOWN_DATABASE_FILE=str(file), RUNDOWN_ROLE="api", RUNDOWN_ZENOH_LISTEN="[]")
+    assert told.returncode == 1
+    assert "Traceback" not in told.stderr
+    assert "PostgreSQL database" in told.stderr or "cannot be used" in told.stderr, told.stderr
+    assert "s3cret" not in told.stderr + told.stdout
+
+
+@pytest.mark.parametrize("command", [("key", "list"), ("audit", "verify"), ("export", "pump-7", "x")])
+def test_a_store_that_is_not_there_is_not_made_by_a_question(tmp_path: Path, command: tuple[str, ...]) -> None:
+    file = tmp_path / "elsewhere.db"
+    told = rundown(*command, "--database", sqlite_url(file))
+    assert (told.returncode, told.stdout) == (1, "")
+    assert f"there is no database file {file}" in told.stderr
+    assert not file.exists()
+
+
 def test_a_service_over_tls_with_secrets_logs_none_of_them(tmp_path: Path) -> None:
     """Started with a password, a client's secret, a key in a URL and one in a header; nothing of it is in the log."""
     script = ROOT / "deploy" / "certificates.sh"
