@@ -32,6 +32,8 @@ class Readings:
     memory: list[float] = field(default_factory=list)
     files: list[int] = field(default_factory=list)
     log: list[float] = field(default_factory=list)
+    stored: int = 0
+    lost: int = 0
 
     def read(self, process: psutil.Process, database: Path) -> None:
         """One more."""
@@ -50,8 +52,8 @@ class Readings:
         return float(slope), float(np.sqrt(covariance[0, 0]))
 
 
-def measure(folder: Path, options: argparse.Namespace) -> bool:
-    """Print the figures; whether nothing grows."""
+def measured(folder: Path, options: argparse.Namespace) -> Readings:
+    """What was read while the service worked."""
     service = Service(folder)
     readings = Readings()
     with service.running() as serving:
@@ -65,12 +67,21 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
             while time.monotonic() - began < 60 * options.minutes:
                 readings.read(process, folder / "rundown.db")
                 time.sleep(EVERY_S)
-            stored = received(service)
-            lost = sum(row["lost"] for row in service.get("/sources"))
+            readings.stored = received(service)
+            readings.lost = sum(row["lost"] for row in service.get("/sources"))
     service.client.close()
+    return readings
+
+
+def measure(folder: Path, options: argparse.Namespace) -> bool:
+    """Print the figures; whether nothing grows."""
+    readings = measured(folder, options)
     half = round(WARM_UP * len(readings.at))
     slope, error = readings.slope()
-    print(f"{options.minutes:g} minutes at {options.rate:g} samples/s of 8 channels: {stored} stored, {lost} lost")
+    print(
+        f"{options.minutes:g} minutes at {options.rate:g} samples/s of 8 channels: "
+        f"{readings.stored} stored, {readings.lost} lost"
+    )
     print(
         f"  memory {readings.memory[half]:.0f} MB at half time, {readings.memory[-1]:.0f} MB at the end: "
         f"{slope:+.1f} ± {error:.1f} MB/h; asked: below {ASKED_MB_PER_HOUR:g}"
@@ -78,7 +89,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     print(f"  open files {readings.files[half]} at half time, {readings.files[-1]} at the end; asked: no growth")
     print(f"  write-ahead log at most {max(readings.log):.1f} MB, {readings.log[-1]:.1f} MB at the end")
     grows = slope - 2 * error > ASKED_MB_PER_HOUR or max(readings.files[half:]) > max(readings.files[:half])
-    return lost == 0 and not grows
+    return readings.lost == 0 and not grows
 
 
 def received(service: Service) -> int:

@@ -1,0 +1,24 @@
+"""Half its load for a while: nothing grows. `python -m benchmarks.endurance` goes on for as long as is wanted."""
+
+import argparse
+from pathlib import Path
+
+import pytest
+
+from benchmarks import endurance
+
+RATE = 2500.0
+GROWTH_MB = 10.0
+"""Between the first half and the second: a minute does not tell a leak of an hour, but one of a message would show."""
+LOG_MB = 70.0
+
+
+@pytest.mark.long
+def test_nothing_grows_at_half_load(tmp_path: Path) -> None:
+    found = endurance.measured(tmp_path, argparse.Namespace(minutes=1.0, rate=RATE, machines=10))
+    half = len(found.memory) // 2
+    assert found.stored > 0.8 * RATE * 60
+    assert found.lost == 0
+    assert max(found.memory[half:]) < max(found.memory[:half]) + GROWTH_MB
+    assert max(found.files[half:]) <= max(found.files[:half])
+    assert max(found.log) < LOG_MB
