@@ -12,12 +12,16 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from storage import machines
+from storage.database import Database
 from tests import postgresql
-from tests.faults import disorder, gaps, parting, roles, scenarios, storage_faults, telling
+from tests.faults import clocks, disorder, gaps, parting, roles, scenarios, storage_faults, telling
 from tests.faults.chain import PARTS, every_order
+from tests.plant import machine
 
 KILLS = 200
 ROUTER_RESTARTS = 20
+CLOCKS = 100
 PARTITIONS, PARTITION_S = 5, 30.0
 
 
@@ -30,6 +34,8 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
         name = f"frozen for 15 s: {part}"
         yield name, lambda folder, part=part: scenarios.frozen(folder, part, seconds=15.0, samples=2500)
     yield "wire held for 15 s, then broken", lambda folder: scenarios.parted(folder, seconds=15.0, samples=2500)
+    for seed in range(CLOCKS * rounds):
+        yield f"clock that wanders, seed {seed}", lambda folder, seed=seed: _wandering_clock(folder, seed=seed)
     yield "store locked for 30 s, read-only for 30 s", _file_in_the_way
     yield "store on a full disk for 30 s", _full_disk
     yield "store's server stopped for 60 s", _server_away
@@ -64,6 +70,16 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
         yield name, lambda folder, seed=seed: scenarios.mangled_without_log(folder, seed=seed, samples=10_000)
         name = f"alerts told through 20 kills, seed {seed}"
         yield name, lambda folder, seed=seed: telling.told_through_kills(folder, seed=seed, kills=20)
+
+
+def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:
+    database = Database(f"sqlite:///{folder / 'rundown.db'}")
+    with database.transaction() as session:
+        machines.create(session, machine())
+    try:
+        return clocks.wandering(database, seed=seed)
+    finally:
+        database.close()
 
 
 def _file_in_the_way(folder: Path) -> None:

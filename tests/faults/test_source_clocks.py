@@ -1,63 +1,16 @@
-"""Sources whose clocks are wrong, jump or overflow: samples keep the source's order, and both times are there to compare."""
+"""Sources whose clocks are wrong, jump or overflow: samples keep the source's order, and both times are there to compare.
 
-from dataclasses import dataclass, replace
+`python -m benchmarks.faults --only clock` lets more of them wander.
+"""
+
+from dataclasses import replace
 
 import pytest
 
-from service.collection import Collector
-from service.journal import Arrived, Journal
 from service.wire import ENCODINGS, FUTURE_TOLERANCE, JSON, decode_batch, encode_batch
-from storage import quarantine, samples
-from storage.blocks import decode
 from storage.database import Database
-from storage.samples import SourceKey
-from storage.tables import SampleBlockRow, SourceRow
-from tests.plant import KEY, SECOND, START, arrived, batch
-
-MINUTE, HOUR = 60 * SECOND, 3600 * SECOND
-SIZE, BATCHES = 5, 24
-STEP = SECOND // 10
-MONITOR = SourceKey(KEY.machine, "monitor", 1)
-
-
-@dataclass(frozen=True)
-class Kept:
-    """numbers: of the blocks' first samples, as stored. measured: times of all samples. received: of each block [ns]."""
-
-    numbers: list[int]
-    measured: list[int]
-    received: list[int | None]
-    source: SourceRow
-    rejected: dict[str, int]
-
-
-def told(clock: list[int]) -> list[Arrived]:
-    """Batches whose samples say these times; they arrive when they were truly measured."""
-    found = []
-    for first in range(0, len(clock), SIZE):
-        one = batch([1000.0] * SIZE, sequence=first, time_ns=clock[first : first + SIZE])
-        found.append(replace(arrived(one), received_at=START + (first + SIZE) * STEP))
-    return found
-
-
-def kept(database: Database, messages: list[Arrived]) -> Kept:
-    """What the store holds once all of this has come, each message in a call of its own."""
-    journal = Journal(database, Collector(late_s=0.0))
-    for one in messages:
-        journal.store([one], [])
-    journal.close_silent(silence_s=0.0)
-    with database.reading() as session:
-        rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()
-        return Kept(
-            numbers=[row.first_sequence for row in rows],
-            measured=[moment for row in rows for moment in decode(row.data).time.tolist()],
-            received=[row.received_at for row in rows],
-            source=samples.source(session, MONITOR),
-            rejected=quarantine.counts(session),
-        )
-
-
-TRUE = [START + k * STEP for k in range(SIZE * BATCHES)]
+from tests.faults.clocks import HOUR, MINUTE, SIZE, STEP, TRUE, kept, told, wandering
+from tests.plant import KEY, SECOND
 
 
 @pytest.mark.parametrize("skew", [-5 * MINUTE, 5 * MINUTE], ids=["five minutes behind", "five minutes ahead"])
@@ -117,3 +70,8 @@ def test_times_beyond_64_bits_are_rejected(plant: Database, moment: int) -> None
     found = kept(plant, [*messages[:3], replace(messages[3], batch=read), *messages[4:]])
     assert found.measured == TRUE[: 3 * SIZE] + TRUE[4 * SIZE :]
     assert found.rejected == {"time_out_of_range": SIZE}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_clocks_that_wander_cost_what_is_known_and_no_order(plant: Database, seed: int) -> None:
+    assert wandering(plant, seed=seed).stored > 0.9 * len(TRUE)
