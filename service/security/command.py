@@ -127,6 +127,8 @@ def verify_audit(
 @contextmanager
 def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
     """The store, closed in the end. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    from sqlalchemy.exc import DBAPIError
+
     from service.settings import SettingsWrong, settings_of
     from storage.claim import DatabaseUnusable
     from storage.database import Database, require_there
@@ -142,6 +144,8 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
         fail(str(error))
     try:
         yield database
+    except DBAPIError as error:
+        fail(f"the database does not answer as it should: {error.orig}")
     finally:
         database.close()
 

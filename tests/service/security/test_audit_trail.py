@@ -112,6 +112,15 @@ def test_the_command_says_what_does_not_hold(trail: Database) -> None:
 # --- what is in it --------------------------------------------------------------------------------------------------
 
 
+def test_a_trail_that_is_gone_is_no_trail_that_holds(trail: Database) -> None:
+    with trail.engine.begin() as connection:
+        connection.execute(text("DROP TABLE audit"))
+    found = rundown("audit", "verify", "--database", trail.engine.url.render_as_string(hide_password=False))
+    assert (found.returncode, found.stdout) == (1, "")
+    assert "audit" in found.stderr
+    assert "Traceback" not in found.stderr
+
+
 def test_a_change_is_in_the_trail_with_who_made_it(api: Api, filled: Filled) -> None:
     value(api.ask("POST", NOTES, json=NOTE, headers=bearer(filled.keys["own"])), 201)
     newest = value(api.ask("GET", f"{PREFIX}/audit?limit=1", headers=bearer(filled.keys["admin"])))[0]
