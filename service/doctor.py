@@ -17,6 +17,7 @@ import httpx
 from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.security.certificates import good_until
 from service.security.exposure import host_of
 from service.security.secret_files import is_loopback
 from service.settings import Settings
@@ -127,10 +128,8 @@ def _certificates(settings: Settings) -> Iterator[Finding]:
 
 
 def _certificate(what: str, file: Path) -> Finding:
-    from cryptography import x509
-
     try:
-        until = x509.load_pem_x509_certificate(file.read_bytes()).not_valid_after_utc
+        until = good_until(file)
     except (OSError, ValueError) as error:
         return Finding("wrong", what, f"{file} cannot be read: {error}")
     days = (until - datetime.now(UTC)).days

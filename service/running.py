@@ -8,6 +8,7 @@ import ssl
 import sys
 import threading
 from contextlib import ExitStack
+from pathlib import Path
 from typing import Protocol
 
 import uvicorn
@@ -25,6 +26,7 @@ from service.identifying import Identifying
 from service.ingest import Ingest
 from service.journal import Journal
 from service.leasing import Leasing
+from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
 from service.settings import Settings
@@ -131,7 +133,7 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges | ingest.gauges,
+            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings),
         )
         _prefer_answers()
         config = uvicorn.Config(
@@ -149,6 +151,17 @@ def serve(settings: Settings) -> None:
         if not asked_to_stop.is_set():
             Server(config, app.state.broadcaster).run(sockets=[listener])
     logger.info("stopped")
+
+
+def _certificates(settings: Settings) -> dict[str, float]:
+    """How long they are good, where there are some. One that can no longer be read is good for nothing."""
+    files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate) if one]
+    if not files:
+        return {}
+    try:
+        return {"rundown_certificate_days_left": min(map(days_left, files))}
+    except (OSError, ValueError):
+        return {"rundown_certificate_days_left": 0.0}
 
 
 def _prefer_answers() -> None:

@@ -4,6 +4,7 @@ The counts are those of the store, so a restart does not set them back.
 """
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 from fastapi import APIRouter, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -15,7 +16,7 @@ from sqlalchemy.exc import DBAPIError
 from service.api.access import database
 from service.security.requirement import VIEWER
 from service.security.store import Store
-from storage import quarantine, samples
+from storage import deliveries, quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.clock import now
 from storage.samples import Totals
@@ -28,18 +29,24 @@ OTHERS = "*"
 """… the label of all further ones together, which no machine can have as its id."""
 
 
-_Kept = tuple[list[Totals], Mapping[str, int], Mapping[str, int]]
+@dataclass(frozen=True)
+class _Kept:
+    """What the store knows; nothing of it where it does not answer."""
+
+    totals: list[Totals] = field(default_factory=list)
+    rejected: Mapping[str, int] = field(default_factory=dict)
+    jobs: Mapping[str, int] = field(default_factory=dict)
+    deliveries: Mapping[str, int] = field(default_factory=dict)
 
 
 class _Figures(Collector):
     """One scrape: families of metrics from figures that were read before."""
 
-    def __init__(
-        self, totals: list[Totals], rejected: Mapping[str, int], by_state: Mapping[str, int], gauges: Mapping[str, float]
-    ) -> None:
-        self._totals = totals
-        self._rejected = rejected
-        self._by_state = by_state
+    def __init__(self, kept: _Kept, gauges: Mapping[str, float]) -> None:
+        self._totals = kept.totals
+        self._rejected = kept.rejected
+        self._by_state = kept.jobs
+        self._deliveries = kept.deliveries
         self._gauges = gauges
 
     def collect(self) -> Iterable[Metric]:
@@ -69,6 +76,10 @@ class _Figures(Collector):
         for state, count in self._by_state.items():
             by_state.add_metric([state], count)
         yield by_state
+        on_their_way = GaugeMetricFamily("rundown_deliveries", "alert events on their way to subscribers", labels=["state"])
+        for state, count in self._deliveries.items():
+            on_their_way.add_metric([state], count)
+        yield on_their_way
         for name, value in self._gauges.items():
             yield GaugeMetricFamily(name, _GAUGES[name], value=value)
 
@@ -85,6 +96,7 @@ _GAUGES = {
     "rundown_disk_used_ratio": "part of the budget or of the file system that is used, whichever is nearer to its end",
     "rundown_released_sample_blocks": "sample blocks that retention let go of since the start",
     "rundown_released_runs": "runs whose samples retention let go of since the start",
+    "rundown_certificate_days_left": "until the first of the service's own certificates expires",
     "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
 }
 
@@ -97,21 +109,22 @@ async def read_metrics(request: Request) -> Response:
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
-    figures: _Kept = [], {}, {}
+    kept = _Kept()
     try:
         by_state = await state.database_check.jobs()
-        figures = *await run_in_threadpool(_kept, database(request)), by_state
+        kept = await run_in_threadpool(_kept, database(request), by_state)
         gauges["rundown_database_answers"] = 1
     except (DatabaseUnusable, DBAPIError):
         gauges["rundown_database_answers"] = 0
     registry = CollectorRegistry(auto_describe=False)
-    registry.register(_Figures(*figures, gauges))
+    registry.register(_Figures(kept, gauges))
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
 
-def _kept(store: Store) -> tuple[list[Totals], dict[str, int]]:
+def _kept(store: Store, by_state: Mapping[str, int]) -> _Kept:
     with store.reading() as session:
-        return _bounded(samples.totals(session)), quarantine.counts(session)
+        totals = _bounded(samples.totals(session))
+        return _Kept(totals, quarantine.counts(session), by_state, deliveries.counts(session))
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:

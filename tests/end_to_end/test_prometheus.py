@@ -17,6 +17,7 @@ from tests.plant import KEY, batch, document
 
 MONITORING = EXAMPLES / "monitoring"
 SAMPLES = 30
+RULES = (MONITORING / "rundown-rules.yml").read_text().count("- alert:")
 
 
 def program(name: str) -> str:
@@ -139,7 +140,7 @@ def test_prometheus_reads_the_service_and_notices_when_it_is_gone(
         """Alarms, but for the one of the disk on which the tests happen to run."""
         return {name for name, one in (rules() or {}).items() if one["state"] != "inactive"} - {"RundownDiskTight"}
 
-    assert len(until(rules, within_s=20, what="all rules were evaluated")) == 10
+    assert len(until(rules, within_s=20, what="all rules were evaluated")) == RULES
     # The samples of the test are of 2023.
     until(lambda: active() == {"RundownSilentMachine"}, within_s=20, what="the silent machine, and nothing else")
     service[1].kill()

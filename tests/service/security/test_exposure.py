@@ -1,5 +1,6 @@
 """Secure by default, as a process: what is refused at the start, TLS with real certificates, and that no secret is logged."""
 
+import re
 import ssl
 import subprocess
 from pathlib import Path
@@ -153,6 +154,8 @@ def test_a_service_over_tls_with_secrets_logs_none_of_them(tmp_path: Path) -> No
         me = client.get("/api/v1/me", headers=given)
         assert (me.json()["name"], me.headers["strict-transport-security"]) == ("anna", "max-age=31536000")
         assert client.get("/api/v1/me").status_code == 401
+        figures = client.get("/metrics", headers=given).text
+        assert 390 < float(re.findall(r"^rundown_certificate_days_left (.*)$", figures, re.MULTILINE)[0]) <= 397
         assert client.get("/api/v1/me", headers={"Authorization": "Bearer eyJ.s3cret-token.x"}).status_code == 401
         assert client.get(f"/api/v1/machines?key={key}").status_code == 401
         login = client.post("/login", data={"key": key})
