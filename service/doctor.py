@@ -25,9 +25,10 @@ from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
 from storage import disk, schema
-from storage.claim import DatabaseUnusable
+from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
+from storage.private_files import readable_by_others
 
 Level = Literal["ok", "warning", "wrong"]
 
@@ -79,6 +80,9 @@ def _database(settings: Settings) -> Iterator[Finding]:
     yield Finding("ok", what, f"{version} answers")
     for objection in against:
         yield Finding("warning", what, objection)
+    if (path := file_of(engine)) is not None and (files := readable_by_others(path)):
+        names = " ".join(map(str, files))
+        yield Finding("warning", "database file", f"others may read it, and secrets in it: chmod 600 {names}")
     newest = schema.known_revisions()[0]
     if revision is None:
         yield Finding("warning", "schema", "there is none yet: the service makes it at its first start")

@@ -162,6 +162,11 @@ class Identifying:
             logger.warning("job %d was lost with what computed it; it is tried again", job_id)
             self._put_back_unhurt(job_id)
             return
+        except (worker.OutOfTime, MemoryError) as error:
+            # Beside less other work it may have enough of both: that is tried as often as after a death.
+            logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
+            self._put_back(job_id, f"{type(error).__name__}: {error}")
+            return
         except Exception as error:  # noqa: BLE001 - whatever a fit raises becomes the job's recorded failure
             self._fail(job_id, f"{type(error).__name__}: {error}")
             return

@@ -49,7 +49,7 @@ class Settings(BaseSettings):
         default=2048, description="memory that an identification process may hold of its own [MiB]"
     )
     identification_timeout_s: Annotated[float, Field(gt=0)] = Field(
-        default=300.0, description="an identification that takes longer is given up"
+        default=300.0, description="an identification that takes longer is stopped; three times, then quarantined"
     )
     gathered_interval_s: Annotated[float, Field(gt=0)] = Field(
         default=3600.0, description="how often the newest runs are identified together"

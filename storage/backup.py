@@ -21,6 +21,7 @@ from sqlalchemy.exc import DBAPIError
 from storage import postgresql_archive
 from storage.claim import Claim, DatabaseUnusable, file_of
 from storage.database import engine_of, shown
+from storage.private_files import PRIVATE
 from storage.schema import require_known, revision_of, row_counts
 
 FORMAT = 1
@@ -42,10 +43,6 @@ class Backup:
     size: int
     sha256: str
     rows: dict[str, int]
-
-
-PRIVATE = 0o600
-"""Mode of files that hold all data: secrets of subscriptions are among them."""
 
 
 def back_up(url: str, file: Path) -> Backup:

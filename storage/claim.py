@@ -10,6 +10,8 @@ from typing import TextIO
 from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
+from storage.private_files import PRIVATE
+
 CLAIM_KEY = 0x52554E444F574E
 """Number of the advisory lock that is held on a PostgreSQL database."""
 PATIENCE_S, LOOK_S = 2.0, 0.1
@@ -46,7 +48,9 @@ class Claim:
                     raise DatabaseUnusable(held)
                 time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
-            self._file = path.with_name(path.name + ".lock").open("w")
+            beside = path.with_name(path.name + ".lock")
+            beside.touch(mode=PRIVATE)  # whoever may read it may hold it
+            self._file = beside.open("w")
             try:
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:

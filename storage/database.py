@@ -13,7 +13,7 @@ from sqlalchemy import Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-from storage import database_version, postgresql_archive
+from storage import database_version, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of
 from storage.json_text import written
 from storage.schema import known_revisions, revision_of
@@ -213,9 +213,15 @@ def _engine(url: str) -> Engine:
     if dialect == "postgresql":
         event.listen(engine, "begin", _begin_postgresql)
     elif dialect == "sqlite":
+        event.listen(engine, "do_connect", lambda *_: _prepare_sqlite(engine))
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _prepare_sqlite(engine: Engine) -> None:
+    if (path := file_of(engine)) is not None:
+        private_files.prepare(path)
 
 
 def _configure_sqlite(connection: Any, _record: Any) -> None:

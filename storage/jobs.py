@@ -13,7 +13,7 @@ from storage.paging import Keys, ordered
 from storage.tables import JobRow, ReplicaRow
 
 QUEUED, RUNNING, DONE, FAILED, QUARANTINED = "queued", "running", "done", "failed", "quarantined"
-"""State of a job. What costs its process every time is put aside: quarantined."""
+"""State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""
 
 RUN, GATHERED, VARIANT = "run", "gathered", "variant"
 """Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""
@@ -81,7 +81,7 @@ def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
 
 
 def put_back(row: JobRow, error: str) -> None:
-    """Queue a job again after its worker was lost; a job that has cost several workers is put aside."""
+    """Queue a job again that has cost its worker its life or more than it may; after several times it is put aside."""
     if row.attempts >= LARGEST_ATTEMPTS:
         finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
     else:

@@ -42,9 +42,8 @@ def move(source_url: str, target_url: str) -> dict[str, int]:
             for table in tables:
                 _copy(table, reading, writing)
             found = {table.name: _compared(table, reading, writing) for table in tables}
-            if target.kind == "postgresql":
-                for table in tables:
-                    _go_on_counting(table, writing)
+            for table in tables:
+                _go_on_counting(table, reading, writing)
         return found
 
 
@@ -102,17 +101,41 @@ def _comparable(table: Table, row: Any) -> list[Any]:
     return [None if isinstance(value, float) and math.isnan(value) else value for value in _values(table, row)]
 
 
-def _go_on_counting(table: Table, connection: Connection) -> None:
-    """The next row gets the number behind the highest one."""
+def _go_on_counting(table: Table, reading: Connection, writing: Connection) -> None:
+    """The next row gets the number behind the highest one that was ever given, also to a row that is no longer there."""
+    highest = max(_highest(table, reading), _highest(table, writing))
+    if not highest:
+        return
+    if (sequence := _sequence(table, writing)) is not None:
+        writing.execute(text("SELECT setval(:sequence, :highest)"), {"sequence": sequence, "highest": highest})
+    elif _counted_by_sqlite(table, writing):
+        writing.execute(text("DELETE FROM sqlite_sequence WHERE name = :name"), {"name": table.name})
+        writing.execute(text("INSERT INTO sqlite_sequence VALUES (:name, :highest)"), {"name": table.name, "highest": highest})
+
+
+def _highest(table: Table, connection: Connection) -> int:
+    """The highest number that a table's rows have or, as far as the database remembers, ever had; 0 where it gives none."""
     column = table.autoincrement_column
-    if column is not None and (sequence := _sequence(table, column.name, connection)) is not None:
-        highest = connection.scalar(select(func.max(column)))
-        if highest is not None:
-            connection.execute(text("SELECT setval(:sequence, :highest)"), {"sequence": sequence, "highest": highest})
+    if column is None:
+        return 0
+    given: int | None = None
+    if (sequence := _sequence(table, connection)) is not None:
+        given = connection.scalar(text("SELECT pg_sequence_last_value(CAST(:sequence AS regclass))"), {"sequence": sequence})
+    elif _counted_by_sqlite(table, connection):
+        given = connection.scalar(text("SELECT seq FROM sqlite_sequence WHERE name = :name"), {"name": table.name})
+    return max(0, given or 0, connection.scalar(select(func.max(column))) or 0)
 
 
-def _sequence(table: Table, column: str, connection: Connection) -> str | None:
-    found = connection.scalar(
-        text("SELECT pg_get_serial_sequence(:table, :column)"), {"table": f'"{table.name}"', "column": column}
-    )
+def _counted_by_sqlite(table: Table, connection: Connection) -> bool:
+    """Whether this is SQLite, and it remembers the highest number that it gave to a row of the table."""
+    return connection.dialect.name == "sqlite" and bool(table.dialect_options["sqlite"]["autoincrement"])
+
+
+def _sequence(table: Table, connection: Connection) -> str | None:
+    """Name of what gives the numbers on PostgreSQL; None where nothing does."""
+    column = table.autoincrement_column
+    if column is None or connection.dialect.name != "postgresql":
+        return None
+    query = text("SELECT pg_get_serial_sequence(:table, :column)")
+    found = connection.scalar(query, {"table": f'"{table.name}"', "column": column.name})
     return None if found is None else str(found)

@@ -16,9 +16,25 @@ Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
-NAT64 = (ipaddress.IPv6Network("64:ff9b::/96"), ipaddress.IPv6Network("64:ff9b:1::/48"))
-METADATA = (ipaddress.IPv4Address("168.63.129.16"), ipaddress.IPv4Address("192.0.0.192"))
-"""Where clouds tell a machine about itself at an address that counts as public (Azure, Oracle); others have private ones."""
+NAT64 = ipaddress.IPv6Network("64:ff9b::/96")
+"""A translator's prefix that says where the IPv4 address stands; the local ones in 64:ff9b:1::/48 do not (RFC 8215)."""
+PUBLIC_IPV6 = ipaddress.IPv6Network("2000::/3")
+"""What of IPv6 is given to networks at all. Outside of it are also the site's own fec0::/10, IPv4-compatible ::/96,
+IPv4-translated ::ffff:0:0:0/96 and segments 5f00::/16, some of which `ipaddress` takes for public."""
+NOT_PUBLIC = tuple(
+    ipaddress.ip_network(network)
+    for network in (
+        "168.63.129.16/32",  # where Azure tells a machine about itself; other clouds have private addresses for it
+        "192.0.0.0/24",  # protocols' own; in it Oracle's
+        "192.88.99.0/24",  # 6to4's relays
+        "2001::/23",  # protocols' own; in it Teredo, which leads to an IPv4 address
+        "2002::/16",  # 6to4, which does too
+        "3fff::/20",  # documentation
+    )
+)
+"""Networks that `ipaddress`, depending on its version, takes for public."""
+ISATAP = 0x5EFE
+"""Upper half of an interface's number whose lower half is an IPv4 address of the site; bit 0x02000000 is free (RFC 5214)."""
 
 
 class TargetRefused(ValueError):
@@ -63,18 +79,26 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
 
 
 def _address(text: str) -> Address:
-    """The address at which it ends: some of IPv6 stand for one of IPv4 behind a gateway (RFC 4291, 3056, 4380, 6052)."""
+    """The address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
     address = ipaddress.ip_address(text.split("%")[0])
     if not isinstance(address, ipaddress.IPv6Address):
         return address
-    behind = address.ipv4_mapped or address.sixtofour or (address.teredo[1] if address.teredo else None)
-    if behind is None and any(address in network for network in NAT64):
-        behind = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
-    return behind or address
+    if address in NAT64:
+        return ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
+    return address.ipv4_mapped or address
+
+
+def _public(address: Address) -> bool:
+    """Whether everybody reaches it, and it leads to no other address."""
+    if not address.is_global or address.is_multicast or any(address in network for network in NOT_PUBLIC):
+        return False
+    if isinstance(address, ipaddress.IPv4Address):
+        return True
+    return address in PUBLIC_IPV6 and (int(address) >> 32) & 0xFDFFFFFF != ISATAP
 
 
 def _require(host: str, address: Address, allowed: tuple[Network, ...]) -> None:
-    if address.is_global and not address.is_multicast and address not in METADATA:
+    if _public(address):
         return
     if any(address.version == network.version and address in network for network in allowed):
         return

@@ -1,6 +1,7 @@
 """`rundown doctor` against a real service, and against what is wrong with one."""
 
 import datetime
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,9 +11,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 
 from service.doctor import examine
 from service.settings import Settings
+from storage.database import Database
 from tests.databases import Databases
 from tests.end_to_end.processes import Service, free_port, rundown
-from tests.plant import document
+from tests.plant import document, sqlite_url
 
 
 def settings(service: Service, **changes: object) -> Settings:
@@ -70,6 +72,21 @@ def test_what_is_missing_or_over_is_named(tmp_path: Path) -> None:
         assert told[what][0] == "wrong", (what, told)
     assert "expired on 2020-02-01" in told["API certificate"][1]
     assert not (tmp_path / "nowhere.db").exists()
+
+
+def test_a_store_that_others_may_read_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "rundown.db"
+    chosen = Settings(database=sqlite_url(path), port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"])
+    with closing(Database(chosen.database)):
+        assert "database file" not in found(chosen)
+        for name in (path, tmp_path / "rundown.db-wal"):
+            name.chmod(0o644)
+        assert found(chosen)["database file"] == (
+            "warning",
+            f"others may read it, and secrets in it: chmod 600 {path} {path}-wal",
+        )
+    path.chmod(0o640)
+    assert "database file" not in found(chosen)
 
 
 def test_the_command_ends_with_status_1_where_something_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,11 +1,14 @@
 """Identification jobs in real worker processes over a real database: done once, tried again, given up, gathered."""
 
 import os
+import re
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,7 @@ import psutil
 import pytest
 
 from estimator.machine import Condition, Machine, Operation
+from service import engines, worker
 from service.identifying import Identifying
 from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, runs
@@ -189,14 +193,79 @@ def test_damaged_run_fails_without_stopping_the_others(database: Database, train
         wait_until(lambda: counts(database) == {"done": 1, "failed": 1})
 
 
-def test_job_out_of_time_is_given_up(database: Database, train: Machine) -> None:
+def costly(tries: Path, until: int, error: str, task: worker.Task) -> worker.Outcome:
+    """Computes in its process from a try on; before that it uses it up. tries: file with a line for each try."""
+    with tries.open("a") as counted:
+        counted.write("tried\n")
+    if len(tries.read_text().splitlines()) < until:
+        if error == "MemoryError":
+            np.ones(2**33, np.uint8)  # more than the process may hold
+        if error == "OutOfTime":
+            task = replace(task, timeout_s=0.005)
+        if error == "ValueError":
+            raise ValueError("the data are wrong")
+    return worker.compute(task)
+
+
+@contextmanager
+def computing(monkeypatch: pytest.MonkeyPatch, work: Callable[[worker.Task], worker.Outcome]) -> Iterator[None]:
+    """Let the processes do something else than identify."""
+
+    def submit(self: engines.Local, task: worker.Task) -> Future[worker.Outcome]:
+        return self._executor.submit(work, task)
+
+    with monkeypatch.context() as changed:
+        changed.setattr(engines.Local, "submit", submit)
+        yield
+
+
+@pytest.mark.parametrize(
+    ("error", "until", "state", "attempts", "said"),
+    [
+        (
+            "OutOfTime",
+            99,
+            "quarantined",
+            3,
+            "given up after 3 attempts: OutOfTime: the identification took longer than allowed",
+        ),
+        ("MemoryError", 99, "quarantined", 3, "given up after 3 attempts: .*MemoryError: Unable to allocate 8.00 GiB"),
+        ("OutOfTime", 3, "done", 3, ""),
+        ("MemoryError", 3, "done", 3, ""),
+        ("ValueError", 99, "failed", 1, "^ValueError: the data are wrong"),
+    ],
+)
+def test_a_job_that_takes_more_than_it_may_has_three_tries(
+    database: Database,
+    train: Machine,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    error: str,
+    until: int,
+    state: str,
+    attempts: int,
+    said: str,
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with computing(monkeypatch, partial(costly, tmp_path / "tries", until, error)), identifying(database):
+        wait_until(lambda: counts(database) == {state: 1})
+    with database.reading() as session:
+        (job,) = jobs.of_machine(session, train.id, limit=10)
+        assert job.attempts == attempts
+        assert re.search(said, job.error or "")
+
+
+def test_a_job_out_of_time_every_time_does_not_stop_the_next(database: Database, train: Machine) -> None:
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
     with identifying(database, identification_timeout_s=0.005):
-        wait_until(lambda: counts(database) == {"failed": 1})
-    with database.reading() as session:
-        assert "longer than allowed" in (jobs.of_machine(session, train.id, limit=1)[0].error or "")
+        wait_until(lambda: counts(database) == {"quarantined": 1})
+    close_run(database, train, seed=2, start_s=1_700_086_400)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"quarantined": 1, "done": 1})
 
 
 def test_newest_runs_are_identified_together_on_schedule(database: Database, train: Machine) -> None:

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import JSON, Float, insert, select, text, update
+from sqlalchemy import JSON, Float, delete, insert, select, text, update
 from sqlalchemy.exc import IntegrityError
 
-from storage import machines, quarantine
+from storage import machines, quarantine, replicas
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from storage.moving import NotMoved, move
@@ -84,6 +84,54 @@ def test_numbers_go_on_behind_those_taken_over(plant: Database, target: str) -> 
         assert store_identification(session, identification(), run_id=2).id == 2
     with moved.reading() as session:
         assert session.scalars(select(QuarantineRow.id).order_by(QuarantineRow.id)).all() == [1, 2, 3, 4]
+    moved.close()
+
+
+def join(url: str) -> int:
+    """The number of a new replica, which is gone again at once."""
+    database = Database(url)
+    with database.transaction() as session:
+        number = replicas.join(session, role="all", host="here", process=1)
+        replicas.forget(session, number)
+    database.close()
+    return number
+
+
+def test_numbers_are_not_given_again_to_what_is_no_longer_there(
+    plant: Database, target: str, databases: Databases, tmp_path: Path
+) -> None:
+    """Nor behind the way back, nor when nothing was numbered in between."""
+    assert [join(plant.url) for _ in range(3)] == [1, 2, 3]
+    move(plant.url, target)
+    back, again = (databases.new(tmp_path / name) for name in ("back.db", "again.db"))
+    move(target, back)
+    assert join(back) == 4
+    move(back, again)
+    assert [join(target), join(again)] == [4, 5]
+    for url in (back, again):
+        databases.drop(url)
+
+
+def test_a_number_behind_the_rows_that_are_there_is_not_given_again_either(plant: Database, target: str) -> None:
+    assert join(plant.url) == 1
+    with plant.transaction() as session:
+        assert [replicas.join(session, role="all", host="here", process=one) for one in (1, 2)] == [2, 3]
+        replicas.forget(session, 3)
+    move(plant.url, target)
+    assert join(target) == 4
+
+
+def test_postgresql_remembers_the_numbers_of_every_table(plant: Database, target: str) -> None:
+    if plant.kind != "postgresql" or not target.startswith("postgresql"):
+        pytest.skip("SQLite remembers those of the replicas only")
+    with plant.transaction() as session:
+        quarantine.add(session, [Rejection(START, "key", None, "bad_frame", "detail", b"")])
+        session.execute(delete(QuarantineRow))
+    move(plant.url, target)
+    moved = Database(target)
+    with moved.transaction() as session:
+        quarantine.add(session, [Rejection(START, "key", None, "bad_frame", "detail", b"")])
+        assert session.scalars(select(QuarantineRow.id)).all() == [2]
     moved.close()
 
 

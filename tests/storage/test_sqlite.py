@@ -1,6 +1,8 @@
 """What holds of SQLite only: files that are none or gone, locks of other processes, and when a transaction is on the disk."""
 
+import os
 import sqlite3
+import stat
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -42,6 +44,47 @@ def test_a_new_database_on_which_another_process_works_is_waited_for(tmp_path: P
     finally:
         release.join(5)
         other.close()
+
+
+@pytest.fixture
+def usual_umask() -> Iterator[None]:
+    """What others may read unless somebody sees to it."""
+    before = os.umask(0o022)
+    yield
+    os.umask(before)
+
+
+def modes(folder: Path) -> dict[str, int]:
+    """What of the store is in a folder, with who may read it."""
+    return {one.name: stat.S_IMODE(one.stat().st_mode) for one in folder.glob("rundown.db*")}
+
+
+@pytest.mark.usefixtures("usual_umask")
+def test_a_new_store_is_its_owners_only(tmp_path: Path) -> None:
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    database.claim()
+    with database.transaction() as session:
+        machines.create(session, machine())
+    names = ("rundown.db", "rundown.db-wal", "rundown.db-shm", "rundown.db.lock")
+    assert modes(tmp_path) == dict.fromkeys(names, 0o600)
+    assert (tmp_path / "rundown.db").stat().st_size > 0
+    database.close()
+
+
+@pytest.mark.usefixtures("usual_umask")
+def test_so_is_one_behind_a_link_to_where_nothing_is_yet(tmp_path: Path) -> None:
+    (tmp_path / "link.db").symlink_to(tmp_path / "rundown.db")
+    Database(sqlite_url(tmp_path / "link.db")).close()
+    assert modes(tmp_path)["rundown.db"] == 0o600
+
+
+@pytest.mark.usefixtures("usual_umask")
+def test_a_store_that_is_there_keeps_its_mode(tmp_path: Path) -> None:
+    sqlite3.connect(tmp_path / "rundown.db").close()
+    (tmp_path / "rundown.db").chmod(0o640)
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    assert modes(tmp_path) == dict.fromkeys(("rundown.db", "rundown.db-wal", "rundown.db-shm"), 0o640)
+    database.close()
 
 
 def test_a_directory_is_no_database(tmp_path: Path) -> None:

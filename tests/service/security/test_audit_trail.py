@@ -48,10 +48,41 @@ def test_a_trail_that_nobody_touched_holds(trail: Database) -> None:
         assert audit.verify(session, known=(5, digest)) == []
 
 
-@pytest.mark.parametrize("statement", ["UPDATE audit SET who = 'x'", "DELETE FROM audit"])
+OTHER_ENTRY = (
+    "audit (number, at, who, address, operation, target, outcome, previous, hash) VALUES (3, 0, '', '', '', '', '', '', '')"
+)
+CHANGES = [
+    "UPDATE audit SET who = 'x'",
+    "DELETE FROM audit",
+    f"INSERT INTO {OTHER_ENTRY} ON CONFLICT (number) DO UPDATE SET who = 'x'",
+]
+
+
+@pytest.mark.parametrize("statement", CHANGES)
 def test_the_database_itself_refuses_changes(trail: Database, statement: str) -> None:
     with pytest.raises(DBAPIError, match="append-only"), trail.engine.begin() as connection:
         connection.execute(text(statement))
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        f"INSERT OR REPLACE INTO {OTHER_ENTRY}",
+        f"REPLACE INTO {OTHER_ENTRY}",
+        f"REPLACE INTO {OTHER_ENTRY}".replace("(3", "('3'"),
+        f"REPLACE INTO {OTHER_ENTRY}".replace("number", "rowid"),
+        "INSERT OR REPLACE INTO audit SELECT number, at, 'x', address, operation, target, outcome, previous, hash FROM audit",
+        f"INSERT OR IGNORE INTO {OTHER_ENTRY}",
+    ],
+)
+def test_no_entry_is_replaced(trail: Database, statement: str) -> None:
+    if trail.kind != "sqlite":
+        pytest.skip("only SQLite has a REPLACE")
+    with pytest.raises(DBAPIError, match="append-only"), trail.engine.begin() as connection:
+        connection.execute(text(statement))
+    with trail.transaction() as session:
+        assert audit.append(session, Entry("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
+        assert audit.verify(session) == []
 
 
 @pytest.mark.parametrize("column", ["at", "who", "address", "operation", "target", "outcome"])
