@@ -466,20 +466,23 @@ def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, s
 
 
 @pytest.mark.parametrize(
-    ("closed", "word", "marked"), [(timedelta(), "closed", "changed"), (timedelta(days=9), "open", "alert|danger")]
+    ("days", "word", "opened", "marked"), [(0, "closed", 0, "changed"), (9, "new", 1, "alert|danger")], ids=["closed", "open"]
 )
-def test_report_says_an_alert_s_state_at_the_end_of_the_period(seen: Seen, closed: timedelta, word: str, marked: str) -> None:
-    at = (datetime.now(UTC) + closed).isoformat()
-
-    def later(route: Route) -> None:  # as if it had been closed
-        alerts = route.fetch().json()
-        route.fulfill(json=[{**one, "state": "normal", "closed_at": at, "updated_at": at} for one in alerts])
-
-    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), later)
+def test_report_says_an_alert_s_state_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, word: str, opened: int, marked: str
+) -> None:
+    at = (datetime.now(UTC) + timedelta(days=days)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    then = service.get(f"/alerts/{alert['id']}/events")[-1]
+    assert then["state"] == "unacknowledged"  # in words: new
+    gone = "it is as at the baseline again"
+    today = {**alert, "state": "normal", "message": gone, "closed_at": at, "updated_at": at}  # as if it had been closed
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=[today]))
     seen.open(f"reports/{MACHINE}")
     row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
     expect(row.locator("td").nth(2)).to_have_text(word)
-    expect(seen.page.get_by_text(f"of which {int(word == 'open')} open at the end")).to_be_visible()
+    expect(row.locator("td").nth(5)).to_have_text(then["message"] if opened else gone)
+    expect(seen.page.get_by_text(f"of which {opened} open at the end")).to_be_visible()
     expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
     assert seen.errors == []
 
