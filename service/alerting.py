@@ -205,7 +205,5 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
 
 
 def _record(session: Session, row: AlertRow, kind: str, state_before: str, person: Person, *, at: int) -> None:
-    event = alerts.add_event(
-        session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at
-    )
+    event = alerts.add_event(session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at)
     deliveries.queue(session, event)

@@ -650,6 +650,68 @@ def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -
     expect(alarm).to_contain_text(f"{count} events", timeout=3000)
 
 
+SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });
+Object.defineProperty(document, "visibilityState", { get: () => (document.hidden ? "hidden" : "visible") });"""
+"""A headless browser shows all of its tabs at once; here it can be told that one lies behind another."""
+TABS = 8
+"""More than the six connections that a browser has to one host over HTTP/1.1."""
+
+
+SIGNALS = """() => {
+  window.signals = [];
+  const signal = document.querySelector(".signal");
+  const note = new MutationObserver(() => signals.push(signal.textContent));
+  note.observe(signal, { subtree: true, characterData: true, childList: true });
+}"""
+"""Notes each change of what is said of the connection."""
+
+
+def put(tab: Page, *, away: bool) -> None:
+    """Put a tab behind another, or back in front."""
+    tab.evaluate("(away) => { window.away = away; document.dispatchEvent(new Event('visibilitychange')); }", away)
+
+
+def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    context = seen.page.context
+    context.add_init_script(SEEN)
+    tabs: list[Page] = []
+    for _ in range(TABS):
+        for tab in tabs[-1:]:
+            put(tab, away=True)
+        tabs.append(context.new_page())
+        tabs[-1].goto(f"{seen.base}/#/machines/{MACHINE}")
+        expect(tabs[-1].locator(".alarm")).to_be_visible()
+        expect(tabs[-1].locator(".signal")).to_have_text("● live")
+    said = {"by": "otto", "comment": "while you were away"}
+    service.client.post(f"/alerts/{alert['id']}/comments", json=said).raise_for_status()
+    expect(tabs[-1].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    tabs[0].wait_for_timeout(500)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events']} event")  # a tab that nobody sees asks nothing
+    put(tabs[-1], away=True)
+    put(tabs[0], away=False)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    expect(tabs[0].locator(".signal")).to_have_text("● live")
+
+
+def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
+    waiting: list[Route] = []
+    seen.page.route(
+        re.compile(r"/api/v1/(?!alert-events/stream)"), lambda route: waiting.append(route)
+    )  # as without a free connection
+    other = seen.page.context.new_page()
+    other.goto(f"{seen.base}/#/machines/{MACHINE}")
+    expect(other.locator(".alarm")).to_be_visible()
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    seen.page.evaluate(SIGNALS)
+    seen.page.wait_for_timeout(10_000)  # two beats, and the patience with each
+    assert sum("alert-events" in one.request.url for one in waiting) >= 1
+    assert seen.page.evaluate("signals") == []
+    seen.page.unroute_all()
+    other.close()
+
+
 def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
     service.create("motor-pump")
     seen.open("machines/motor-pump")
