@@ -261,11 +261,23 @@ def test_enter_picks_the_point_read_out_as_a_click_does(seen: Seen, service: Ser
     assert seen.errors == []
 
 
+EIGHT = ["B1X", "B1Y", "B2X", "B2Y", "B3X", "B3Y", "B4X", "B4Y"]
+"""Channels of the machine, all of them."""
+
+
 @pytest.mark.parametrize(
-    ("tab", "lines"),
-    [("trends?element=coupling.C1", 2), ("response?channels=B1X,B1Y,B2X,B2Y,B3X,B3Y,B4X,B4Y", 2), ("model", 1)],
+    ("tab", "lines", "whole"),
+    [
+        ("trends?element=coupling.C1", 2, r".*: .*\d \(.*\d … .*\d\) [kMG]?N.*, not accepted"),
+        (
+            f"response?channels={','.join(EIGHT)}",
+            2,
+            r"\d+ rpm: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
+        ),
+        ("model", 1, r"\d[\d ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
+    ],
 )
-def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> None:
+def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole: str) -> None:
     """Among them the longest there are: of what was not accepted, and of all channels at once."""
 
     def not_accepted(route: Route) -> None:
@@ -286,7 +298,7 @@ def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> No
         before = canvas.evaluate(TOP)
         for _ in range(8):
             phone.page.keyboard.press("ArrowLeft")
-            expect(said).to_contain_text(re.compile(r"\d"))
+            expect(said).to_have_text(re.compile(f"^{whole}$"))
             assert canvas.evaluate(TOP) == before, "no plot moves from under the finger"
             box, height = said.bounding_box(), said.evaluate(WORDS_HEIGHT)
             assert box is not None
@@ -335,6 +347,41 @@ def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None
     expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
     for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
         assert path.evaluate("path => path.getTotalLength()") > 100
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("what", "unit"), [("Amplitude", "µm pp"), ("Phase lag", "° lag")])
+def test_bode_plots_read_out_every_channel_at_every_speed(seen: Seen, service: Service, what: str, unit: str) -> None:
+    shown = ["B1X", "B2Y", "B3X"]
+    run = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-up")
+    other = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-down")
+    phasors = service.get(f"/runs/{run['id']}/phasors")
+    seen.open(f"machines/{MACHINE}/response?run={run['id']}&reference={other['id']}&channels={','.join(shown)}")
+    wait_drawn(seen.page, 3)
+    plot = seen.page.get_by_role("group", name=re.compile(f"^{what} of"))
+    said = plot.locator(".readout")
+    number = r"−?\d[\d.]*"
+    whole = re.compile(rf"({number}) rpm: " + ", ".join(f"{one} ({number})" for one in shown) + f" {unit}")
+    plot.focus()
+    read = {}
+    for _ in phasors["speed_rpm"][1:]:
+        seen.page.keyboard.press("ArrowLeft")
+        found = whole.fullmatch(said.inner_text())
+        assert found is not None, said.inner_text()
+        read[found.group(1)] = [float(one.replace("−", "-")) for one in found.groups()[1:]]
+    assert len(read) == len(phasors["speed_rpm"]) - 1, "each key leads to another speed"
+    for speed, told in read.items():
+        at = min(range(len(phasors["speed_rpm"])), key=lambda one: abs(phasors["speed_rpm"][one] - float(speed)))
+        for channel, value in zip(shown, told, strict=True):
+            row = phasors["channels"].index(channel)
+            true = phasors["amplitude_um_pp" if what == "Amplitude" else "phase_lag_deg"][row][at]
+            turns = 0 if what == "Amplitude" else 360 * round((value - true) / 360)
+            assert value == pytest.approx(true + turns, rel=6e-3, abs=1)
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    for step in range(100):
+        seen.page.mouse.move(plane["x"] + (step + 0.5) / 100 * plane["width"], plane["y"] + plane["height"] / 2)
+        assert whole.fullmatch(said.inner_text()), said.inner_text()
     assert seen.errors == []
 
 
