@@ -1,10 +1,12 @@
 """The page in a real browser, over a service with real data: it draws, is worked with, follows what happens, survives."""
 
+import math
 import re
 import signal
 import subprocess
 import threading
 from datetime import UTC, datetime, timedelta
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
@@ -138,6 +140,37 @@ def point_of(plot: Locator) -> tuple[float, float]:
         if box is not None and box["x"] > plane["x"]:
             return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     raise AssertionError("no point is marked")
+
+
+def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: Seen, service: Service) -> None:
+    name = "disc.D1.unbalance"
+    (series,) = service.get(f"/machines/{MACHINE}/trends", parameter=name)["series"]
+    quiet = {"value": 0.0, "limit": 5.0, "passed": False, "began": None}
+    passed = {"value": 9.0, "limit": 5.0, "passed": True, "began": series["measured_at"][-2]}
+    drift = {"per_week": -8.9, "lower": -12.0, "upper": -5.0, "probability": 1e-4, "alert": None, "danger": None}
+    tests = [
+        {"name": f"{name}.real", "step_up": quiet, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
+        {"name": f"{name}.imaginary", "step_up": passed, "step_down": quiet, "creep": quiet, "drift": None},
+    ]
+    tests = [{"runs": 9, "newest": 1.0, **one} for one in tests]
+    answer = {"missing": None, "run_length": 1000, "tests": tests}
+    seen.page.route(re.compile("/trend-tests[?]"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
+    wait_drawn(seen.page, 2)  # magnitude and angle
+    told = seen.page.locator(".told")
+    mean = "the mean of its newest runs lies below the baseline"
+    weekly = "−8.9 % of the baseline's magnitude a week (−12 … −5.0)"
+    expect(told).to_have_text(
+        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: a step up, likeliest since "))
+    )
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    seen.page.set_viewport_size({"width": 390, "height": 844})
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    plot = seen.page.get_by_role("group", name=re.compile(f"Angle of {name} over time"))
+    angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
+    plot.press("ArrowLeft")
+    expect(plot.locator(".readout")).to_contain_text(f" g·mm at {angle:.1f}°")
+    assert seen.errors == []
 
 
 def test_a_click_picks_only_what_it_is_near_to(seen: Seen) -> None:
@@ -464,6 +497,21 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     expect(seen.page.locator(".bar")).to_be_hidden()
     assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+def test_trends_of_an_old_period_are_marked_by_what_was_done_then(seen: Seen) -> None:
+    last = datetime.now(UTC).date() - timedelta(days=3)
+    first = last - timedelta(days=40)
+    done = {"id": 1, "at": f"{last}T00:00:00Z", "kind": "maintenance", "text": "coupling re-shimmed", "by": "anna"}
+
+    def timeline(route: Route) -> None:  # so much was done since that the newest entries do not reach so far back
+        period = parse_qs(urlsplit(route.request.url).query)
+        route.fulfill(json=[done] if "to" in period and period["to"][0] < f"{last + timedelta(days=2)}" else [])
+
+    seen.page.route(re.compile(r"/timeline\?"), timeline)
+    seen.open(f"reports/{MACHINE}?from={first}&to={last}")
+    expect(seen.page.locator(".marks").first).to_contain_text("coupling re-shimmed")
     assert seen.errors == []
 
 
