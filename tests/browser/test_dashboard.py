@@ -489,6 +489,31 @@ def test_parameters_say_in_words_what_the_data_tell(seen: Seen, service: Service
     assert seen.errors == []
 
 
+def test_a_comparison_has_units_and_says_what_is_not_determined(seen: Seen, service: Service) -> None:
+    found = service.get("/identifications/compare", first=1, second=2)
+
+    def undetermined(route: Route) -> None:
+        answer = route.fetch().json()
+        for one in answer["changes"]:
+            if one["parameter"] == "coupling.C1.kxx":
+                one["second"] = one["per_cent"] = one["sigma"] = None
+        route.fulfill(json=answer)
+
+    seen.page.route(re.compile("/compare[?]"), undetermined)
+    seen.open(f"machines/{MACHINE}/identified?identification=2&against=1")
+    rows = seen.page.locator("table.comparison tbody tr")
+    expect(rows).to_have_count(len(found["changes"]))
+    for row in rows.all():
+        cells = [cell.inner_text() for cell in row.locator("td.number").all()][:2]
+        assert all(re.fullmatch(r"−?[\d.]+ \S+|not determined", cell) for cell in cells), cells
+    (change,) = [one for one in found["changes"] if one["parameter"] == "disc.D1.unbalance.imaginary"]
+    unbalance = rows.filter(has_text="disc.D1.unbalance.imaginary").locator("td.number").first
+    expect(unbalance).to_have_text(f"{1e6 * change['first']:.0f} g·mm")
+    coupling = rows.filter(has_text="coupling.C1.kxx").locator("td.number")
+    expect(coupling.nth(1)).to_have_text("not determined")
+    assert seen.errors == []
+
+
 def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.get_by_text(f"{2 * CYCLES} runs")).to_be_visible()
