@@ -757,6 +757,29 @@ def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
         expect(comment).to_be_focused()
 
 
+def test_a_long_history_of_an_alert_says_that_it_is_cut(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    first = service.get(f"/alerts/{alert['id']}/events")[0]
+    events = [{**first, "id": number, "kind": "commented", "comment": f"comment {number}"} for number in range(1, 1201)]
+
+    def answer(route: Route) -> None:  # as the service does: the oldest first, a hundred if no limit is set
+        limit = re.search(r"limit=(\d+)", route.request.url)
+        route.fulfill(json=events[: int(limit.group(1)) if limit else 100])
+
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), answer)
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history li")).to_have_count(1000)
+    expect(alarm.locator(".cut")).to_have_text("The oldest 1000 are shown; there may be more.")
+    del events[150:]
+    seen.page.reload()
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history")).to_contain_text("comment 150")
+    expect(alarm.locator(".cut")).to_have_count(0)
+    assert seen.errors == []
+
+
 def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     alarm = seen.page.locator(".alarm")
