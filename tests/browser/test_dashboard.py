@@ -173,6 +173,25 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     assert seen.errors == []
 
 
+@pytest.mark.parametrize("known", [True, False])
+def test_an_element_that_nothing_is_known_of_looks_unlike_a_normal_one(seen: Seen, known: bool) -> None:
+    def missing(route: Route) -> None:
+        found = route.fetch().json()
+        route.fulfill(json={**found, "missing": "no baseline", "elements": [], "parameters": []})
+
+    if not known:
+        seen.page.route(re.compile("/deviations[?]"), missing)
+    seen.open(f"machines/{MACHINE}")
+    disc = seen.page.locator(".element[data-element='disc.D1']")
+    expect(disc).to_have_class(re.compile(r"\b(normal|changed)\b" if known else r"\bunknown\b"))
+    filled = disc.locator("rect").evaluate("shape => getComputedStyle(shape).fill") != "rgba(0, 0, 0, 0)"
+    assert filled == known
+    if not known:
+        expect(disc).to_have_attribute("aria-label", "disc D1: not known: there is nothing to compare")
+    expect(seen.page.locator(".legend")).to_contain_text("▢ not known")
+    assert seen.errors == []
+
+
 def test_a_click_picks_only_what_it_is_near_to(seen: Seen) -> None:
     plot = trend(seen)
     x, y = point_of(plot)
