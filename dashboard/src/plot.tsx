@@ -241,6 +241,11 @@ function zoom(made: uPlot, factor: number, left = made.cursor.left ?? -1): void 
   }
 }
 
+/** An axis that says its unit [px]. */
+function titled(label: string, size: number, labelSize: number): uPlot.Axis {
+  return { label, size, labelSize, labelFont: "11px system-ui, sans-serif", labelGap: 0 };
+}
+
 function options(
   latest: { current: PlotProps },
   height: number,
@@ -280,8 +285,8 @@ function options(
       y: { range: (_, min, max) => yRange(latest.current, min, max) },
     },
     axes: [
-      { ...axis, size: 34, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-      { ...axis, size: 54, values: (_, ticks) => ticks.map(short), label: props.yUnit, labelSize: 16, labelFont: "11px system-ui, sans-serif", labelGap: 0 },
+      { ...axis, ...(props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 }), values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
+      { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map(short) },
     ],
     cursor: {
       drag: { x: true, y: false, setScale: true },

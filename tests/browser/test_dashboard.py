@@ -500,6 +500,22 @@ def test_model_shows_campbell_diagram_and_coupling_forces(seen: Seen) -> None:
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(("tab", "plots"), [("response", 3), ("model", 5)])
+def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> None:
+    seen.page.add_init_script("""window.written = new Map();
+    const write = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
+      written.set(this.canvas, [...(written.get(this.canvas) ?? []), text]);
+      return write.call(this, text, ...where);
+    };""")
+    seen.open(f"machines/{MACHINE}/{tab}")
+    wait_drawn(seen.page, plots) if tab == "response" else expect(seen.page.locator(".plot canvas")).to_have_count(plots)
+    written = "(canvas) => written.get(canvas) ?? []"
+    for canvas in seen.page.locator(".plot canvas").all():
+        until(lambda canvas=canvas: "rpm" in canvas.evaluate(written), within_s=5, what="the axis says rpm")
+    assert seen.errors == []
+
+
 def test_parameters_say_in_words_what_the_data_tell(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}/identified?identification=1")
     found = service.get("/identifications/1")["estimates"]
@@ -720,6 +736,13 @@ def test_what_comes_late_moves_nothing(seen: Seen) -> None:
         assert seen.page.evaluate("window.moved") < SHIFT, place
 
 
+def test_a_name_that_no_machine_may_have_is_said_to_be_unknown(seen: Seen) -> None:
+    for place in ("machines/%00", "reports/%00"):
+        seen.open(place)
+        expect(seen.page.get_by_role("alert")).to_have_text("There is no machine “%00”.")
+    assert seen.errors == []
+
+
 def test_an_unknown_machine_is_said_to_be_unknown(seen: Seen) -> None:
     seen.open("machines/no-such-machine")
     expect(seen.page.get_by_role("alert")).to_contain_text("no machine no-such-machine")
@@ -774,6 +797,24 @@ def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
             seen.page.get_by_role("button", name="Cancel").click()
         expect(seen.page.get_by_role("dialog")).to_have_count(0)
         expect(comment).to_be_focused()
+
+
+def test_after_a_dialog_whose_button_is_gone_one_is_still_on_the_page(seen: Seen) -> None:
+    gone = False
+
+    def answer(route: Route) -> None:
+        route.fulfill(json=[] if gone else route.fetch().json())
+
+    seen.page.route(re.compile(r"/alerts\?open=true"), answer)
+    seen.open(f"machines/{MACHINE}")
+    comment = seen.page.locator(".alarm").get_by_role("button", name="Comment")
+    comment.press("Enter")
+    expect(seen.page.get_by_role("dialog")).to_be_visible()
+    gone = True  # somebody else has closed it; the list is asked for every ten seconds
+    expect(comment).to_have_count(0)
+    seen.page.keyboard.press("Escape")
+    expect(seen.page.get_by_role("dialog")).to_have_count(0)
+    expect(seen.page.locator("main")).to_be_focused()
 
 
 def test_a_long_history_of_an_alert_says_that_it_is_cut(seen: Seen, service: Service) -> None:
