@@ -184,8 +184,9 @@ def test_an_element_that_nothing_is_known_of_looks_unlike_a_normal_one(seen: See
     seen.open(f"machines/{MACHINE}")
     disc = seen.page.locator(".element[data-element='disc.D1']")
     expect(disc).to_have_class(re.compile(r"\b(normal|changed)\b" if known else r"\bunknown\b"))
-    filled = disc.locator("rect").evaluate("shape => getComputedStyle(shape).fill") != "rgba(0, 0, 0, 0)"
-    assert filled == known
+    fill, dashes = disc.locator("rect").evaluate("of => [getComputedStyle(of).fill, getComputedStyle(of).strokeDasharray]")
+    panel = seen.page.locator(".panel").first.evaluate("panel => getComputedStyle(panel).backgroundColor")
+    assert ((fill != panel), (dashes == "none")) == (known, known)
     if not known:
         expect(disc).to_have_attribute("aria-label", "disc D1: not known: there is nothing to compare")
     expect(seen.page.locator(".legend")).to_contain_text("▢ not known")
