@@ -3,7 +3,7 @@ import type { Alert, AlertEvent } from "./answers";
 import { useResources, type Answer } from "./resource";
 
 /** The service answers with so many at most. */
-const MOST_EVENTS = 1000;
+export const MOST_EVENTS = 1000;
 
 /** Alerts opened later are as they are now. Nothing until it is known how the others were. */
 export function useAlertsAt(alerts: Alert[] | undefined, at: string): Answer<Alert[]> {

@@ -2,9 +2,10 @@
 import { useState } from "preact/hooks";
 import { AlertDialog } from "./alert-dialog";
 import { calls, DEEDS, possible, stateInWords, type Deed } from "./alert-words";
+import { MOST_EVENTS } from "./alerts-at";
 import type { Alert, AlertEvent, Evidence } from "./answers";
 import { elementName, number, quantity, utc } from "./format";
-import { Empty, Severity, Shown, Time } from "./parts";
+import { Cut, Empty, Severity, Shown, Time } from "./parts";
 import { useResource, type Answer } from "./resource";
 import { link } from "./router";
 
@@ -99,20 +100,23 @@ function causeInWords({ kind, element }: { kind: string; element: string }): str
 }
 
 function History({ alert }: { alert: Alert }) {
-  const answer = useResource<AlertEvent[]>(`/alerts/${alert.id}/events`);
+  const answer = useResource<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MOST_EVENTS}`);
   return (
     <Shown answer={answer} lines={alert.events}>
       {(events) => (
-        <ol class="history">
-          {events.map((event) => (
-            <li key={event.id}>
-              <Time at={event.at} /> {event.kind.replaceAll("_", " ")}
-              {event.by && <> by {event.by}</>}
-              {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
-              {event.comment && <q>{event.comment}</q>}
-            </li>
-          ))}
-        </ol>
+        <>
+          <Cut shown={events.length} most={MOST_EVENTS} what="oldest" />
+          <ol class="history">
+            {events.map((event) => (
+              <li key={event.id}>
+                <Time at={event.at} /> {event.kind.replaceAll("_", " ")}
+                {event.by && <> by {event.by}</>}
+                {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
+                {event.comment && <q>{event.comment}</q>}
+              </li>
+            ))}
+          </ol>
+        </>
       )}
     </Shown>
   );

@@ -212,6 +212,9 @@ export interface Series {
   value: (number | null)[];
   lower: (number | null)[];
   upper: (number | null)[];
+  /** Of a vector such as an unbalance. */
+  real?: (number | null)[] | null;
+  imaginary?: (number | null)[] | null;
   quality: string[];
   run_kind: string[];
   identification: number[];
@@ -472,8 +475,8 @@ export interface LimitsVersion {
 
 export interface ComparedChange {
   parameter: string;
-  first: number;
-  second: number;
+  first: number | null;
+  second: number | null;
   per_cent: number | null;
   sigma: number | null;
 }

@@ -1,5 +1,5 @@
 // Asking the service, and what is said when it refuses.
-import { missed } from "./connection";
+import { heard, missed } from "./connection";
 import { changeHeaders, refused } from "./session";
 
 export const PREFIX = "/api/v1";
@@ -17,12 +17,14 @@ export class Failure extends Error {
 
 async function ask(path: string, options: RequestInit): Promise<Response> {
   let response: Response;
+  const asked = Date.now();
   try {
     response = await fetch(PREFIX + path, { ...options, signal: AbortSignal.timeout(PATIENCE_MS) });
-  } catch {
-    missed();
+  } catch (error) {
+    missed(asked, error);
     throw new Failure(0, "The service does not answer.");
   }
+  heard();
   if (response.ok) return response;
   if (response.status === 401) refused();
   throw new Failure(response.status, await reason(response));

@@ -7,12 +7,26 @@ export interface Group {
   columns: Column[];
 }
 
-/** The ascending union of all x, and each group's columns over it. */
+/** The ascending union of all x, and each group's columns over it: where groups have the same x they share it. */
 export function onCommonAxis(groups: Group[]): { x: number[]; columns: Column[][] } {
-  const all = groups.flatMap((group, owner) => group.x.map((x, at) => ({ x, at, owner })));
-  all.sort((a, b) => a.x - b.x);
-  const columns = groups.map((group, owner) => group.columns.map((column) => all.map((one) => (one.owner === owner ? (column[one.at] ?? null) : null))));
-  return { x: all.map((one) => one.x), columns };
+  const keys = groups.map(({ x }) => numbered(x));
+  const rows = new Map(groups.flatMap(({ x }, owner) => x.map((one, at) => [keys[owner]![at]!, one])));
+  const all = [...rows].sort(([, one], [, other]) => one - other);
+  const columns = groups.map((group, owner) => {
+    const places = new Map(keys[owner]!.map((key, at) => [key, at]));
+    return group.columns.map((column) => all.map(([key]) => column[places.get(key) ?? -1] ?? null));
+  });
+  return { x: all.map(([, one]) => one), columns };
+}
+
+/** A speed that a run dwells at keeps all of its points: each has a key of its own. */
+function numbered(x: number[]): string[] {
+  const seen = new Map<number, number>();
+  return x.map((one) => {
+    const before = seen.get(one) ?? 0;
+    seen.set(one, before + 1);
+    return `${one} ${before}`;
+  });
 }
 
 /** Phases [°] without their jumps over a whole turn; what is null is passed over. */

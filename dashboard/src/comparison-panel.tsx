@@ -1,7 +1,7 @@
 // What changed from an earlier identification to the one that is shown.
-import type { Comparison, ComparedChange, IdentificationSummary } from "./answers";
+import type { Comparison, ComparedChange, Estimate, IdentificationSummary } from "./answers";
 import { query } from "./api";
-import { elementName, number, percent, when } from "./format";
+import { elementName, number, percent, scaleOf, when, type Scale } from "./format";
 import { Empty, Panel, Shown } from "./parts";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
@@ -10,7 +10,14 @@ import { useStore } from "./store";
 /** A change larger than this many standard errors stands out. */
 const CLEAR = 3;
 
-export function ComparisonPanel({ shown, all }: { shown: string; all: IdentificationSummary[] }) {
+interface Props {
+  shown: string;
+  all: IdentificationSummary[];
+  /** Of the identification that is shown: they tell the units. */
+  estimates: Estimate[];
+}
+
+export function ComparisonPanel({ shown, all, estimates }: Props) {
   const { query: chosen } = useStore(place);
   const others = all.filter((one) => String(one.id) !== shown);
   const earlier = chosen.get("against") ?? "";
@@ -37,14 +44,14 @@ export function ComparisonPanel({ shown, all }: { shown: string; all: Identifica
         <Empty>Choose one: each parameter's change is shown in per cent, and in standard errors of both fits.</Empty>
       ) : (
         <Shown answer={answer} lines={12}>
-          {(found) => <Changes found={found} />}
+          {(found) => <Changes found={found} estimates={estimates} />}
         </Shown>
       )}
     </Panel>
   );
 }
 
-function Changes({ found }: { found: Comparison }) {
+function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[] }) {
   const changes = [...found.changes].sort((a, b) => Math.abs(b.sigma ?? 0) - Math.abs(a.sigma ?? 0));
   return (
     <>
@@ -69,7 +76,7 @@ function Changes({ found }: { found: Comparison }) {
           </thead>
           <tbody>
             {changes.map((one) => (
-              <Row key={one.parameter} one={one} />
+              <Row key={one.parameter} one={one} unit={unitOf(one.parameter, estimates)} />
             ))}
           </tbody>
         </table>
@@ -80,7 +87,17 @@ function Changes({ found }: { found: Comparison }) {
   );
 }
 
-function Row({ one }: { one: ComparedChange }) {
+/** A component of an unbalance has its unit. */
+function unitOf(parameter: string, estimates: Estimate[]): string {
+  return estimates.find((one) => parameter === one.parameter || parameter.startsWith(`${one.parameter}.`))?.unit ?? "";
+}
+
+function written(value: number | null, scale: Scale): string {
+  return value === null ? "not determined" : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
+}
+
+function Row({ one, unit }: { one: ComparedChange; unit: string }) {
+  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit);
   const clear = Math.abs(one.sigma ?? 0) > CLEAR;
   return (
     <tr class={clear ? "clear" : undefined}>
@@ -88,8 +105,8 @@ function Row({ one }: { one: ComparedChange }) {
         {clear && "● "}
         {one.parameter}
       </td>
-      <td class="number">{number(one.first, 4)}</td>
-      <td class="number">{number(one.second, 4)}</td>
+      <td class="number">{written(one.first, scale)}</td>
+      <td class="number">{written(one.second, scale)}</td>
       <td class="number">{one.per_cent === null ? "–" : percent(one.per_cent / 100)}</td>
       <td class="number">{number(one.sigma, 2)}</td>
     </tr>

@@ -8,7 +8,7 @@ export function Dialog({ title, onClose, children }: { title: string; onClose: (
     const before = document.activeElement as HTMLElement | null;
     dialog.current?.showModal();
     // Who works with keys goes on where the window was opened, however it was closed.
-    return () => before?.focus();
+    return () => (before?.isConnected ? before : document.getElementById("main"))?.focus();
   }, []);
   return (
     <dialog ref={dialog} onClose={onClose} aria-label={title}>

@@ -46,7 +46,7 @@ export function IdentifiedView({ machine }: { machine: Document }) {
       <Shown answer={answer} lines={30}>
         {(found) => <Identified machine={machine} found={found} />}
       </Shown>
-      {asked && <ComparisonPanel shown={asked} all={list.data ?? []} />}
+      {asked && <ComparisonPanel shown={asked} all={list.data ?? []} estimates={answer.data?.estimates ?? []} />}
       {asked && <CorrelationPanel identification={asked} />}
     </>
   );

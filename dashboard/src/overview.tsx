@@ -58,7 +58,7 @@ export function Overview({ machine }: { machine: Document }) {
 export function Legend() {
   return (
     <p class="legend muted">
-      <span class="normal">■</span> as at the baseline <span class="changed">●</span> changed <span class="alert">▲</span> alert{" "}
+      <span class="normal">■</span> as at the baseline <span class="unknown">▢</span> not known <span class="changed">●</span> changed <span class="alert">▲</span> alert{" "}
       <span class="danger">◆</span> danger
     </p>
   );

@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { number } from "./format";
+import { named, nearestOf, stops, values } from "./read-out";
 import { useStore } from "./store";
 import { colour, shown } from "./theme";
 
@@ -128,7 +129,7 @@ export function Plot(props: PlotProps) {
     <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out${props.onPick ? ", Enter picks its point" : ""}.`} onKeyDown={(event) => keyed(event, plot.current, props)}>
       <div class="above">
         <div class="readout" aria-live="off" style={{ "--lines": lines(props) }}>
-          {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : (props.readOut ?? values(props))(index)}
+          {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : props.readOut ? props.readOut(index) : values(props, index)}
           {index === null && !props.readOut && <Names curves={props.curves} />}
         </div>
         <Zooms plot={plot} />
@@ -156,32 +157,22 @@ function Zooms({ plot }: { plot: { current: uPlot | null } }) {
 export function Names({ curves }: { curves: Pick<Curve, "name" | "style" | "faint" | "aside">[] }) {
   return (
     <span class="names">
-      {curves
-        .filter((one) => !one.faint && !one.aside)
-        .map((one, index) => (
-          <span key={one.name}>
-            <svg class={`curve s${(one.style ?? index) % STYLES}`} width={24} height={8} aria-hidden="true">
-              <path d="M0 4h24" stroke-dasharray={dash(one.style ?? index).join(" ")} />
-            </svg>{" "}
-            {one.name}
-          </span>
-        ))}
+      {named(curves).map((one, index) => (
+        <span key={one.name}>
+          <svg class={`curve s${(one.style ?? index) % STYLES}`} width={24} height={8} aria-hidden="true">
+            <path d="M0 4h24" stroke-dasharray={dash(one.style ?? index).join(" ")} />
+          </svg>{" "}
+          {one.name}
+        </span>
+      ))}
     </span>
   );
-}
-
-function values(props: PlotProps): (index: number) => string {
-  return (index) => {
-    const x = `${number(props.x[index], 4)} ${props.xUnit ?? ""}`;
-    const said = props.curves.filter((one) => !one.faint && !one.aside && (one.y[index] ?? null) !== null).map((one) => `${one.name} ${number(one.y[index])}`);
-    return `${x}: ${said.join(", ")} ${props.yUnit}`;
-  };
 }
 
 /** What a read-out may take on a phone: its place is kept, so that plots below it stay where they are. */
 function lines({ readOut, curves, yUnit }: PlotProps): number {
   if (readOut) return 2;
-  const said = curves.filter((one) => !one.faint && !one.aside).map((one) => one.name.length + VALUE);
+  const said = named(curves).map((one) => one.name.length + VALUE);
   return Math.max(2, Math.ceil((VALUE + yUnit.length + said.reduce((sum, one) => sum + one, 0)) / LINE));
 }
 
@@ -200,13 +191,12 @@ function zoomed(made: uPlot): boolean {
   return min !== undefined && max !== undefined && min !== null && max !== null && x.length > 1 && made.root.dataset.zoomed === "1";
 }
 
-function keyed(event: KeyboardEvent, made: uPlot | null, { x, onPick }: PlotProps): void {
+function keyed(event: KeyboardEvent, made: uPlot | null, props: PlotProps): void {
+  const { x, onPick } = props;
   const last = x.length - 1;
   if (!made || last < 0) return;
   if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
-    const step = (event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1);
-    const index = Math.min(last, Math.max(0, (made.cursor.idx ?? last) + step));
-    made.setCursor({ left: made.valToPos(x[index]!, "x"), top: made.bbox.height / devicePixelRatio / 2 });
+    step(made, props, (event.key === "ArrowLeft" ? -1 : 1) * (event.shiftKey ? 10 : 1));
   } else if (event.key === "+" || event.key === "-") {
     zoom(made, event.key === "+" ? ZOOM : 1 / ZOOM);
   } else if (event.key === "0" || event.key === "Escape") showAll(made);
@@ -214,6 +204,17 @@ function keyed(event: KeyboardEvent, made: uPlot | null, { x, onPick }: PlotProp
   else if (event.key === "Enter" && onPick && event.target === event.currentTarget) onPick(Math.min(last, made.cursor.idx ?? last));
   else return;
   event.preventDefault();
+}
+
+/** Move the read-out by so many of the points in sight. */
+function step(made: uPlot, props: PlotProps, by: number): void {
+  const { min = -Infinity, max = Infinity } = made.scales.x! as { min?: number; max?: number };
+  const rows = stops(props).filter((row) => props.x[row]! >= min && props.x[row]! <= max);
+  if (rows.length === 0) return;
+  const here = made.cursor.idx ?? null;
+  const place = here === null ? rows.length - 1 : rows.indexOf(nearestOf(props.x, rows, here)!);
+  const to = rows[Math.min(rows.length - 1, Math.max(0, place + by))]!;
+  made.setCursor({ left: made.valToPos(props.x[to]!, "x"), top: made.bbox.height / devicePixelRatio / 2 });
 }
 
 /** A plot and those that it zooms together with. */
@@ -238,6 +239,11 @@ function zoom(made: uPlot, factor: number, left = made.cursor.left ?? -1): void 
     one.root.dataset.zoomed = "1";
     one.setScale("x", { min: middle - (middle - min) * factor, max: middle + (max - middle) * factor });
   }
+}
+
+/** An axis that says its unit [px]. */
+function titled(label: string, size: number, labelSize: number): uPlot.Axis {
+  return { label, size, labelSize, labelFont: "11px system-ui, sans-serif", labelGap: 0 };
 }
 
 function options(
@@ -279,12 +285,14 @@ function options(
       y: { range: (_, min, max) => yRange(latest.current, min, max) },
     },
     axes: [
-      { ...axis, size: 34, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-      { ...axis, size: 54, values: (_, ticks) => ticks.map(short), label: props.yUnit, labelSize: 16, labelFont: "11px system-ui, sans-serif", labelGap: 0 },
+      { ...axis, ...(props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 }), values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
+      { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map(short) },
     ],
     cursor: {
       drag: { x: true, y: false, setScale: true },
       points: { size: 7 },
+      // Marked is what is read out, not only where all curves have a point.
+      ...(props.readOut ? {} : { hover: { skip: [null], prox: Number.MAX_VALUE } }),
       // A finger that is lifted, or taps a button, leaves the read-out where it was.
       bind: { mouseleave: (made, _, leave) => (event) => (byFinger(made) ? null : leave(event)) },
       ...(props.together ? { sync: { key: props.together } } : {}),

@@ -1,7 +1,7 @@
 // Answers of the service that components share: asked for once, kept, and asked for again when there is news.
 import { useEffect, useState } from "preact/hooks";
 import { Failure, get } from "./api";
-import { newestEvent, returns } from "./connection";
+import { connection, newestEvent, returns } from "./connection";
 import { Store } from "./store";
 
 export interface Answer<T> {
@@ -13,6 +13,8 @@ export interface Answer<T> {
 const KEPT = 60;
 /** What was asked for so shortly before is not asked for again by another component [ms]. */
 const FRESH_MS = 1000;
+/** What waited for a free connection in vain is asked for again so much later [ms]. */
+const AGAIN_MS = 1000;
 
 class Resource {
   readonly answer = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
@@ -37,6 +39,7 @@ class Resource {
       const failure = error instanceof Failure ? error : new Failure(0, String(error));
       // What was there stays visible while the service is away; what is gone is gone.
       this.answer.set({ data: failure.status === 404 ? undefined : this.answer.value.data, failure });
+      if (failure.status === 0 && connection.value.state !== "lost") window.setTimeout(() => this.followers > 0 && void this.refresh(), AGAIN_MS);
     } finally {
       this.asking = false;
     }

@@ -13,6 +13,9 @@ import { useStore } from "./store";
 import { SubscriptionsPage } from "./subscriptions-page";
 import { choice, choose, type Choice } from "./theme";
 
+/** What a machine may be called. */
+const MACHINE = /^[A-Za-z0-9_-]{1,64}$/;
+
 export function Shell() {
   const { parts } = useStore(place);
   const lost = useStore(connection).state === "lost";
@@ -69,6 +72,7 @@ function Page({ parts }: { parts: string[] }) {
   if (first === undefined) return <Fleet />;
   if (first === "alerts") return <AlertsPage />;
   if (first === "subscriptions") return <SubscriptionsPage />;
+  if (machine !== undefined && !MACHINE.test(machine)) return <p class="trouble" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
   if (first === "reports" && machine) return <Report key={machine} id={machine} />;
   return (

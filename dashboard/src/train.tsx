@@ -40,7 +40,7 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
   const at = (z: number) => MARGIN + z * scale;
   const thick = (radius: number) => Math.min(tall, radius * scale * stretch);
   const element = (id: string, kind: string, shape: preact.ComponentChildren, x: number, y: number) => {
-    const mark = marks.get(id) ?? { level: "unknown", words: "" };
+    const mark = marks.get(id) ?? { level: "unknown", words: "not known: there is nothing to compare" };
     // tabindex, not tabIndex: names of SVG's attributes are case-sensitive.
     return (
       <g

@@ -1,5 +1,5 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
-import type { Alert, BaselineBand, Document, Drift, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
+import type { Alert, BaselineBand, Document, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
 import { Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
@@ -8,6 +8,8 @@ import { comparable, elementsOf, NotIdentified, useNewest, useNewestSummary } fr
 import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
+import { findings } from "./trend-words";
+import { angleAt, AngleHistory } from "./angle-history";
 
 const RANGES: [string, string, number][] = [
   ["month", "1 month", 31],
@@ -16,13 +18,13 @@ const RANGES: [string, string, number][] = [
   ["all", "all", Infinity],
 ];
 const DAY_MS = 86_400_000;
+/** The service answers with so many entries of the timeline at most. */
+const MOST_MARKS = 1000;
 const MOST_POINTS = 2000;
 /** What is taken away as a file is not thinned out before the service must. */
 const MOST_IN_FILE = 20_000;
 /** Stands for an element in the choice: what follows from the parameters. */
 const DERIVED = "derived quantities";
-/** A drift that chance would make less often than this is told. */
-const TOLD = 0.01;
 
 export function TrendsView({ machine }: { machine: Document }) {
   const { query: chosen } = useStore(place);
@@ -111,9 +113,12 @@ export function Histories(props: HistoriesProps) {
   const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
   const newest = useNewestSummary(machine).data;
   const judged = scope === "run" && element !== DERIVED && comparable(newest);
-  const tests = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null).data;
+  const judgement = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null);
+  const tests = judgement.data;
+  // Words that come later than the plots would move them.
+  const awaited = judged && !tests && !judgement.failure;
   const xRange = windowOf(answer.data?.series ?? [], shownDays);
-  const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline?limit=200`, 60_000).data ?? [];
+  const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline${query({ from, to, limit: MOST_MARKS })}`, 60_000).data ?? [];
   const markers = markersOf(alerts.filter((one) => one.element === element), timeline).filter((one) => within(one, from, to));
   return (
     <Panel
@@ -124,7 +129,7 @@ export function Histories(props: HistoriesProps) {
         </a>
       }
     >
-      <Shown answer={answer} lines={30}>
+      <Shown answer={awaited ? { data: undefined, failure: answer.failure } : answer} lines={30}>
         {({ series }) => (
           <>
             <p class="muted">
@@ -205,25 +210,6 @@ function isDirect(parameter: string): boolean {
   return !/(xy|yx)$/.test(parameter);
 }
 
-/** What the trend tests say of a parameter, where they say something. */
-function told(tests: TrendTest[]): string {
-  return tests
-    .flatMap((test) => {
-      const step = [test.step_up, test.step_down].find((one) => one?.passed);
-      const drift = test.drift && test.drift.probability < TOLD ? test.drift : null;
-      return [
-        ...(step ? [`a step${step.began ? `, likeliest since ${when(step.began)}` : ""}`] : []),
-        ...(drift ? [`${percent(drift.per_week / 100)} a week (${number(drift.lower, 2)} … ${number(drift.upper, 2)})${ahead(drift)}`] : []),
-      ];
-    })
-    .join("; ");
-}
-
-function ahead(drift: Drift): string {
-  const next = [drift.alert, drift.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
-  return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
-}
-
 interface HistoryProps {
   name: string;
   series: Series;
@@ -264,7 +250,13 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
     const base = baselineAt(series, index);
     const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
     const doubt = accepted(index) ? "" : ", not accepted";
-    return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${beside}${doubt}`;
+    const angle = angleAt(series, index);
+    const turned = angle === null ? "" : ` at ${angle.toFixed(1).replace("-", "−")}°`;
+    return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${turned}${beside}${doubt}`;
+  };
+  const onPick = (index: number) => {
+    const parts = place.value.parts;
+    if (parts[1]) go(["machines", parts[1], "identified"], { identification: String(series.identification[index]) });
   };
   const thinned = series.down_sampling && series.down_sampling.method !== "none";
   return (
@@ -273,11 +265,7 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
         <strong>{name}</strong> [{scale.unit || "-"}]
         {thinned && <span class="muted"> lowest and highest of each stretch, of {series.down_sampling!.points} points</span>}
       </figcaption>
-      {tests && (
-        <p class="told" title={told(tests)}>
-          {told(tests)}
-        </p>
-      )}
+      {tests && <p class="told">{findings(series.parameter, tests).join("; ")}</p>}
       <Plot
         label={`${series.parameter} over time, ${series.value.length} points`}
         x={series.measured_at.map((one) => Date.parse(one) / 1000)}
@@ -290,11 +278,9 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
         together="trends"
         height={height}
         readOut={readOut}
-        onPick={(index) => {
-          const parts = place.value.parts;
-          if (parts[1]) go(["machines", parts[1], "identified"], { identification: String(series.identification[index]) });
-        }}
+        onPick={onPick}
       />
+      {series.real && <AngleHistory series={series} kinds={kinds} markers={markers} xRange={xRange} readOut={readOut} onPick={onPick} />}
     </figure>
   );
 }

@@ -1,10 +1,12 @@
 """The page in a real browser, over a service with real data: it draws, is worked with, follows what happens, survives."""
 
+import math
 import re
 import signal
 import subprocess
 import threading
 from datetime import UTC, datetime, timedelta
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
@@ -140,6 +142,57 @@ def point_of(plot: Locator) -> tuple[float, float]:
     raise AssertionError("no point is marked")
 
 
+def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: Seen, service: Service) -> None:
+    name = "disc.D1.unbalance"
+    (series,) = service.get(f"/machines/{MACHINE}/trends", parameter=name)["series"]
+    quiet = {"value": 0.0, "limit": 5.0, "passed": False, "began": None}
+    passed = {"value": 9.0, "limit": 5.0, "passed": True, "began": series["measured_at"][-2]}
+    drift = {"per_week": -8.9, "lower": -12.0, "upper": -5.0, "probability": 1e-4, "alert": None, "danger": None}
+    tests = [
+        {"name": f"{name}.real", "step_up": quiet, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
+        {"name": f"{name}.imaginary", "step_up": passed, "step_down": quiet, "creep": quiet, "drift": None},
+    ]
+    tests = [{"runs": 9, "newest": 1.0, **one} for one in tests]
+    answer = {"missing": None, "run_length": 1000, "tests": tests}
+    seen.page.route(re.compile("/trend-tests[?]"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
+    wait_drawn(seen.page, 2)  # magnitude and angle
+    told = seen.page.locator(".told")
+    mean = "the mean of its newest runs lies below the baseline"
+    weekly = "−8.9 % of the baseline's magnitude a week (−12 … −5.0)"
+    expect(told).to_have_text(
+        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: a step up, likeliest since "))
+    )
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    seen.page.set_viewport_size({"width": 390, "height": 844})
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    plot = seen.page.get_by_role("group", name=re.compile(f"Angle of {name} over time"))
+    angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
+    plot.press("ArrowLeft")
+    expect(plot.locator(".readout")).to_contain_text(f" g·mm at {angle:.1f}°")
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_an_element_that_nothing_is_known_of_looks_unlike_a_normal_one(seen: Seen, known: bool) -> None:
+    def missing(route: Route) -> None:
+        found = route.fetch().json()
+        route.fulfill(json={**found, "missing": "no baseline", "elements": [], "parameters": []})
+
+    if not known:
+        seen.page.route(re.compile("/deviations[?]"), missing)
+    seen.open(f"machines/{MACHINE}")
+    disc = seen.page.locator(".element[data-element='disc.D1']")
+    expect(disc).to_have_class(re.compile(r"\b(normal|changed)\b" if known else r"\bunknown\b"))
+    fill, dashes = disc.locator("rect").evaluate("of => [getComputedStyle(of).fill, getComputedStyle(of).strokeDasharray]")
+    panel = seen.page.locator(".panel").first.evaluate("panel => getComputedStyle(panel).backgroundColor")
+    assert ((fill != panel), (dashes == "none")) == (known, known)
+    if not known:
+        expect(disc).to_have_attribute("aria-label", "disc D1: not known: there is nothing to compare")
+    expect(seen.page.locator(".legend")).to_contain_text("▢ not known")
+    assert seen.errors == []
+
+
 def test_a_click_picks_only_what_it_is_near_to(seen: Seen) -> None:
     plot = trend(seen)
     x, y = point_of(plot)
@@ -261,11 +314,23 @@ def test_enter_picks_the_point_read_out_as_a_click_does(seen: Seen, service: Ser
     assert seen.errors == []
 
 
+EIGHT = ["B1X", "B1Y", "B2X", "B2Y", "B3X", "B3Y", "B4X", "B4Y"]
+"""Channels of the machine, all of them."""
+
+
 @pytest.mark.parametrize(
-    ("tab", "lines"),
-    [("trends?element=coupling.C1", 2), ("response?channels=B1X,B1Y,B2X,B2Y,B3X,B3Y,B4X,B4Y", 2), ("model", 1)],
+    ("tab", "lines", "whole"),
+    [
+        ("trends?element=coupling.C1", 2, r".*: .*\d \(.*\d … .*\d\) [kMG]?N.*, not accepted"),
+        (
+            f"response?channels={','.join(EIGHT)}",
+            2,
+            r"\d+ rpm: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
+        ),
+        ("model", 1, r"\d[\d ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
+    ],
 )
-def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> None:
+def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole: str) -> None:
     """Among them the longest there are: of what was not accepted, and of all channels at once."""
 
     def not_accepted(route: Route) -> None:
@@ -286,7 +351,7 @@ def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int) -> No
         before = canvas.evaluate(TOP)
         for _ in range(8):
             phone.page.keyboard.press("ArrowLeft")
-            expect(said).to_contain_text(re.compile(r"\d"))
+            expect(said).to_have_text(re.compile(f"^{whole}$"))
             assert canvas.evaluate(TOP) == before, "no plot moves from under the finger"
             box, height = said.bounding_box(), said.evaluate(WORDS_HEIGHT)
             assert box is not None
@@ -335,6 +400,41 @@ def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None
     expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
     for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
         assert path.evaluate("path => path.getTotalLength()") > 100
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("what", "unit"), [("Amplitude", "µm pp"), ("Phase lag", "° lag")])
+def test_bode_plots_read_out_every_channel_at_every_speed(seen: Seen, service: Service, what: str, unit: str) -> None:
+    shown = ["B1X", "B2Y", "B3X"]
+    run = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-up")
+    other = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-down")
+    phasors = service.get(f"/runs/{run['id']}/phasors")
+    seen.open(f"machines/{MACHINE}/response?run={run['id']}&reference={other['id']}&channels={','.join(shown)}")
+    wait_drawn(seen.page, 3)
+    plot = seen.page.get_by_role("group", name=re.compile(f"^{what} of"))
+    said = plot.locator(".readout")
+    number = r"−?\d[\d.]*"
+    whole = re.compile(rf"({number}) rpm: " + ", ".join(f"{one} ({number})" for one in shown) + f" {unit}")
+    plot.focus()
+    read = {}
+    for _ in phasors["speed_rpm"][1:]:
+        seen.page.keyboard.press("ArrowLeft")
+        found = whole.fullmatch(said.inner_text())
+        assert found is not None, said.inner_text()
+        read[found.group(1)] = [float(one.replace("−", "-")) for one in found.groups()[1:]]
+    assert len(read) == len(phasors["speed_rpm"]) - 1, "each key leads to another speed"
+    for speed, told in read.items():
+        at = min(range(len(phasors["speed_rpm"])), key=lambda one: abs(phasors["speed_rpm"][one] - float(speed)))
+        for channel, value in zip(shown, told, strict=True):
+            row = phasors["channels"].index(channel)
+            true = phasors["amplitude_um_pp" if what == "Amplitude" else "phase_lag_deg"][row][at]
+            turns = 0 if what == "Amplitude" else 360 * round((value - true) / 360)
+            assert value == pytest.approx(true + turns, rel=6e-3, abs=1)
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    for step in range(100):
+        seen.page.mouse.move(plane["x"] + (step + 0.5) / 100 * plane["width"], plane["y"] + plane["height"] / 2)
+        assert whole.fullmatch(said.inner_text()), said.inner_text()
     assert seen.errors == []
 
 
@@ -401,11 +501,52 @@ def test_model_shows_campbell_diagram_and_coupling_forces(seen: Seen) -> None:
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(("tab", "plots"), [("response", 3), ("model", 5)])
+def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> None:
+    seen.page.add_init_script("""window.written = new Map();
+    const write = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
+      written.set(this.canvas, [...(written.get(this.canvas) ?? []), text]);
+      return write.call(this, text, ...where);
+    };""")
+    seen.open(f"machines/{MACHINE}/{tab}")
+    wait_drawn(seen.page, plots) if tab == "response" else expect(seen.page.locator(".plot canvas")).to_have_count(plots)
+    written = "(canvas) => written.get(canvas) ?? []"
+    for canvas in seen.page.locator(".plot canvas").all():
+        until(lambda canvas=canvas: "rpm" in canvas.evaluate(written), within_s=5, what="the axis says rpm")
+    assert seen.errors == []
+
+
 def test_parameters_say_in_words_what_the_data_tell(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}/identified?identification=1")
     found = service.get("/identifications/1")["estimates"]
     known = sum(one["value"] is not None for one in found)
     expect(seen.page.get_by_text(f"{known} of {len(found)} parameters are determined")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_a_comparison_has_units_and_says_what_is_not_determined(seen: Seen, service: Service) -> None:
+    found = service.get("/identifications/compare", first=1, second=2)
+
+    def undetermined(route: Route) -> None:
+        answer = route.fetch().json()
+        for one in answer["changes"]:
+            if one["parameter"] == "coupling.C1.kxx":
+                one["second"] = one["per_cent"] = one["sigma"] = None
+        route.fulfill(json=answer)
+
+    seen.page.route(re.compile("/compare[?]"), undetermined)
+    seen.open(f"machines/{MACHINE}/identified?identification=2&against=1")
+    rows = seen.page.locator("table.comparison tbody tr")
+    expect(rows).to_have_count(len(found["changes"]))
+    for row in rows.all():
+        cells = [cell.inner_text() for cell in row.locator("td.number").all()][:2]
+        assert all(re.fullmatch(r"−?[\d.]+ \S+|not determined", cell) for cell in cells), cells
+    (change,) = [one for one in found["changes"] if one["parameter"] == "disc.D1.unbalance.imaginary"]
+    unbalance = rows.filter(has_text="disc.D1.unbalance.imaginary").locator("td.number").first
+    expect(unbalance).to_have_text(f"{1e6 * change['first']:.0f} g·mm")
+    coupling = rows.filter(has_text="coupling.C1.kxx").locator("td.number")
+    expect(coupling.nth(1)).to_have_text("not determined")
     assert seen.errors == []
 
 
@@ -417,6 +558,21 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     expect(seen.page.locator(".bar")).to_be_hidden()
     assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+def test_trends_of_an_old_period_are_marked_by_what_was_done_then(seen: Seen) -> None:
+    last = datetime.now(UTC).date() - timedelta(days=3)
+    first = last - timedelta(days=40)
+    done = {"id": 1, "at": f"{last}T00:00:00Z", "kind": "maintenance", "text": "coupling re-shimmed", "by": "anna"}
+
+    def timeline(route: Route) -> None:  # so much was done since that the newest entries do not reach so far back
+        period = parse_qs(urlsplit(route.request.url).query)
+        route.fulfill(json=[done] if "to" in period and period["to"][0] < f"{last + timedelta(days=2)}" else [])
+
+    seen.page.route(re.compile(r"/timeline\?"), timeline)
+    seen.open(f"reports/{MACHINE}?from={first}&to={last}")
+    expect(seen.page.locator(".marks").first).to_contain_text("coupling re-shimmed")
     assert seen.errors == []
 
 
@@ -466,20 +622,23 @@ def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, s
 
 
 @pytest.mark.parametrize(
-    ("closed", "word", "marked"), [(timedelta(), "closed", "changed"), (timedelta(days=9), "open", "alert|danger")]
+    ("days", "word", "opened", "marked"), [(0, "closed", 0, "changed"), (9, "new", 1, "alert|danger")], ids=["closed", "open"]
 )
-def test_report_says_an_alert_s_state_at_the_end_of_the_period(seen: Seen, closed: timedelta, word: str, marked: str) -> None:
-    at = (datetime.now(UTC) + closed).isoformat()
-
-    def later(route: Route) -> None:  # as if it had been closed
-        alerts = route.fetch().json()
-        route.fulfill(json=[{**one, "state": "normal", "closed_at": at, "updated_at": at} for one in alerts])
-
-    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), later)
+def test_report_says_an_alert_s_state_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, word: str, opened: int, marked: str
+) -> None:
+    at = (datetime.now(UTC) + timedelta(days=days)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    then = service.get(f"/alerts/{alert['id']}/events")[-1]
+    assert then["state"] == "unacknowledged"  # in words: new
+    gone = "it is as at the baseline again"
+    today = {**alert, "state": "normal", "message": gone, "closed_at": at, "updated_at": at}  # as if it had been closed
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=[today]))
     seen.open(f"reports/{MACHINE}")
     row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
     expect(row.locator("td").nth(2)).to_have_text(word)
-    expect(seen.page.get_by_text(f"of which {int(word == 'open')} open at the end")).to_be_visible()
+    expect(row.locator("td").nth(5)).to_have_text(then["message"] if opened else gone)
+    expect(seen.page.get_by_text(f"of which {opened} open at the end")).to_be_visible()
     expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
     assert seen.errors == []
 
@@ -578,6 +737,13 @@ def test_what_comes_late_moves_nothing(seen: Seen) -> None:
         assert seen.page.evaluate("window.moved") < SHIFT, place
 
 
+def test_a_name_that_no_machine_may_have_is_said_to_be_unknown(seen: Seen) -> None:
+    for place in ("machines/%00", "reports/%00"):
+        seen.open(place)
+        expect(seen.page.get_by_role("alert")).to_have_text("There is no machine “%00”.")
+    assert seen.errors == []
+
+
 def test_an_unknown_machine_is_said_to_be_unknown(seen: Seen) -> None:
     seen.open("machines/no-such-machine")
     expect(seen.page.get_by_role("alert")).to_contain_text("no machine no-such-machine")
@@ -634,6 +800,47 @@ def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
         expect(comment).to_be_focused()
 
 
+def test_after_a_dialog_whose_button_is_gone_one_is_still_on_the_page(seen: Seen) -> None:
+    gone = False
+
+    def answer(route: Route) -> None:
+        route.fulfill(json=[] if gone else route.fetch().json())
+
+    seen.page.route(re.compile(r"/alerts\?open=true"), answer)
+    seen.open(f"machines/{MACHINE}")
+    comment = seen.page.locator(".alarm").get_by_role("button", name="Comment")
+    comment.press("Enter")
+    expect(seen.page.get_by_role("dialog")).to_be_visible()
+    gone = True  # somebody else has closed it; the list is asked for every ten seconds
+    expect(comment).to_have_count(0)
+    seen.page.keyboard.press("Escape")
+    expect(seen.page.get_by_role("dialog")).to_have_count(0)
+    expect(seen.page.locator("main")).to_be_focused()
+
+
+def test_a_long_history_of_an_alert_says_that_it_is_cut(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    first = service.get(f"/alerts/{alert['id']}/events")[0]
+    events = [{**first, "id": number, "kind": "commented", "comment": f"comment {number}"} for number in range(1, 1201)]
+
+    def answer(route: Route) -> None:  # as the service does: the oldest first, a hundred if no limit is set
+        limit = re.search(r"limit=(\d+)", route.request.url)
+        route.fulfill(json=events[: int(limit.group(1)) if limit else 100])
+
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), answer)
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history li")).to_have_count(1000)
+    expect(alarm.locator(".cut")).to_have_text("The oldest 1000 are shown; there may be more.")
+    del events[150:]
+    seen.page.reload()
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history")).to_contain_text("comment 150")
+    expect(alarm.locator(".cut")).to_have_count(0)
+    assert seen.errors == []
+
+
 def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     alarm = seen.page.locator(".alarm")
@@ -645,6 +852,68 @@ def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -
     service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "seen it"}).raise_for_status()
     count = service.get(f"/alerts/{alert['id']}")["events"]
     expect(alarm).to_contain_text(f"{count} events", timeout=3000)
+
+
+SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });
+Object.defineProperty(document, "visibilityState", { get: () => (document.hidden ? "hidden" : "visible") });"""
+"""A headless browser shows all of its tabs at once; here it can be told that one lies behind another."""
+TABS = 8
+"""More than the six connections that a browser has to one host over HTTP/1.1."""
+
+
+SIGNALS = """() => {
+  window.signals = [];
+  const signal = document.querySelector(".signal");
+  const note = new MutationObserver(() => signals.push(signal.textContent));
+  note.observe(signal, { subtree: true, characterData: true, childList: true });
+}"""
+"""Notes each change of what is said of the connection."""
+
+
+def put(tab: Page, *, away: bool) -> None:
+    """Put a tab behind another, or back in front."""
+    tab.evaluate("(away) => { window.away = away; document.dispatchEvent(new Event('visibilitychange')); }", away)
+
+
+def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    context = seen.page.context
+    context.add_init_script(SEEN)
+    tabs: list[Page] = []
+    for _ in range(TABS):
+        for tab in tabs[-1:]:
+            put(tab, away=True)
+        tabs.append(context.new_page())
+        tabs[-1].goto(f"{seen.base}/#/machines/{MACHINE}")
+        expect(tabs[-1].locator(".alarm")).to_be_visible()
+        expect(tabs[-1].locator(".signal")).to_have_text("● live")
+    said = {"by": "otto", "comment": "while you were away"}
+    service.client.post(f"/alerts/{alert['id']}/comments", json=said).raise_for_status()
+    expect(tabs[-1].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    tabs[0].wait_for_timeout(500)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events']} event")  # a tab that nobody sees asks nothing
+    put(tabs[-1], away=True)
+    put(tabs[0], away=False)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    expect(tabs[0].locator(".signal")).to_have_text("● live")
+
+
+def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
+    waiting: list[Route] = []
+    seen.page.route(
+        re.compile(r"/api/v1/(?!alert-events/stream)"), lambda route: waiting.append(route)
+    )  # as without a free connection
+    other = seen.page.context.new_page()
+    other.goto(f"{seen.base}/#/machines/{MACHINE}")
+    expect(other.locator(".alarm")).to_be_visible()
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    seen.page.evaluate(SIGNALS)
+    seen.page.wait_for_timeout(10_000)  # two beats, and the patience with each
+    assert sum("alert-events" in one.request.url for one in waiting) >= 1
+    assert seen.page.evaluate("signals") == []
+    seen.page.unroute_all()
+    other.close()
 
 
 def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
