@@ -42,7 +42,7 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
         <span class="rule">{alert.rule.replaceAll("_", " ")}</span>
         <span class="state">{stateInWords(alert.state)}</span>
         <span class="space" />
-        <span title={`measured ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
+        <span title={`first measured ${utc(alert.first_measured_at)}, last ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
           <Time at={alert.opened_at} />
         </span>
       </div>

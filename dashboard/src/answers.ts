@@ -137,6 +137,7 @@ export interface Alert {
   evidence: Partial<Evidence>;
   identification: number;
   measured_at: string;
+  first_measured_at: string;
   opened_at: string;
   updated_at: string;
   closed_at: string | null;

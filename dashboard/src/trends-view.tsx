@@ -160,10 +160,10 @@ export function Histories(props: HistoriesProps) {
 
 function markersOf(alerts: Alert[], timeline: TimelineEntry[]): Marker[] {
   const raised = alerts.map<Marker>((one) => ({
-    // At the run that shows it: it was opened when that was computed, which may be much later.
-    x: Date.parse(one.measured_at) / 1000,
+    // At the run that raised it: it was opened when that was computed, which may be much later.
+    x: Date.parse(one.first_measured_at) / 1000,
     kind: one.severity === "danger" ? "danger" : "alert",
-    words: `${one.message} (measured ${when(one.measured_at)}, opened ${when(one.opened_at)})`,
+    words: `${one.message} (first measured ${when(one.first_measured_at)}, last ${when(one.measured_at)}, opened ${when(one.opened_at)})`,
   }));
   const entered = timeline.map<Marker>((one) => ({
     x: Date.parse(one.at) / 1000,

@@ -95,6 +95,17 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     assert seen.errors == []
 
 
+def test_an_alert_is_marked_where_it_was_raised(seen: Seen, service: Service) -> None:
+    """Runs that still say so come afterwards."""
+    alerts = [one for one in service.get(f"/machines/{MACHINE}/alerts") if one["element"] == "coupling.C1"]
+    assert alerts
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    marks = seen.page.locator(".marks li", has_text="measured").locator("time")
+    expect(marks).not_to_have_count(0)
+    shown = {str(one.get_attribute("datetime"))[:19] for one in marks.all()}
+    assert {one["first_measured_at"][:19] for one in alerts} <= shown
+
+
 @pytest.mark.parametrize(("severities", "mark"), [(["alert"], "▲"), (["danger"], "◆"), (["alert", "danger"], "◆")])
 def test_an_element_is_marked_by_the_worst_of_its_alerts(
     seen: Seen, service: Service, severities: list[str], mark: str
@@ -596,7 +607,9 @@ def test_report_says_what_is_wrong_with_a_period(seen: Seen, asked: str, said: l
 
 def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, service: Service) -> None:
     coupling = seen.page.locator("[data-element='coupling.C1']")
-    newest = next(one for one in service.get(f"/machines/{MACHINE}/identifications", scope="run") if one["accepted"])
+    newest = next(
+        one for one in service.get(f"/machines/{MACHINE}/identifications") if one["scope"] == "run" and one["accepted"]
+    )
     seen.open(f"reports/{MACHINE}")
     expect(coupling).to_have_class(re.compile("alert|danger"))
     expect(seen.page.get_by_text(f"those of identification {newest['id']} ")).to_be_visible()
@@ -611,8 +624,8 @@ def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, s
     last = (datetime.now(UTC) - timedelta(days=3)).date()
     before = next(
         one
-        for one in service.get(f"/machines/{MACHINE}/identifications", scope="run", to=f"{last}T00:00:00Z")
-        if one["accepted"]
+        for one in service.get(f"/machines/{MACHINE}/identifications", to=f"{last}T00:00:00Z")
+        if one["scope"] == "run" and one["accepted"]
     )
     seen.open(f"reports/{MACHINE}?to={last}")
     expect(seen.page.get_by_text(f"those of identification {before['id']} ")).to_be_visible()
