@@ -2,11 +2,13 @@
 
 import os
 import re
+import shutil
 import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from tests.browser.story import BASELINE_RUNS, installed, launch, tell
 from tests.end_to_end.processes import ROOT, Service
@@ -14,6 +16,7 @@ from tests.end_to_end.processes import ROOT, Service
 PICTURES = ROOT / "artefacts" / "browser"
 """Where screenshots are left for people to look at; not committed."""
 PATIENCE_MS = 20_000
+expect.set_options(timeout=PATIENCE_MS)
 
 
 class Seen:
@@ -36,19 +39,31 @@ class Seen:
         self.page.screenshot(path=PICTURES / f"{name}.png", full_page=True)
 
 
+@pytest.fixture(scope="session")
+def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The store of a service that has watched a coupling go out of alignment for some weeks."""
+    one = Service(tmp_path_factory.mktemp("story"), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
+    with one.running():
+        tell(one)
+    one.client.close()
+    return one.folder / "rundown.db"
+
+
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """Where the service runs."""
-    one = Service(tmp_path_factory.mktemp("dashboard"), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
+def place(told: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+    """Where a service runs that goes on from there."""
+    folder = tmp_path_factory.mktemp("dashboard")
+    for file in told.parent.glob(f"{told.name}*"):  # its log as well, if there is one
+        shutil.copy(file, folder)
+    one = Service(folder, RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
     yield one
     one.client.close()
 
 
 @pytest.fixture(scope="module")
 def serving(place: Service) -> Iterator[subprocess.Popen[bytes]]:
-    """The process of a service that has watched a coupling go out of alignment for some weeks, and still runs."""
+    """Its process."""
     with place.running() as started:
-        tell(place)
         yield started
 
 

@@ -4,11 +4,9 @@ import re
 
 from playwright.sync_api import Route, expect
 
-from tests.browser.conftest import PATIENCE_MS, Seen
+from tests.browser.conftest import Seen
 from tests.browser.story import MACHINE
 from tests.end_to_end.processes import Service
-
-expect.set_options(timeout=PATIENCE_MS)
 
 SETTINGS = f"machines/{MACHINE}/settings"
 

@@ -1,0 +1,98 @@
+"""What people do to alerts, and where they are afterwards."""
+
+import re
+
+from playwright.sync_api import Route, expect
+
+from tests.browser.conftest import Seen
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service
+
+
+def test_an_alert_is_acknowledged_by_keys_and_mouse(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    expect(alarm).to_contain_text("new")
+    alarm.get_by_role("button", name="Acknowledge").focus()
+    seen.page.keyboard.press("Enter")
+    seen.page.get_by_label("Your name").fill("anna")
+    seen.page.get_by_label("Comment").fill("on it")
+    seen.page.get_by_role("dialog").get_by_role("button", name="Acknowledge").click()
+    expect(alarm).to_contain_text("acknowledged")
+    expect(alarm.get_by_role("button", name="Acknowledge")).to_have_count(0)
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    assert alert["state"] == "acknowledged"
+    last = service.get(f"/alerts/{alert['id']}/events")[-1]
+    assert (last["by"], last["comment"]) == ("anna", "on it")
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history")).to_contain_text("on it")
+    assert seen.errors == []
+
+
+def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}")
+    comment = seen.page.locator(".alarm").get_by_role("button", name="Comment")
+    for leave in ("Escape", "Cancel"):
+        comment.focus()
+        seen.page.keyboard.press("Enter")
+        expect(seen.page.get_by_role("dialog")).to_be_visible()
+        if leave == "Escape":
+            seen.page.keyboard.press("Escape")
+        else:
+            seen.page.get_by_role("button", name="Cancel").click()
+        expect(seen.page.get_by_role("dialog")).to_have_count(0)
+        expect(comment).to_be_focused()
+
+
+def test_after_a_dialog_whose_button_is_gone_one_is_still_on_the_page(seen: Seen) -> None:
+    gone = False
+
+    def answer(route: Route) -> None:
+        route.fulfill(json=[] if gone else route.fetch().json())
+
+    seen.page.route(re.compile(r"/alerts\?open=true"), answer)
+    seen.open(f"machines/{MACHINE}")
+    comment = seen.page.locator(".alarm").get_by_role("button", name="Comment")
+    comment.press("Enter")
+    expect(seen.page.get_by_role("dialog")).to_be_visible()
+    gone = True  # somebody else has closed it; the list is asked for every ten seconds
+    expect(comment).to_have_count(0)
+    seen.page.keyboard.press("Escape")
+    expect(seen.page.get_by_role("dialog")).to_have_count(0)
+    expect(seen.page.locator("main")).to_be_focused()
+
+
+def test_a_long_history_of_an_alert_says_that_it_is_cut(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    first = service.get(f"/alerts/{alert['id']}/events")[0]
+    events = [{**first, "id": number, "kind": "commented", "comment": f"comment {number}"} for number in range(1, 1201)]
+
+    def answer(route: Route) -> None:  # as the service does: the oldest first, a hundred if no limit is set
+        limit = re.search(r"limit=(\d+)", route.request.url)
+        route.fulfill(json=events[: int(limit.group(1)) if limit else 100])
+
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), answer)
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history li")).to_have_count(1000)
+    expect(alarm.locator(".cut")).to_have_text("The oldest 1000 are shown; there may be more.")
+    del events[150:]
+    seen.page.reload()
+    alarm.get_by_role("button", name="event").click()
+    expect(alarm.locator(".history")).to_contain_text("comment 150")
+    expect(alarm.locator(".cut")).to_have_count(0)
+    assert seen.errors == []
+
+
+def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    alarm = seen.page.locator(".alarm")
+    expect(alarm).to_be_visible()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    said = {"by": "otto", "comment": "elsewhere", "until": "2099-01-01T00:00:00Z"}
+    answer = service.client.post(f"/alerts/{alert['id']}/shelve", json=said)
+    assert answer.status_code in (409, 422), "there is no shelving for ever"
+    service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "seen it"}).raise_for_status()
+    count = service.get(f"/alerts/{alert['id']}")["events"]
+    expect(alarm).to_contain_text(f"{count} events", timeout=3000)

@@ -1,0 +1,145 @@
+"""The page follows what happens, in many tabs, and survives a service that is gone."""
+
+import re
+import signal
+import subprocess
+import threading
+
+from playwright.sync_api import Page, Route, expect
+
+from tests.browser.conftest import Seen
+from tests.browser.drawing import drawn, wait_drawn
+from tests.browser.story import MACHINE, simulate
+from tests.end_to_end.processes import Service, until
+
+
+def test_an_older_run_is_shown_and_one_that_is_not_there_is_not_replaced(seen: Seen, service: Service) -> None:
+    runs = service.get(f"/machines/{MACHINE}/runs")
+
+    def newest_only(route: Route) -> None:  # as on a machine with more runs than the page lists
+        route.fulfill(json=runs[:2])
+
+    seen.page.route(re.compile(r"/runs\?limit="), newest_only)
+    oldest = runs[-1]["id"]
+    seen.open(f"machines/{MACHINE}/response?run={oldest}")
+    expect(seen.page.locator("select").first).to_have_value(str(oldest))
+    wait_drawn(seen.page, 3)
+    seen.open(f"machines/{MACHINE}/response?run=999999")
+    expect(seen.page.get_by_role("alert")).to_contain_text("no run 999999")
+    expect(seen.page.locator(".plot canvas")).to_have_count(0)
+
+
+SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });
+Object.defineProperty(document, "visibilityState", { get: () => (document.hidden ? "hidden" : "visible") });"""
+"""A headless browser shows all of its tabs at once; here it can be told that one lies behind another."""
+
+
+TABS = 8
+"""More than the six connections that a browser has to one host over HTTP/1.1."""
+
+
+SIGNALS = """() => {
+  window.signals = [];
+  const signal = document.querySelector(".signal");
+  const note = new MutationObserver(() => signals.push(signal.textContent));
+  note.observe(signal, { subtree: true, characterData: true, childList: true });
+}"""
+"""Notes each change of what is said of the connection."""
+
+
+def put(tab: Page, *, away: bool) -> None:
+    """Put a tab behind another, or back in front."""
+    tab.evaluate("(away) => { window.away = away; document.dispatchEvent(new Event('visibilitychange')); }", away)
+
+
+def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    context = seen.page.context
+    context.add_init_script(SEEN)
+    tabs: list[Page] = []
+    for _ in range(TABS):
+        for tab in tabs[-1:]:
+            put(tab, away=True)
+        tabs.append(context.new_page())
+        tabs[-1].goto(f"{seen.base}/#/machines/{MACHINE}")
+        expect(tabs[-1].locator(".alarm")).to_be_visible()
+        expect(tabs[-1].locator(".signal")).to_have_text("● live")
+    said = {"by": "otto", "comment": "while you were away"}
+    service.client.post(f"/alerts/{alert['id']}/comments", json=said).raise_for_status()
+    expect(tabs[-1].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    tabs[0].wait_for_timeout(500)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events']} event")  # a tab that nobody sees asks nothing
+    put(tabs[-1], away=True)
+    put(tabs[0], away=False)
+    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    expect(tabs[0].locator(".signal")).to_have_text("● live")
+
+
+def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
+    waiting: list[Route] = []
+    seen.page.route(
+        re.compile(r"/api/v1/(?!alert-events/stream)"), lambda route: waiting.append(route)
+    )  # as without a free connection
+    other = seen.page.context.new_page()
+    other.goto(f"{seen.base}/#/machines/{MACHINE}")
+    expect(other.locator(".alarm")).to_be_visible()
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    seen.page.evaluate(SIGNALS)
+    seen.page.wait_for_timeout(10_000)  # two beats, and the patience with each
+    assert sum("alert-events" in one.request.url for one in waiting) >= 1
+    assert seen.page.evaluate("signals") == []
+    seen.page.unroute_all()
+    other.close()
+
+
+def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
+    service.create("motor-pump")
+    seen.open("machines/motor-pump")
+    expect(seen.page.get_by_text("No run yet")).to_be_visible()
+    source = threading.Thread(
+        target=simulate, args=(service, "motor-pump"), kwargs={"cycles": 1, "rate": 25.0, "wait_s": 60}, daemon=True
+    )
+    source.start()
+    bar = seen.page.locator(".now .collecting progress")
+    expect(bar).to_be_visible()
+    first = float(bar.evaluate("bar => bar.value"))
+    until(lambda: bar.count() == 1 and float(bar.evaluate("bar => bar.value")) > first, within_s=20, what="the bar moves")
+    until(lambda: max(drawn(seen.page), default=0) > 20, within_s=20, what="the run is drawn while it grows")
+    seen.picture("live-run")
+    source.join(60)
+    expect(seen.page.locator("table").get_by_text("run-up")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_a_maintenance_is_written_down(seen: Seen, service: Service) -> None:
+    seen.open("machines/motor-pump")
+    seen.page.get_by_role("button", name="Write").click()
+    seen.page.get_by_label("Kind").select_option("maintenance")
+    seen.page.get_by_label("What", exact=True).fill("coupling re-shimmed")
+    seen.page.get_by_label("Your name").fill("anna")
+    seen.page.get_by_role("button", name="Write down").click()
+    expect(seen.page.locator(".marks")).to_contain_text("coupling re-shimmed")
+    (entry,) = service.get("/machines/motor-pump/timeline")
+    assert (entry["kind"], entry["by"]) == ("maintenance", "anna")
+    assert seen.errors == []
+
+
+def test_the_page_says_that_the_service_is_gone_and_comes_back_with_it(
+    seen: Seen, service: Service, serving: subprocess.Popen[bytes]
+) -> None:
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+    serving.send_signal(signal.SIGTERM)
+    assert serving.wait(20) == 0
+    expect(seen.page.locator(".banner")).to_contain_text("does not answer")
+    expect(seen.page.get_by_role("alert")).to_have_count(1)  # said once, not by every panel
+    expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
+    seen.picture("service-gone")
+    with service.running():
+        expect(seen.page.locator(".banner")).to_have_count(0)
+        expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+        (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+        service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "back"}).raise_for_status()
+        expect(seen.page.locator(".alarm")).to_contain_text(f"{alert['events'] + 1} events")

@@ -1,0 +1,186 @@
+"""A machine's page in a real browser, over a service with real data: what is shown of it, and in which words."""
+
+import math
+import re
+
+import pytest
+from playwright.sync_api import Route, expect
+
+from tests.browser.conftest import Seen
+from tests.browser.drawing import drawn, wait_drawn
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, until
+
+
+def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
+    seen.open()
+    row = seen.page.locator(f"tr[data-machine={MACHINE}]")
+    expect(row).to_contain_text(re.compile("alert|danger"))
+    expect(row).to_contain_text("1 new")
+    row.get_by_role("link").click()
+    expect(seen.page.get_by_role("heading", level=1)).to_have_text("Two-shaft train of the thesis, Chapter 3")
+    assert seen.errors == []
+
+
+def test_train_is_drawn_to_scale_and_the_coupling_stands_out(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    coupling = seen.page.locator("[data-element='coupling.C1']")
+    expect(coupling).to_have_class(re.compile("alert|danger"))
+    expect(coupling).to_contain_text(re.compile("▲|◆"))  # not by colour alone
+    middle = {}
+    for element in ("bearing.B1", "bearing.B2", "bearing.B4"):
+        box = seen.page.locator(f"[data-element='{element}'] path").bounding_box()
+        assert box is not None
+        middle[element] = box["x"] + box["width"] / 2
+    at = {one["element"]: one["at"] for one in service.get(f"/machines/{MACHINE}/drawing")["bearings"]}
+    drawn_ratio = (middle["bearing.B2"] - middle["bearing.B1"]) / (middle["bearing.B4"] - middle["bearing.B1"])
+    true_ratio = (at["bearing.B2"] - at["bearing.B1"]) / (at["bearing.B4"] - at["bearing.B1"])
+    assert drawn_ratio == pytest.approx(true_ratio, abs=0.005)
+    assert seen.errors == []
+
+
+def test_an_alert_is_marked_where_it_was_raised(seen: Seen, service: Service) -> None:
+    """Runs that still say so come afterwards."""
+    alerts = [one for one in service.get(f"/machines/{MACHINE}/alerts") if one["element"] == "coupling.C1"]
+    assert alerts
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    marks = seen.page.locator(".marks li", has_text="measured").locator("time")
+    expect(marks).not_to_have_count(0)
+    shown = {str(one.get_attribute("datetime"))[:19] for one in marks.all()}
+    assert {one["first_measured_at"][:19] for one in alerts} <= shown
+
+
+@pytest.mark.parametrize(("severities", "mark"), [(["alert"], "▲"), (["danger"], "◆"), (["alert", "danger"], "◆")])
+def test_an_element_is_marked_by_the_worst_of_its_alerts(
+    seen: Seen, service: Service, severities: list[str], mark: str
+) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    answer = [{**alert, "id": 1000 + number, "severity": severity} for number, severity in enumerate(severities)]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends")
+    buttons = seen.page.get_by_role("group", name="Element").get_by_role("button")
+    marked = buttons.filter(has=seen.page.locator(".severity"))
+    expect(marked).to_have_count(1)
+    expect(marked).to_have_text(re.compile(rf"^{mark} {severities[-1]} .*C1"))
+    assert seen.errors == []
+
+
+def test_an_element_of_the_train_is_chosen_by_keys(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}")
+    coupling = seen.page.get_by_role("button", name=re.compile("^coupling C1"))
+    coupling.focus()
+    expect(coupling).to_be_focused()
+    seen.page.keyboard.press("Enter")
+    expect(seen.page).to_have_url(re.compile("/trends.*coupling.C1"))
+
+
+def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: Seen, service: Service) -> None:
+    name = "disc.D1.unbalance"
+    (series,) = service.get(f"/machines/{MACHINE}/trends", parameter=name)["series"]
+    quiet = {"value": 0.0, "limit": 5.0, "passed": False, "began": None}
+    passed = {"value": 9.0, "limit": 5.0, "passed": True, "began": series["measured_at"][-2]}
+    drift = {"per_week": -8.9, "lower": -12.0, "upper": -5.0, "probability": 1e-4, "alert": None, "danger": None}
+    tests = [
+        {"name": f"{name}.real", "step_up": quiet, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
+        {"name": f"{name}.imaginary", "step_up": passed, "step_down": quiet, "creep": quiet, "drift": None},
+    ]
+    tests = [{"runs": 9, "newest": 1.0, **one} for one in tests]
+    answer = {"missing": None, "run_length": 1000, "tests": tests}
+    seen.page.route(re.compile("/trend-tests[?]"), lambda route: route.fulfill(json=answer))
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
+    wait_drawn(seen.page, 2)  # magnitude and angle
+    told = seen.page.locator(".told")
+    mean = "the mean of its newest runs lies below the baseline"
+    weekly = "−8.9 % of the baseline's magnitude a week (−12 … −5.0)"
+    expect(told).to_have_text(
+        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: a step up, likeliest since "))
+    )
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    seen.page.set_viewport_size({"width": 390, "height": 844})
+    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    plot = seen.page.get_by_role("group", name=re.compile(f"Angle of {name} over time"))
+    angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
+    plot.press("ArrowLeft")
+    expect(plot.locator(".readout")).to_contain_text(f" g·mm at {angle:.1f}°")
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_an_element_that_nothing_is_known_of_looks_unlike_a_normal_one(seen: Seen, known: bool) -> None:
+    def missing(route: Route) -> None:
+        found = route.fetch().json()
+        route.fulfill(json={**found, "missing": "no baseline", "elements": [], "parameters": []})
+
+    if not known:
+        seen.page.route(re.compile("/deviations[?]"), missing)
+    seen.open(f"machines/{MACHINE}")
+    disc = seen.page.locator(".element[data-element='disc.D1']")
+    expect(disc).to_have_class(re.compile(r"\b(normal|changed)\b" if known else r"\bunknown\b"))
+    fill, dashes = disc.locator("rect").evaluate("of => [getComputedStyle(of).fill, getComputedStyle(of).strokeDasharray]")
+    panel = seen.page.locator(".panel").first.evaluate("panel => getComputedStyle(panel).backgroundColor")
+    assert ((fill != panel), (dashes == "none")) == (known, known)
+    if not known:
+        expect(disc).to_have_attribute("aria-label", "disc D1: not known: there is nothing to compare")
+    expect(seen.page.locator(".legend")).to_contain_text("▢ not known")
+    assert seen.errors == []
+
+
+def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/response")
+    wait_drawn(seen.page, 3)  # amplitude, phase, residuals
+    seen.page.get_by_role("button", name="Over the oldest of its kind").click()
+    expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
+    for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
+        assert path.evaluate("path => path.getTotalLength()") > 100
+    assert seen.errors == []
+
+
+def test_orbits_and_mode_shapes_have_a_shape(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/shapes")
+    expect(seen.page.locator(".orbits svg").first).to_be_visible()
+    expect(seen.page.locator(".modes svg").first).to_be_visible()
+    lengths = [path.evaluate("path => path.getTotalLength()") for path in seen.page.locator(".shapes .curve path").all()]
+    assert len(lengths) > 4
+    assert max(lengths) > 100
+    assert seen.errors == []
+
+
+def test_model_shows_campbell_diagram_and_coupling_forces(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/model")
+    expect(seen.page.locator(".plot canvas")).to_have_count(5)  # Campbell; two forces and two moments
+    expect(seen.page.get_by_text("in the range").first).to_be_visible()
+    until(lambda: drawn(seen.page)[0] > 100, within_s=15, what="the Campbell diagram is drawn")
+    assert seen.errors == []
+
+
+def test_parameters_say_in_words_what_the_data_tell(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/identified?identification=1")
+    found = service.get("/identifications/1")["estimates"]
+    known = sum(one["value"] is not None for one in found)
+    expect(seen.page.get_by_text(f"{known} of {len(found)} parameters are determined")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_a_comparison_has_units_and_says_what_is_not_determined(seen: Seen, service: Service) -> None:
+    found = service.get("/identifications/compare", first=1, second=2)
+
+    def undetermined(route: Route) -> None:
+        answer = route.fetch().json()
+        for one in answer["changes"]:
+            if one["parameter"] == "coupling.C1.kxx":
+                one["second"] = one["per_cent"] = one["sigma"] = None
+        route.fulfill(json=answer)
+
+    seen.page.route(re.compile("/compare[?]"), undetermined)
+    seen.open(f"machines/{MACHINE}/identified?identification=2&against=1")
+    rows = seen.page.locator("table.comparison tbody tr")
+    expect(rows).to_have_count(len(found["changes"]))
+    for row in rows.all():
+        cells = [cell.inner_text() for cell in row.locator("td.number").all()][:2]
+        assert all(re.fullmatch(r"−?[\d.]+ \S+|not determined", cell) for cell in cells), cells
+    (change,) = [one for one in found["changes"] if one["parameter"] == "disc.D1.unbalance.imaginary"]
+    unbalance = rows.filter(has_text="disc.D1.unbalance.imaginary").locator("td.number").first
+    expect(unbalance).to_have_text(f"{1e6 * change['first']:.0f} g·mm")
+    coupling = rows.filter(has_text="coupling.C1.kxx").locator("td.number")
+    expect(coupling.nth(1)).to_have_text("not determined")
+    assert seen.errors == []

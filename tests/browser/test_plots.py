@@ -1,0 +1,332 @@
+"""Plots in a real browser: they are read out, zoomed and picked from, by mouse, keys and fingers."""
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, Route, expect
+
+from tests.browser.conftest import Seen
+from tests.browser.drawing import COUNT, drawn, looks, pinch, swipe, wait_drawn
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, until
+
+WORDS_HEIGHT = """(said) => {
+  const words = document.createRange();
+  words.selectNodeContents(said);
+  return words.getBoundingClientRect().height;
+}"""
+"""Of a text with all its lines [px], also of those that are cut off."""
+
+
+TERMS = 10
+"""Of the coupling: each has a trend."""
+TOP = "(canvas) => canvas.getBoundingClientRect().top + scrollY"
+"""On the page, wherever it is scrolled to [px]."""
+
+
+LINE = 18
+"""Height of a line of a read-out on a phone [px]."""
+
+
+def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    names = [one["parameter"] for one in service.get("/identifications/1")["estimates"] if one["element"] == "coupling.C1"]
+    wait_drawn(seen.page, len(names))
+    plot = seen.page.get_by_role("group", name=re.compile("coupling.C1.kxx over time"))
+    plot.focus()
+    before = plot.locator(".readout").inner_text()
+    assert before.startswith("newest")
+    for _ in range(3):
+        seen.page.keyboard.press("ArrowLeft")
+    expect(plot.locator(".readout")).not_to_have_text(before)
+    expect(plot.locator(".readout")).to_contain_text("kN/m")
+    assert seen.errors == []
+
+
+def trend(seen: Seen) -> Locator:
+    """A trend of the coupling, drawn and in sight."""
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    plot = seen.page.get_by_role("group", name=re.compile("coupling.C1.kxx over time"))
+    until(
+        lambda: plot.locator("canvas").count() == 1 and plot.locator("canvas").evaluate(COUNT) > 20, within_s=15, what="drawn"
+    )
+    plot.evaluate("plot => plot.scrollIntoView({ block: 'center' })")
+    return plot
+
+
+def point_of(plot: Locator) -> tuple[float, float]:
+    """Where one of its points is [px]: the read-out by keys marks it."""
+    plot.focus()
+    plot.page.keyboard.press("ArrowLeft")
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    for box in [mark.bounding_box() for mark in plot.locator(".u-cursor-pt").all()]:
+        if box is not None and box["x"] > plane["x"]:
+            return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    raise AssertionError("no point is marked")
+
+
+def test_a_click_picks_only_what_it_is_near_to(seen: Seen) -> None:
+    plot = trend(seen)
+    x, y = point_of(plot)
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    away = 40 if y < plane["y"] + plane["height"] / 2 else -40
+    seen.page.mouse.click(x, y + away)
+    seen.page.wait_for_timeout(200)
+    expect(seen.page).to_have_url(re.compile("/trends"))
+    seen.page.mouse.click(x + 5, y)
+    expect(seen.page).to_have_url(re.compile("/identified"))
+    assert seen.errors == []
+
+
+def test_a_tap_reads_out_and_a_second_one_picks(phone: Seen) -> None:
+    plot = trend(phone)
+    x, y = point_of(plot)
+    phone.page.keyboard.press("Escape")
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    phone.page.touchscreen.tap(plane["x"] + 8, plane["y"] + plane["height"] / 2)
+    elsewhere = plot.locator(".readout").inner_text()
+    phone.page.touchscreen.tap(x + 5, y)
+    expect(plot.locator(".readout")).not_to_have_text(elsewhere)
+    expect(plot.locator(".readout")).to_contain_text("kN/m")
+    phone.page.wait_for_timeout(200)
+    expect(phone.page).to_have_url(re.compile("/trends"))
+    phone.page.touchscreen.tap(x + 5, y)
+    expect(phone.page).to_have_url(re.compile("/identified"))
+    assert phone.errors == []
+
+
+def test_fingers_zoom_a_plot_and_scroll_the_page_over_it(phone: Seen) -> None:
+    plot = trend(phone)
+    canvas = plot.locator("canvas")
+    whole = looks(canvas)
+    plot.get_by_role("button", name="Zoom in").tap()
+    until(lambda: looks(canvas) != whole, within_s=5, what="it zooms in")
+    plot.get_by_role("button", name="Zoom out").tap()
+    plot.get_by_role("button", name="Zoom out").focus()
+    zoomed_out = looks(canvas)
+    phone.page.keyboard.press("Enter")
+    until(lambda: looks(canvas) != zoomed_out, within_s=5, what="it zooms out by keys too")
+    plot.get_by_role("button", name="Show all").tap()
+    until(lambda: looks(canvas) == whole, within_s=5, what="it shows all again")
+    pinch(plot.locator(".u-over"))
+    until(lambda: looks(canvas) != whole, within_s=5, what="two fingers zoom")
+    zoomed_in = looks(canvas)
+    before = phone.page.evaluate("scrollY")
+    swipe(plot.locator(".u-over"))
+    until(lambda: phone.page.evaluate("scrollY") > before + 50, within_s=5, what="the page scrolls")
+    assert looks(canvas) == zoomed_in
+    assert phone.page.evaluate("visualViewport.scale") == 1
+    phone.page.emulate_media(media="print")
+    expect(plot.get_by_role("button", include_hidden=True)).to_have_count(3)
+    for button in plot.get_by_role("button", include_hidden=True).all():
+        expect(button).to_be_hidden()
+    assert phone.errors == []
+
+
+@pytest.mark.parametrize("by", ["button", "key", "wheel", "fingers", "drag"])
+def test_trends_zoom_together(seen: Seen, phone: Seen, by: str) -> None:
+    page = phone if by == "fingers" else seen
+    plot = trend(page)
+    plots = page.page.locator(".history-plot canvas")
+    expect(plots).to_have_count(TERMS)
+    until(lambda: all(count > 20 for count in drawn(page.page)), within_s=15, what="all are drawn")
+    whole = [looks(canvas) for canvas in plots.all()]
+    zoom(plot, by)
+    until(
+        lambda: all(now != before for now, before in zip(map(looks, plots.all()), whole, strict=True)),
+        within_s=5,
+        what="all of them are zoomed",
+    )
+    expect(page.page.locator(".history-plot .uplot[data-zoomed='1']")).to_have_count(TERMS)
+    if by == "drag":
+        plot.locator(".u-over").dblclick()
+    else:
+        plot.get_by_role("button", name="Show all").click()
+    until(lambda: [looks(canvas) for canvas in plots.all()] == whole, within_s=5, what="all of them show all again")
+    expect(page.page.locator(".history-plot .uplot[data-zoomed='1']")).to_have_count(0)
+    assert page.errors == []
+
+
+def zoom(plot: Locator, by: str) -> None:
+    """Zoom in on a plot."""
+    over, mouse = plot.locator(".u-over"), plot.page.mouse
+    box = over.bounding_box()
+    assert box is not None
+    if by == "button":
+        plot.get_by_role("button", name="Zoom in").click()
+    elif by == "key":
+        plot.press("+")
+    elif by == "fingers":
+        pinch(over)
+    elif by == "wheel":
+        over.hover()
+        plot.page.keyboard.down("Control")
+        mouse.wheel(0, -100)
+        plot.page.keyboard.up("Control")
+    else:
+        mouse.move(box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 2)
+        mouse.down()
+        mouse.move(box["x"] + 0.6 * box["width"], box["y"] + box["height"] / 2, steps=5)
+        mouse.up()
+
+
+def test_enter_picks_the_point_read_out_as_a_click_does(seen: Seen, service: Service) -> None:
+    (series,) = service.get(f"/machines/{MACHINE}/trends", parameter="coupling.C1.kxx")["series"]
+    plot = trend(seen)
+    plot.focus()
+    for _ in range(2):
+        seen.page.keyboard.press("ArrowLeft")
+    plot.get_by_role("button", name="Zoom in").press("Enter")
+    expect(plot.locator(".uplot")).to_have_attribute("data-zoomed", "1")
+    expect(seen.page).to_have_url(re.compile("/trends"))
+    plot.press("Enter")
+    expect(seen.page).to_have_url(re.compile(f"/identified.*identification={series['identification'][-3]}$"))
+    assert seen.errors == []
+
+
+EIGHT = ["B1X", "B1Y", "B2X", "B2Y", "B3X", "B3Y", "B4X", "B4Y"]
+"""Channels of the machine, all of them."""
+
+
+@pytest.mark.parametrize(
+    ("tab", "lines", "whole"),
+    [
+        ("trends?element=coupling.C1", 2, r".*: .*\d \(.*\d … .*\d\) [kMG]?N.*, not accepted"),
+        (
+            f"response?channels={','.join(EIGHT)}",
+            2,
+            r"\d+ rpm: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
+        ),
+        ("model", 1, r"\d[\d ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
+    ],
+)
+def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole: str) -> None:
+    """Among them the longest there are: of what was not accepted, and of all channels at once."""
+
+    def not_accepted(route: Route) -> None:
+        answer = route.fetch().json()
+        for series in answer["series"]:
+            series["quality"] = ["not_accepted"] * len(series["quality"])
+        route.fulfill(json=answer)
+
+    phone.page.route(re.compile("/trends[?]"), not_accepted)
+    phone.open(f"machines/{MACHINE}/{tab}")
+    plots = phone.page.locator(".plot:has(canvas)")
+    until(lambda: plots.count() > 2, within_s=15, what="they are drawn")
+    expect(phone.page.locator(".waiting")).to_have_count(0)
+    most = 0
+    for plot in plots.all():
+        said, canvas = plot.locator(".readout"), plot.locator("canvas")
+        plot.focus()
+        before = canvas.evaluate(TOP)
+        for _ in range(8):
+            phone.page.keyboard.press("ArrowLeft")
+            expect(said).to_have_text(re.compile(f"^{whole}$"))
+            assert canvas.evaluate(TOP) == before, "no plot moves from under the finger"
+            box, height = said.bounding_box(), said.evaluate(WORDS_HEIGHT)
+            assert box is not None
+            assert height <= box["height"], said.inner_text()
+            assert box["x"] + box["width"] <= 390
+            most = max(most, round(height / LINE))
+    assert most >= lines
+    phone.picture(f"phone-read-outs-{tab.partition('?')[0]}")
+    assert phone.errors == []
+
+
+@pytest.mark.parametrize(("what", "unit"), [("Amplitude", "µm pp"), ("Phase lag", "° lag")])
+def test_bode_plots_read_out_every_channel_at_every_speed(seen: Seen, service: Service, what: str, unit: str) -> None:
+    shown = ["B1X", "B2Y", "B3X"]
+    run = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-up")
+    other = next(one for one in service.get(f"/machines/{MACHINE}/runs") if one["kind"] == "run-down")
+    phasors = service.get(f"/runs/{run['id']}/phasors")
+    seen.open(f"machines/{MACHINE}/response?run={run['id']}&reference={other['id']}&channels={','.join(shown)}")
+    wait_drawn(seen.page, 3)
+    plot = seen.page.get_by_role("group", name=re.compile(f"^{what} of"))
+    said = plot.locator(".readout")
+    number = r"−?\d[\d.]*"
+    whole = re.compile(rf"({number}) rpm: " + ", ".join(f"{one} ({number})" for one in shown) + f" {unit}")
+    plot.focus()
+    read = {}
+    for _ in phasors["speed_rpm"][1:]:
+        seen.page.keyboard.press("ArrowLeft")
+        found = whole.fullmatch(said.inner_text())
+        assert found is not None, said.inner_text()
+        read[found.group(1)] = [float(one.replace("−", "-")) for one in found.groups()[1:]]
+    assert len(read) == len(phasors["speed_rpm"]) - 1, "each key leads to another speed"
+    for speed, told in read.items():
+        at = min(range(len(phasors["speed_rpm"])), key=lambda one: abs(phasors["speed_rpm"][one] - float(speed)))
+        for channel, value in zip(shown, told, strict=True):
+            row = phasors["channels"].index(channel)
+            true = phasors["amplitude_um_pp" if what == "Amplitude" else "phase_lag_deg"][row][at]
+            turns = 0 if what == "Amplitude" else 360 * round((value - true) / 360)
+            assert value == pytest.approx(true + turns, rel=6e-3, abs=1)
+    plane = plot.locator(".u-over").bounding_box()
+    assert plane is not None
+    for step in range(100):
+        seen.page.mouse.move(plane["x"] + (step + 0.5) / 100 * plane["width"], plane["y"] + plane["height"] / 2)
+        assert whole.fullmatch(said.inner_text()), said.inner_text()
+    assert seen.errors == []
+
+
+def test_polar_plots_are_read_out_by_keys(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/response")
+    wait_drawn(seen.page, 3)
+    plot = seen.page.get_by_role("group", name=re.compile("Polar plot of B1X"))
+    said = seen.page.locator(".polar", has=plot).locator("figcaption .muted")
+    expect(said).to_contain_text("rings of")
+    plot.focus()
+    seen.page.keyboard.press("ArrowRight")
+    expect(said).to_contain_text(re.compile(r"rpm, .* µm pp, -?\d+° lag"))
+    first, at = said.inner_text(), plot.locator(".chosen").bounding_box()
+    seen.page.keyboard.press("Shift+ArrowRight")
+    expect(said).not_to_have_text(first)
+    assert plot.locator(".chosen").bounding_box() != at
+    seen.page.keyboard.press("Shift+ArrowLeft")
+    expect(said).to_have_text(first)
+    seen.page.keyboard.press("ArrowDown")
+    expect(said).not_to_have_text(first)
+    expect(said).to_contain_text("° lag")
+    seen.page.keyboard.press("Escape")
+    expect(said).to_contain_text("rings of")
+    assert seen.errors == []
+
+
+def test_correlations_are_read_out_by_keys(seen: Seen, service: Service) -> None:
+    found = service.get("/identifications/1/correlation")
+    names = found["coordinates"]
+    seen.open(f"machines/{MACHINE}/identified?identification=1")
+    matrix = seen.page.get_by_role("group", name=re.compile("Correlation of"))
+    said = seen.page.locator(".correlation figcaption")
+    matrix.focus()
+    seen.page.keyboard.press("ArrowRight")
+    expect(said).to_have_text(f"{names[0]} and {names[0]}: 1.0")
+    seen.page.keyboard.press("ArrowRight")
+    seen.page.keyboard.press("ArrowRight")
+    seen.page.keyboard.press("ArrowDown")
+    expect(said).to_contain_text(f"{names[1]} and {names[2]}: ")
+    expect(matrix.locator(".chosen")).to_be_visible()
+    for _ in range(len(names) // 10 + 1):
+        seen.page.keyboard.press("Shift+ArrowDown")
+    expect(said).to_contain_text(f"{names[-1]} and {names[2]}: ")
+    seen.page.keyboard.press("Escape")
+    expect(matrix.locator(".chosen")).to_have_count(0)
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("tab", "plots"), [("response", 3), ("model", 5)])
+def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> None:
+    seen.page.add_init_script("""window.written = new Map();
+    const write = CanvasRenderingContext2D.prototype.fillText;
+    CanvasRenderingContext2D.prototype.fillText = function (text, ...where) {
+      written.set(this.canvas, [...(written.get(this.canvas) ?? []), text]);
+      return write.call(this, text, ...where);
+    };""")
+    seen.open(f"machines/{MACHINE}/{tab}")
+    wait_drawn(seen.page, plots) if tab == "response" else expect(seen.page.locator(".plot canvas")).to_have_count(plots)
+    written = "(canvas) => written.get(canvas) ?? []"
+    for canvas in seen.page.locator(".plot canvas").all():
+        until(lambda canvas=canvas: "rpm" in canvas.evaluate(written), within_s=5, what="the axis says rpm")
+    assert seen.errors == []

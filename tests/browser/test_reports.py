@@ -1,0 +1,127 @@
+"""Reports of a period: as it was then, on paper as well."""
+
+import re
+from datetime import UTC, datetime, timedelta
+from urllib.parse import parse_qs, urlsplit
+
+import pytest
+from playwright.sync_api import Route, expect
+
+from tests.browser.conftest import Seen
+from tests.browser.story import CYCLES, MACHINE
+from tests.end_to_end.processes import Service
+
+
+def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
+    seen.open(f"reports/{MACHINE}")
+    expect(seen.page.get_by_text(f"{2 * CYCLES} runs")).to_be_visible()
+    expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
+    seen.page.emulate_media(media="print", color_scheme="dark")
+    expect(seen.page.locator(".bar")).to_be_hidden()
+    assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
+    assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+def test_trends_of_an_old_period_are_marked_by_what_was_done_then(seen: Seen) -> None:
+    last = datetime.now(UTC).date() - timedelta(days=3)
+    first = last - timedelta(days=40)
+    done = {"id": 1, "at": f"{last}T00:00:00Z", "kind": "maintenance", "text": "coupling re-shimmed", "by": "anna"}
+
+    def timeline(route: Route) -> None:  # so much was done since that the newest entries do not reach so far back
+        period = parse_qs(urlsplit(route.request.url).query)
+        route.fulfill(json=[done] if "to" in period and period["to"][0] < f"{last + timedelta(days=2)}" else [])
+
+    seen.page.route(re.compile(r"/timeline\?"), timeline)
+    seen.open(f"reports/{MACHINE}?from={first}&to={last}")
+    expect(seen.page.locator(".marks").first).to_contain_text("coupling re-shimmed")
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ("from=x&to=y", ["first day is no date: “x”.", "last day is no date: “y”."]),
+        ("from=2026-01-01T00:00:00Z&to=2026-02-01", ["first day is no date: “2026-01-01T00:00:00Z”."]),
+        ("from=2026-01-01&to=2026-02-31", ["last day is no date: “2026-02-31”."]),
+        ("from=2026-02-02&to=2026-02-01", ["first day lies behind its last."]),
+    ],
+)
+def test_report_says_what_is_wrong_with_a_period(seen: Seen, asked: str, said: list[str]) -> None:
+    seen.open(f"reports/{MACHINE}?{asked}")
+    wrong = seen.page.locator(".empty")
+    expect(wrong).to_have_count(len(said))
+    for number, words in enumerate(said):
+        expect(wrong.nth(number)).to_contain_text(f"The period's {words}")
+    assert seen.errors == []
+
+
+def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, service: Service) -> None:
+    coupling = seen.page.locator("[data-element='coupling.C1']")
+    newest = next(
+        one for one in service.get(f"/machines/{MACHINE}/identifications") if one["scope"] == "run" and one["accepted"]
+    )
+    seen.open(f"reports/{MACHINE}")
+    expect(coupling).to_have_class(re.compile("alert|danger"))
+    expect(seen.page.get_by_text(f"those of identification {newest['id']} ")).to_be_visible()
+    deviations = service.get(f"/machines/{MACHINE}/deviations", identification=newest["id"])
+    changed = {one["element"] for one in deviations["elements"] if one["probability"] < 1e-3}
+    assert "coupling.C1" in changed
+    for one in deviations["elements"]:
+        level = "changed" if one["element"] in changed else "normal"
+        expect(seen.page.locator(f".element[data-element='{one['element']}']")).to_have_class(
+            re.compile(f"{level}|alert|danger")
+        )
+    last = (datetime.now(UTC) - timedelta(days=3)).date()
+    before = next(
+        one
+        for one in service.get(f"/machines/{MACHINE}/identifications", to=f"{last}T00:00:00Z")
+        if one["scope"] == "run" and one["accepted"]
+    )
+    seen.open(f"reports/{MACHINE}?to={last}")
+    expect(seen.page.get_by_text(f"those of identification {before['id']} ")).to_be_visible()
+    expect(seen.page.get_by_text("No alert in this period")).to_be_visible()
+    expect(coupling).to_have_class(re.compile("changed|normal"))
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("days", "word", "opened", "marked"), [(0, "closed", 0, "changed"), (9, "new", 1, "alert|danger")], ids=["closed", "open"]
+)
+def test_report_says_an_alert_s_state_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, word: str, opened: int, marked: str
+) -> None:
+    at = (datetime.now(UTC) + timedelta(days=days)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    then = service.get(f"/alerts/{alert['id']}/events")[-1]
+    assert then["state"] == "unacknowledged"  # in words: new
+    gone = "it is as at the baseline again"
+    today = {**alert, "state": "normal", "message": gone, "closed_at": at, "updated_at": at}  # as if it had been closed
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=[today]))
+    seen.open(f"reports/{MACHINE}")
+    row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
+    expect(row.locator("td").nth(2)).to_have_text(word)
+    expect(row.locator("td").nth(5)).to_have_text(then["message"] if opened else gone)
+    expect(seen.page.get_by_text(f"of which {opened} open at the end")).to_be_visible()
+    expect(seen.page.locator("[data-element='coupling.C1']")).to_have_class(re.compile(marked))
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(("days", "severity"), [(0, "alert"), (10, "danger")])
+def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
+    seen: Seen, service: Service, days: int, severity: str
+) -> None:
+    later = (datetime.now(UTC) + timedelta(days=9)).isoformat()
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    events = [{**one, "severity": "alert"} for one in service.get(f"/alerts/{alert['id']}/events")]
+    worse = {**events[-1], "id": 10**9, "at": later, "kind": "severity_changed", "severity": "danger"}
+    today = [{**alert, "severity": "danger", "updated_at": later}]
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=today))
+    seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), lambda route: route.fulfill(json=[*events, worse]))
+    last = (datetime.now(UTC) + timedelta(days=days)).date()
+    seen.open(f"reports/{MACHINE}?to={last}")
+    row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
+    expect(row.locator("td").first).to_contain_text(severity)
+    expect(seen.page.locator(".element[data-element='coupling.C1']")).to_have_class(re.compile(rf"\b{severity}\b"))
+    expect(seen.page.get_by_text("1 alert, of which 1 open at the end")).to_be_visible()
+    assert seen.errors == []
