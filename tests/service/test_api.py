@@ -397,6 +397,13 @@ def test_health_and_readiness(api: Api, part: str, state: str, health: int, read
         assert body["version"]
 
 
+@pytest.mark.parametrize(("state", "alive"), [("ok", True), ("the database is locked", True), ("its thread has ended", False)])
+def test_only_what_a_new_start_mends_is_a_reason_for_one(api: Api, state: str, alive: bool) -> None:
+    api.parts["ingest"] = state
+    answer = api.get("/alive")
+    assert (answer.status_code, answer.json()) == (200 if alive else 503, {"alive": alive})
+
+
 def test_health_counts_jobs(told: Api) -> None:
     assert told.value("/health")["jobs"] == {"queued": 1, "done": 4, "failed": 1}
 
