@@ -110,4 +110,6 @@ def shown(context: BrowserContext, service: Service, request: pytest.FixtureRequ
     one = Seen(context.new_page(), f"http://127.0.0.1:{service.port}")
     yield one
     one.picture(re.sub(r"\W+", "-", request.node.name.removeprefix("test_")))
+    # What the page still asks for meanwhile is nobody's error.
+    one.page.unroute_all(behavior="ignoreErrors")
     context.close()
