@@ -89,7 +89,10 @@ async def read_fleet(
         Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
     ] = None,
 ) -> Response:
-    """What each machine is doing, its last run, its open alerts, and what happened to it since a time."""
+    """What each machine is doing, its last run, its open alerts, and what happened to it since a time.
+
+    Speeds, states and progress may be a quarter of a second behind what is stored, all else is not.
+    """
     begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
     known: MachineList = request.app.state.machine_list
     overview: Overview = request.app.state.overview
@@ -99,4 +102,4 @@ async def read_fleet(
             machines = paging.page(known.page(session, limit=paging.wanted, after=paging.after), lambda one: (one.id,))
             return paging.json({"since": to_datetime(begin), "machines": overview.rows(session, machines, since=begin)})
 
-    return await fresh.answer(request, (*fleet.TABLES, "collectors"), read, apart=begin)
+    return await fresh.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)

@@ -1,10 +1,12 @@
 """Answers to questions that many ask again and again: kept until something is committed that bears on them.
 
-Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed.
+Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
+but for what changes with every sample, where a quarter of a second is allowed.
 What is asked at once is computed once.
 """
 
 import asyncio
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
@@ -23,15 +25,19 @@ from storage.database import Database
 THREADS = 2
 """That make answers at a time: they mostly compute, and more of them would take turns and all be late."""
 MOST_KEPT_BYTES = 64 * 1024 * 1024
+LATELY_S = 0.25
+"""What changes with every sample may be so far behind in an answer that says so."""
 LARGEST_KEPT_BYTES = 4 * 1024 * 1024
 """A larger answer is made anew each time."""
 
 
 @dataclass(frozen=True)
 class _Kept:
-    """An answer; mark: of the store before it was made."""
+    """An answer; mark: of the store before it was made, lately: of what may be a little behind; begun: when that was [s]."""
 
     mark: Hashable | None
+    lately: Hashable | None
+    begun: float
     body: bytes
     media_type: str | None
     headers: dict[str, str]
@@ -51,42 +57,57 @@ class FreshAnswers:
         self._made: dict[Hashable, asyncio.Task[_Kept]] = {}
 
     async def answer(
-        self, request: Request, tables: Sequence[str], make: Callable[[], Response], *, apart: Hashable = None
+        self,
+        request: Request,
+        tables: Sequence[str],
+        make: Callable[[], Response],
+        *,
+        lately: Sequence[str] = (),
+        apart: Hashable = None,
     ) -> Response:
         """What `make` answers, made now or earlier, as long as nothing was committed to the tables that it reads.
 
-        apart: what the answer depends on beside the address, the Accept header and the plants of who asks. Raises what `make`
-        raises.
+        lately: further tables that it reads; what is committed to them may be LATELY_S behind. apart: what the answer depends
+        on beside the address, the Accept header and the plants of who asks. Raises what `make` raises.
         """
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
         mark = await self._mark(tables)
         kept = self._kept.get(asked)
-        if kept is not None and mark is not None and kept.mark == mark:
+        if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
             self._kept.move_to_end(asked)
             return kept.response()
         if mark is None:
-            return (await self._apart(make, mark, zipped=zipped)).response()
+            return (await self._apart(make, mark, None, zipped=zipped)).response()
         task = self._made.get((asked, mark))
         if task is None:
-            task = asyncio.create_task(self._make(asked, mark, make, zipped=zipped))
+            task = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
             self._made[asked, mark] = task
         # Shielded: who goes away does not take the answer from the others.
         return (await asyncio.shield(task)).response()
 
-    async def _apart(self, make: Callable[[], Response], mark: Hashable | None, *, zipped: bool) -> _Kept:
+    async def _is_late_enough(self, kept: _Kept, lately: Sequence[str]) -> bool:
+        if not lately or time.monotonic() < kept.begun + LATELY_S:
+            return True
+        return kept.lately is not None and kept.lately == await self._mark(lately)
+
+    async def _apart(
+        self, make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, *, zipped: bool
+    ) -> _Kept:
         if self._threads is None:
             self._threads = CapacityLimiter(THREADS)
-        return await run_sync(_made, make, mark, zipped, limiter=self._threads)
+        return await run_sync(_made, make, mark, lately, zipped, limiter=self._threads)
 
     async def _mark(self, tables: Sequence[str]) -> Hashable | None:
         if self._changes.waits:
             return await run_in_threadpool(self._changes.mark, tables)
         return self._changes.mark(tables)
 
-    async def _make(self, asked: Hashable, mark: Hashable, make: Callable[[], Response], *, zipped: bool) -> _Kept:
+    async def _make(
+        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+    ) -> _Kept:
         try:
-            kept = await self._apart(make, mark, zipped=zipped)
+            kept = await self._apart(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
             self._keep(asked, kept)
             return kept
         finally:
@@ -102,7 +123,8 @@ class FreshAnswers:
             self._bytes -= len(self._kept.popitem(last=False)[1].body)
 
 
-def _made(make: Callable[[], Response], mark: Hashable | None, zipped: bool) -> _Kept:
+def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _Kept:
+    begun = time.monotonic()
     response = make()
     body = bytes(response.body)
     headers = {name: value for name, value in response.headers.items() if name not in ("content-length", "content-type")}
@@ -110,7 +132,7 @@ def _made(make: Callable[[], Response], mark: Hashable | None, zipped: bool) -> 
     if zipped and response.media_type in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
         body = compressed(body)
         headers["content-encoding"] = "gzip"
-    return _Kept(mark, body, response.media_type, headers)
+    return _Kept(mark, lately, begun, body, response.media_type, headers)
 
 
 async def _fresh(request: Request) -> FreshAnswers:

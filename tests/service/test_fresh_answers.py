@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from fastapi import Request, Response
 
+from service.api import fresh_answers
 from service.api.fresh_answers import LARGEST_KEPT_BYTES, MOST_KEPT_BYTES, FreshAnswers
 from service.security.principal import OPEN
 from storage import machines
@@ -66,6 +67,31 @@ def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(databas
     # PostgreSQL's mark is one for all tables: nothing was committed between the fourth and the fifth question.
     fifth = b"2" if database.kind == "postgresql" else b"3"
     assert asyncio.run(story()) == [b"1", b"1", b"2", b"2", fifth, b"3"]
+
+
+def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    make = Counted()
+
+    async def story() -> list[bytes]:
+        fresh, found = FreshAnswers(database), []
+
+        async def ask() -> None:
+            found.append(bytes((await fresh.answer(asked(), ("alerts",), make, lately=TABLES)).body))
+
+        monkeypatch.setattr(fresh_answers, "LATELY_S", 3600.0)
+        await ask()
+        await asyncio.to_thread(create, database, "a")
+        await ask()
+        monkeypatch.setattr(fresh_answers, "LATELY_S", 0.0)
+        await ask()
+        await ask()
+        await asyncio.to_thread(create, database, "b")
+        await ask()
+        return found
+
+    # PostgreSQL's mark is one for all tables: there nothing is behind.
+    expected = [b"1", b"2", b"2", b"2", b"3"] if database.kind == "postgresql" else [b"1", b"1", b"2", b"2", b"3"]
+    assert asyncio.run(story()) == expected
 
 
 def test_what_is_committed_while_an_answer_is_made_is_in_the_next_one(database: Database) -> None:
