@@ -75,6 +75,15 @@ class Server:
             self._process = None
 
     @contextlib.contextmanager
+    def away(self) -> Iterator[None]:
+        """It is shut down, and started again."""
+        self.stop()
+        try:
+            yield
+        finally:
+            self.start()
+
+    @contextlib.contextmanager
     def frozen(self) -> Iterator[None]:
         """It takes connections and questions, and answers none: as on a machine that is stopped, or starved."""
         assert self._process is not None

@@ -1,8 +1,6 @@
 """A database that is away, or takes questions and answers none: what looks after the service is told so, and in time."""
 
-import contextlib
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import httpx
@@ -13,21 +11,10 @@ from service.settings import Settings
 from tests.end_to_end.processes import Service, rundown, until
 from tests.faults.storage_faults import own_server
 from tests.plant import document
-from tests.postgresql import Server
 
 SOON_S = 15.0
 """Two bounded waits, for the key and for the database, on a machine that is busy with other tests."""
 RECOVERED_S = 20.0
-
-
-@contextlib.contextmanager
-def away(server: Server) -> Iterator[None]:
-    """It is shut down, and started again."""
-    server.stop()
-    try:
-        yield
-    finally:
-        server.start()
 
 
 def answer(service: Service, path: str, key: str) -> httpx.Response:
@@ -49,7 +36,7 @@ def test_a_database_that_does_not_answer_is_told_in_time(tmp_path: Path, how: st
             assert service.client.post("/machines", json=document()).status_code == 201
             before = answer(service, "/metrics", key)
             assert "rundown_database_answers 1" in before.text
-            with away(server) if how == "away" else server.frozen():
+            with server.away() if how == "away" else server.frozen():
                 for _ in range(3):
                     ready = answer(service, "/api/v1/ready", key)
                     assert ready.status_code == 503, ready.text
