@@ -30,9 +30,23 @@ def looks(canvas: Locator) -> str:
     return str(canvas.evaluate("canvas => canvas.toDataURL()"))
 
 
+LISTEN = """place => {
+  place.felt = 0;
+  const count = ({ touches }) => { if (touches.length === 2) place.felt += 1; };
+  place.addEventListener("touchmove", count, { passive: true });
+}"""
+"""Count the moves of two fingers that a place feels."""
+TRIES = 3
+
+
 def pinch(place: Locator) -> None:
-    """Two fingers, apart."""
-    touches(place, [[(0.45, 0.5), (0.55, 0.5)], [(0.4, 0.5), (0.6, 0.5)], [(0.3, 0.5), (0.7, 0.5)]])
+    """Two fingers, apart; again where the browser let go of them before the page felt them move, as a person would."""
+    place.evaluate(LISTEN)
+    for _ in range(TRIES):
+        touches(place, [[(0.45, 0.5), (0.55, 0.5)], [(0.4, 0.5), (0.6, 0.5)], [(0.3, 0.5), (0.7, 0.5)]])
+        if place.evaluate("place => place.felt") > 0:
+            return
+    raise AssertionError(f"the browser did not give the page two moving fingers in {TRIES} tries")
 
 
 def swipe(place: Locator) -> None:
