@@ -9,6 +9,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.api.application import application
+from service.api.http_protocol import HttpProtocol
 from service.api.stuck_clients import PATIENCE_S, end_stuck_connections
 from storage.database import Database
 
@@ -25,7 +26,7 @@ def serving(app: FastAPI, *, patience_s: float = PATIENCE_S) -> Iterator[str]:
     """URL of the API of an application, until the block ends. patience_s: with clients that take nothing."""
     listener = socket.create_server(("127.0.0.1", 0))
     end_stuck_connections(listener, after_s=patience_s)
-    configuration = uvicorn.Config(app, log_config=None, access_log=False, timeout_graceful_shutdown=1)
+    configuration = uvicorn.Config(app, http=HttpProtocol, log_config=None, access_log=False, timeout_graceful_shutdown=1)
     server = uvicorn.Server(configuration)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()

@@ -15,6 +15,7 @@ import uvicorn
 
 from service.api.application import application
 from service.api.event_stream import Broadcaster
+from service.api.http_protocol import HttpProtocol
 from service.api.operations import ENDED
 from service.api.stuck_clients import end_stuck_connections
 from service.collection import Collector
@@ -138,6 +139,7 @@ def serve(settings: Settings) -> None:
         _prefer_answers()
         config = uvicorn.Config(
             app,
+            http=HttpProtocol,
             log_config=None,
             access_log=False,
             timeout_graceful_shutdown=5,

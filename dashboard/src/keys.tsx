@@ -23,8 +23,9 @@ const SAID: [string, string][] = [
 export function useShortcuts(toggleKeys: () => void): void {
   useEffect(() => {
     const pressed = (event: KeyboardEvent) => {
+      // A window that was just closed has the focus until the browser draws again.
       const target = event.target as HTMLElement;
-      if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog, .plot")) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog[open], .plot")) return;
       const tab = TABS[Number(event.key) - 1];
       const { parts } = place.value;
       if (event.key === "?") toggleKeys();

@@ -45,7 +45,8 @@ class Guard:
         public_url: str = "",
         names_checked: bool = False,
     ) -> None:
-        """requests: how often somebody may ask; failures: how often an address may be refused for its credentials.
+        """requests: how often somebody may ask; failures: how often an address may guess a key or a token.
+        A session that is over is no guess, nor is to bring nothing: a page asks several things before it goes to log in.
 
         names_checked: where nobody needs to log in, only under a name that is this machine's own.
         """
@@ -76,7 +77,10 @@ class Guard:
             if refused is None and found is not None and who.plants is not None:
                 await self._look(who, *found)
         except Unauthenticated as error:
-            await self._unauthenticated(str(error), scope)(scope, receive, send)
+            rate = self._failures if b"authorization" in headers else self._requests
+            wait = rate.take(_address(scope))
+            answer = _wait(wait) if wait else _unauthenticated(str(error), headers)
+            await answer(scope, receive, send)
             return
         except NotThere as error:
             await problem_response(HTTPStatus.NOT_FOUND, str(error))(scope, receive, send)
@@ -122,7 +126,7 @@ class Guard:
         if operation is None or operation.requirement.met(who):
             return None
         if not who.known:
-            return self._unauthenticated(f"this operation needs {operation.requirement.words}", scope)
+            return _unauthenticated(f"this operation needs {operation.requirement.words}", headers)
         is_now = "no role" if who.role is None else f"the role {who.role.label}"
         return problem_response(
             HTTPStatus.FORBIDDEN,
@@ -134,13 +138,6 @@ class Guard:
         wanted = {name: parameters[name] for name in operation.scoped}
         if wanted and not self._visibility.known(who, wanted):
             await asyncio.to_thread(self._visibility.require, who, wanted)
-
-    def _unauthenticated(self, reason: str, scope: Scope) -> Response:
-        if wait := self._failures.take(_address(scope)):
-            return _wait(wait)
-        given = any(name == b"authorization" for name, _ in scope["headers"])
-        challenge = CHALLENGE + (', error="invalid_token"' if given else "")
-        return problem_response(HTTPStatus.UNAUTHORIZED, f"{reason}: {HOW}", {"WWW-Authenticate": challenge})
 
     async def _passed(
         self,
@@ -199,6 +196,11 @@ def _entry(who: Principal, scope: Scope, operation: Operation, outcome: str) -> 
 
 def _address(scope: Scope) -> str:
     return scope["client"][0] if scope.get("client") else "unknown"
+
+
+def _unauthenticated(reason: str, headers: Mapping[bytes, bytes]) -> Response:
+    challenge = CHALLENGE + (', error="invalid_token"' if b"authorization" in headers else "")
+    return problem_response(HTTPStatus.UNAUTHORIZED, f"{reason}: {HOW}", {"WWW-Authenticate": challenge})
 
 
 def _wait(seconds: float) -> Response:

@@ -12,7 +12,7 @@ from sqlalchemy import select
 
 from service.api import alert_schemas, limit_schemas
 from service.security import api_keys
-from service.security.authentication import REMEMBERED_S, Authentication, Credentials, Unauthenticated
+from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
@@ -167,6 +167,18 @@ def test_too_many_requests_are_asked_to_wait(store: Database, filled: Filled) ->
     assert value(api.ask("GET", ME, headers=bearer(filled.keys["admin"])))["role"] == "admin"
     codes = [api.ask("GET", ME, headers=bearer("rundown_abcdef12_" + "A" * 43)).status_code for _ in range(3)]
     assert codes == [401, 401, 429]
+    api.http.close()
+
+
+def test_who_brings_nothing_or_an_old_session_uses_up_nobodys_guesses(store: Database, filled: Filled) -> None:
+    api = opened_api(store, Security(requests=(0.001, 8.0), failures=(0.001, 1.0)))
+    old = {"cookie": f"{COOKIE}={'A' * 43}"}
+    codes = [api.ask("GET", f"{PREFIX}/machines", headers=one).status_code for one in [{}, old] * 4]
+    assert codes == [401] * 8
+    problem(api.ask("GET", f"{PREFIX}/machines"), 429)
+    problem(api.ask("GET", f"{PREFIX}/machines", headers=old), 429)
+    problem(api.ask("GET", ME, headers=bearer("rundown_abcdef12_" + "A" * 43)), 401)
+    assert value(api.ask("GET", ME, headers=bearer(filled.keys["admin"])))["role"] == "admin"
     api.http.close()
 
 

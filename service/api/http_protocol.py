@@ -1,0 +1,125 @@
+"""HTTP as it comes from the network: what is no request, has too large a head or never ends is told so and let go of.
+
+The server library bounds none of these: a peer without any key could hold memory and connections with them.
+"""
+
+import asyncio
+from http import HTTPStatus
+
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
+
+from service.api.problems import problem_response
+from service.security.answer_headers import ALWAYS, NO_STORE
+
+LARGEST_HEAD = 64 * 1024
+"""Of a request's line and headers together [bytes]; browsers and proxies send some kilobytes at most."""
+PATIENCE_S = 20.0
+"""A request must have come whole within this time [s], …"""
+SLOWEST = 500.0
+"""… or go on at so many bytes per second."""
+
+
+_TOO_LARGE = f"a request's line and headers may have {LARGEST_HEAD} bytes together: send what is long in the body"
+_TOO_SLOW = (
+    f"the request did not come whole: it may take {PATIENCE_S:.0f} s, or longer if {SLOWEST:.0f} bytes come in every second"
+)
+
+
+class HeadTooLarge(ValueError):
+    """More headers than any client needs."""
+
+
+class HttpProtocol(HttpToolsProtocol):
+    """A connection."""
+
+    _timer: asyncio.TimerHandle | None = None
+    _waits = False
+    """Whether a request is still to come, or comes."""
+    _in_head = True
+    _too_large = False
+    _since = 0.0
+    _came = 0
+    """Bytes, since then."""
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin; a peer that says nothing may not stay."""
+        super().connection_made(transport)
+        self._wait()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """End."""
+        self._stop_waiting()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Read on."""
+        if not self._waits and not self._answering():
+            self._wait()
+        super().data_received(data)
+        self._came += len(data)
+        if self._waits and self._in_head and self._came > LARGEST_HEAD and not self.transport.is_closing():
+            self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
+
+    def on_message_begin(self) -> None:
+        """A request begins."""
+        super().on_message_begin()
+        self._wait()
+
+    def on_headers_complete(self) -> None:
+        """Its head is there.
+
+        Raises HeadTooLarge, at which the parser stops.
+        """
+        self._too_large = len(self.url) + sum(len(name) + len(value) for name, value in self.headers) > LARGEST_HEAD
+        if self._too_large:
+            raise HeadTooLarge(_TOO_LARGE)
+        self._in_head = False
+        super().on_headers_complete()
+
+    def on_message_complete(self) -> None:
+        """All of it is there."""
+        self._stop_waiting()
+        super().on_message_complete()
+
+    def send_400_response(self, msg: str) -> None:
+        """The parser could not go on."""
+        if self._too_large:
+            self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
+        else:
+            self._refuse(HTTPStatus.BAD_REQUEST, f"this cannot be read as HTTP/1.1: {msg}")
+
+    def _answering(self) -> bool:
+        return self.cycle is not None and not self.cycle.response_complete
+
+    def _wait(self) -> None:
+        """For a request."""
+        self._waits, self._in_head = True, True
+        self._since, self._came = self.loop.time(), 0
+        if self._timer is None:
+            self._timer = self.loop.call_later(PATIENCE_S, self._look)
+
+    def _stop_waiting(self) -> None:
+        self._waits = False
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _look(self) -> None:
+        """Whether the peer took too long. While nothing is read, it is not the peer that is slow."""
+        self._timer = None
+        left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
+        if left > 0 or self.flow.read_paused:
+            self._timer = self.loop.call_later(max(left, 1.0), self._look)
+        elif self._came == 0:
+            self.transport.close()
+        else:
+            self._refuse(HTTPStatus.REQUEST_TIMEOUT, _TOO_SLOW)
+
+    def _refuse(self, status: HTTPStatus, detail: str) -> None:
+        """Answer without the application, unless it began to, and close."""
+        if not (self._answering() and self.cycle.response_started):
+            answer = problem_response(status, detail, {"Connection": "close"})
+            headers = [*answer.raw_headers, *ALWAYS, NO_STORE]
+            lines = [f"HTTP/1.1 {status} {status.phrase}".encode(), *(b": ".join(one) for one in headers)]
+            self.transport.write(b"\r\n".join([*lines, b"", bytes(answer.body)]))
+        self.transport.close()
