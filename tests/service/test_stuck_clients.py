@@ -54,7 +54,7 @@ def told(database: Database, alert: int, found: int, numbers: Iterator[int]) -> 
 
 
 def connected(url: str, *, after: int | None = None, window: int | None = None) -> socket.socket:
-    """A client that has read the greeting and nothing else. window: bytes that may come before it reads."""
+    """A client that has read the answer's head and nothing else. window: bytes that may come before it reads."""
     host, _, port = url.removeprefix("http://").split("/")[0].partition(":")
     client = socket.socket()
     if window is not None:
@@ -63,7 +63,12 @@ def connected(url: str, *, after: int | None = None, window: int | None = None) 
     client.connect((host, int(port)))
     again = "" if after is None else f"Last-Event-ID: {after}\r\n"
     client.sendall(f"GET /api/v1/alert-events/stream HTTP/1.1\r\nHost: {host}\r\n{again}\r\n".encode())
-    assert client.recv(2000).startswith(b"HTTP/1.1 200")
+    head = b""
+    while not head.endswith(b"\r\n\r\n"):
+        byte = client.recv(1)
+        assert byte, head
+        head += byte
+    assert head.startswith(b"HTTP/1.1 200")
     return client
 
 
