@@ -1,6 +1,7 @@
 """A small plant for the tests of storage and service: one machine's document, its messages, samples and identifications."""
 
 import copy
+import math
 import socket
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -199,9 +200,8 @@ def identification(
         factor = (factors or {}).get(one.name, 1.0)
         value = one.value * factor
         imaginary = None if one.imaginary is None else one.imaginary * factor
-        return Estimate(
-            *common, value, one.standard_error, 0.98 * value, 1.02 * value, imaginary, one.imaginary_standard_error
-        )
+        size = value if imaginary is None else math.hypot(value, imaginary)
+        return Estimate(*common, value, one.standard_error, 0.98 * size, 1.02 * size, imaginary, one.imaginary_standard_error)
 
     estimates = tuple(changed(one) for one in _blank_estimates())
     coordinates = [one.name for one in estimates if one.quantity != "unbalance"]

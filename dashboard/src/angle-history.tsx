@@ -1,13 +1,17 @@
 // The angle of a vector over time: a change of it alone does not show in the magnitude.
 import type { Series } from "./answers";
 import { unwrapped } from "./common-axis";
+import { number } from "./format";
 import { Plot, type Curve, type Marker } from "./plot";
 
-/** Degrees, in the rotor's frame as the service gives real and imaginary part; null for what is no vector or not known. */
-export function angleAt(series: Series, index: number): number | null {
-  const [real, imaginary] = [series.real?.[index] ?? null, series.imaginary?.[index] ?? null];
-  return real === null || imaginary === null ? null : (Math.atan2(imaginary, real) * 180) / Math.PI;
+/** From the keyphasor mark on, with its 95 % interval; nothing for what is no vector or not known. */
+export function angleWords(angle: number | null, halfWidth: number | null): string {
+  if (angle === null || halfWidth === null) return "";
+  return halfWidth < ANY ? ` at ${angle.toFixed(1)}° ± ${number(halfWidth, 2)}°` : " at any angle";
 }
+
+/** Half an interval that leaves every angle open [°]. */
+const ANY = 180;
 
 interface Props {
   series: Series;
@@ -20,8 +24,16 @@ interface Props {
 
 export function AngleHistory({ series, kinds, markers, xRange, readOut, onPick }: Props) {
   const accepted = series.quality.map((one) => one === "accepted");
-  const angles = unwrapped(series.measured_at.map((_, at) => (accepted[at] ? angleAt(series, at) : null)));
-  const curves = kinds.map((name, style): Curve => ({ name, style, y: angles.map((one, at) => (series.run_kind[at] === name ? one : null)), points: true, spans: true }));
+  const angles = unwrapped(series.measured_at.map((_, at) => (accepted[at] ? series.angle_deg?.[at] ?? null : null)));
+  const curves = kinds.map((name, style): Curve => {
+    const y = angles.map((one, at) => (series.run_kind[at] === name ? one : null));
+    const bound = (sign: number) =>
+      y.map((one, at) => {
+        const half = series.angle_half_width_deg?.[at] ?? ANY;
+        return one === null || half >= ANY ? null : one + sign * half;
+      });
+    return { name, style, y, lower: bound(-1), upper: bound(1), points: true, spans: true };
+  });
   return (
     <Plot
       label={`Angle of ${series.parameter} over time, ${series.value.length} points`}

@@ -87,6 +87,8 @@ export interface Estimate {
   upper: number | null;
   imaginary: number | null;
   imaginary_standard_error: number | null;
+  angle_deg: number | null;
+  angle_half_width_deg: number | null;
   reason: string | null;
 }
 
@@ -216,6 +218,8 @@ export interface Series {
   /** Of a vector such as an unbalance. */
   real?: (number | null)[] | null;
   imaginary?: (number | null)[] | null;
+  angle_deg?: (number | null)[] | null;
+  angle_half_width_deg?: (number | null)[] | null;
   quality: string[];
   run_kind: string[];
   identification: number[];

@@ -1,6 +1,7 @@
 // One identification in numbers and words: how well it fits, what each parameter is, what the data do not tell and why.
 import { useEffect } from "preact/hooks";
 import type { Document, Estimate, Identification, IdentificationSummary } from "./answers";
+import { angleWords } from "./angle-history";
 import { ComparisonPanel } from "./comparison-panel";
 import { CorrelationPanel } from "./correlation-panel";
 import { elementName, number, quantity, rpm, scaleOf, termName, when } from "./format";
@@ -179,7 +180,7 @@ function Row({ one }: { one: Estimate }) {
   const size = one.imaginary === null ? one.value : Math.hypot(one.value, one.imaginary);
   const scale = scaleOf(size, one.unit);
   const part = width(one);
-  const angle = one.imaginary === null ? "" : ` at ${Math.round((Math.atan2(one.imaginary, one.value) * 180) / Math.PI)}°`;
+  const angle = angleWords(one.angle_deg, one.angle_half_width_deg);
   return (
     <tr title={`standard error ${quantity(one.standard_error, one.unit)}`}>
       <td>{termName(one.parameter)}</td>

@@ -9,7 +9,7 @@ import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
 import { findings } from "./trend-words";
-import { angleAt, AngleHistory } from "./angle-history";
+import { AngleHistory, angleWords } from "./angle-history";
 
 const RANGES: [string, string, number][] = [
   ["month", "1 month", 31],
@@ -250,8 +250,7 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
     const base = baselineAt(series, index);
     const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
     const doubt = accepted(index) ? "" : ", not accepted";
-    const angle = angleAt(series, index);
-    const turned = angle === null ? "" : ` at ${angle.toFixed(1).replace("-", "−")}°`;
+    const turned = angleWords(series.angle_deg?.[index] ?? null, series.angle_half_width_deg?.[index] ?? null);
     return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${turned}${beside}${doubt}`;
   };
   const onPick = (index: number) => {

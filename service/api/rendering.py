@@ -12,6 +12,7 @@ from estimator.channel_status import ChannelStatus
 from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
+from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api import schemas
 from service.api.trend_units import TrendUnits, shown_in
 from service.api.units import Units
@@ -173,6 +174,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
 def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
     """In the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
+    angle, half_width = _angle(row)
     return schemas.EstimateOut(
         parameter=row.parameter,
         element=row.element,
@@ -184,8 +186,17 @@ def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
         upper=_scaled(row.upper, size),
         imaginary=_scaled(row.imaginary, size),
         imaginary_standard_error=_scaled(row.imaginary_standard_error, size),
+        angle_deg=angle,
+        angle_half_width_deg=half_width,
         reason=row.reason,
     )
+
+
+def _angle(row: EstimateRow) -> tuple[float | None, float | None]:
+    if row.value is None or row.imaginary is None or row.upper is None:
+        return None, None
+    value = np.array([complex(row.value, row.imaginary)])
+    return float(angle_deg(value)[0]), float(angle_half_width_deg(value, np.array([row.upper]))[0])
 
 
 def job(row: JobRow) -> schemas.JobOut:

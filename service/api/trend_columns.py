@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api.downsampling import Chosen, min_max
 from service.known_parameters import units_of
 from service.trend_baselines import BaselineBand, baseline_bands
@@ -141,11 +142,17 @@ def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
 
 
 def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
-    """Real and imaginary part of an unbalance; null for everything else."""
+    """Real and imaginary part of an unbalance, and its angle; null for everything else."""
     if not columns.complex:
-        return {"real": None, "imaginary": None}
+        return dict.fromkeys(("real", "imaginary", "angle_deg", "angle_half_width_deg"))
     history, at = columns.history, chosen.index
-    return {"real": history.value[at].tolist(), "imaginary": history.imaginary[at].tolist()}
+    vector = history.value[at] + 1j * history.imaginary[at]
+    return {
+        "real": vector.real.tolist(),
+        "imaginary": vector.imag.tolist(),
+        "angle_deg": angle_deg(vector).tolist(),
+        "angle_half_width_deg": angle_half_width_deg(vector, history.upper[at]).tolist(),
+    }
 
 
 def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:

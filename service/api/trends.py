@@ -84,6 +84,12 @@ class Series(BaseModel):
     identification: list[int]
     real: list[float] | None = Field(description="of an unbalance, along the keyphasor mark; else null")
     imaginary: list[float] | None = Field(description="of an unbalance, a quarter turn on from +x to +y; else null")
+    angle_deg: list[float | None] | None = Field(
+        description="of an unbalance, from the keyphasor mark on, from +x to +y, 0 to 360; else null"
+    )
+    angle_half_width_deg: list[float | None] | None = Field(
+        description="of the angle's 95 % interval; 180: any angle is possible"
+    )
 
 
 class Trends(BaseModel):

@@ -324,7 +324,12 @@ def test_an_identification_with_its_estimates(told: Api) -> None:
     unknown = by_name["bearing.B1.kxy"]
     assert [unknown[name] for name in ("value", "standard_error", "lower", "upper")] == [None] * 4
     assert "uncertain" in unknown["reason"]
-    assert by_name["disc.D2.unbalance"]["imaginary"] == -5e-4
+    unbalance = by_name["disc.D2.unbalance"]
+    assert unbalance["imaginary"] == -5e-4
+    assert unbalance["angle_deg"] == pytest.approx(360 - math.degrees(math.atan(0.5)))
+    size = math.hypot(unbalance["value"], unbalance["imaginary"])
+    assert unbalance["angle_half_width_deg"] == pytest.approx(math.degrees(math.asin(unbalance["upper"] / size - 1)))
+    assert by_name["coupling.C1.kxx"]["angle_deg"] is None
     assert (body["coordinates"], body["covariance"]) == (None, None)
 
 

@@ -23,6 +23,8 @@ from tests.asking import Api, fields, problem
 from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 
 PATH = f"/machines/{KEY.machine}/trends"
+PARTS = ("real", "imaginary", "angle_deg", "angle_half_width_deg")
+"""Of an unbalance."""
 COLUMNS = ("measured_at", "computed_at", "value", "standard_error", "lower", "upper", "quality", "run_kind", "identification")
 HOUR = 3600 * SECOND
 
@@ -70,7 +72,7 @@ def test_the_trend_of_a_parameter(api: Api) -> None:
     assert [datetime.fromisoformat(moment).isoformat() for moment in one["measured_at"]] == [at(hours) for hours in range(3)]
     assert all(moment.endswith("Z") for moment in one["measured_at"] + one["computed_at"])
     assert one["down_sampling"] == {"method": "none", "points": 3}
-    assert (one["real"], one["imaginary"]) == (None, None)
+    assert [one[part] for part in PARTS] == [None] * 4
 
 
 @pytest.mark.parametrize(
@@ -101,6 +103,11 @@ def test_several_parameters_come_as_asked_for_each_once(api: Api) -> None:
     assert found[0]["real"] == [1e-3] * 3
     assert found[0]["value"] == pytest.approx([math.hypot(1e-3, 5e-4)] * 3)
     assert found[0]["standard_error"] == [None] * 3
+    assert found[0]["angle_deg"] == pytest.approx([360 - math.degrees(math.atan(0.5))] * 3)
+    surely = [
+        math.degrees(math.asin(high / size - 1)) for size, high in zip(found[0]["value"], found[0]["upper"], strict=True)
+    ]
+    assert found[0]["angle_half_width_deg"] == pytest.approx(surely)
     assert found[1]["value"] == [None] * 3
     assert found[1]["quality"] == ["not_estimable", "not_accepted", "not_estimable"]
     assert (found[2]["unit"], found[2]["value"]) == ("rad/s", [])
@@ -227,7 +234,7 @@ def test_csv_and_parquet_hold_what_json_holds(api: Api) -> None:
     expected = [
         {"parameter": one["parameter"], "unit": one["unit"]}
         | {column: one[column][number] for column in COLUMNS}
-        | {part: one[part][number] if one[part] else None for part in ("real", "imaginary")}
+        | {part: one[part][number] if one[part] else None for part in PARTS}
         | dict.fromkeys(("baseline_centre", "baseline_lower", "baseline_upper"))
         | {"down_sampling": "none", "points": 3}
         for one in whole
