@@ -30,8 +30,13 @@ from storage.tables import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
 """Who does what nobody else does."""
-LONGEST_SHELVING_NS = 30 * 86_400 * 1_000_000_000
+LONGEST_SHELVING_DAYS = 30
+LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
 """Shelving ends: at the latest after thirty days [ns]."""
+
+
+class MomentRefused(ValueError):
+    """An alert is not shelved until then."""
 
 
 @dataclass(frozen=True)
@@ -110,14 +115,17 @@ def comment(session: Session, row: AlertRow, person: Person) -> None:
 
 
 def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
-    """Let it call nobody until a moment [ns], neither now nor in a later episode. Raises Forbidden."""
+    """Let it call nobody until a moment [ns], neither now nor in a later episode.
+
+    Raises Forbidden, and MomentRefused for one that has passed or is more than 30 days ahead: nothing is shelved for ever.
+    """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
     if Suppression.SHELVED in standing(row).suppressions:
         raise Forbidden("the alert is shelved already: end that first")
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
-        raise Forbidden("an alert is shelved until a moment to come, at most 30 days ahead")
+        raise MomentRefused(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING_DAYS} days ahead")
     suppress(session, row.machine_id, Suppression.SHELVED, person, rule=row.rule, element=row.element, until=until)
 
 

@@ -1,13 +1,12 @@
 """What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
 
 import re
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, datetime
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, field_validator, model_validator
+from pydantic import AfterValidator, BaseModel, Field, model_validator
 
 from estimator.written import Written
-from service.alerting import LONGEST_SHELVING_NS
 from service.api.times import Time
 from service.security.principal import Author
 
@@ -19,9 +18,6 @@ Said = Annotated[str, Field(min_length=1, max_length=2000, pattern=r"^[^\x00]*[^
 
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 """What the store can count in nanoseconds."""
-
-
-LONGEST_SHELVING = timedelta(microseconds=LONGEST_SHELVING_NS / 1000)
 
 
 def _aware(moment: datetime) -> datetime:
@@ -79,13 +75,6 @@ class Shelving(By):
     """Until when: at most 30 days ahead. There is no shelving for ever."""
 
     until: Moment
-
-    @field_validator("until")
-    @classmethod
-    def _within_reach(cls, until: datetime) -> datetime:
-        if not timedelta(0) < until - datetime.now(UTC) <= LONGEST_SHELVING:
-            raise ValueError(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING.days} days ahead")
-        return until
 
 
 class SuppressionIn(By):

@@ -15,6 +15,7 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 from estimator.machine import DocumentError, problems_of
 from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
+from service.alerting import MomentRefused
 from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
@@ -125,6 +126,11 @@ def add_handlers(app: FastAPI) -> None:
     async def limits(_request: Request, error: LimitsRefused) -> JSONResponse:
         problems = [FieldProblem(field=f"limits.{field}", message=message) for field, message in error.problems]
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", errors=problems)
+
+    @app.exception_handler(MomentRefused)
+    async def moment(_request: Request, error: MomentRefused) -> JSONResponse:
+        problems = [FieldProblem(field="body.until", message=str(error))]
+        return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(RequestValidationError)
     async def wrong(request: Request, error: RequestValidationError) -> JSONResponse:

@@ -169,7 +169,7 @@ def test_a_shelving_outlives_the_episode(plant: Database, found: IdentificationR
 def test_shelving_ends(plant: Database, found: IdentificationRow, ahead: int) -> None:
     with plant.transaction() as session:
         row = raised(session, found)
-        with pytest.raises(Forbidden, match="at most 30 days"):
+        with pytest.raises(alerting.MomentRefused, match="at most 30 days"):
             alerting.shelve(session, row, ANNA, until=time.time_ns() + ahead)
         assert row.state == "unacknowledged"
 
