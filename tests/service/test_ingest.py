@@ -106,7 +106,8 @@ def heard(client: zenoh.Session) -> bool:
 
 
 def put(client: zenoh.Session, payload: bytes, *, key: str = SAMPLES, encoding: str = MESSAGEPACK) -> None:
-    client.put(key, payload, encoding=encoding)
+    # Blocking: on a busy machine zenoh would let go of what waits behind a large message.
+    client.put(key, payload, encoding=encoding, congestion_control=zenoh.CongestionControl.BLOCK)
 
 
 def put_batch(client: zenoh.Session, first: int, last: int, **changes: Any) -> None:

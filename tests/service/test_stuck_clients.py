@@ -21,7 +21,7 @@ EVENT_BYTES = 4000
 AT_ONCE = 100
 EVENTS = 5000
 """20 MB: far more than the sockets' buffers, 4 MB at most, and a client's queue hold together."""
-PATIENCE_S = 3.0
+PATIENCE_S = 8.0
 LARGEST_GROWTH = 8e6
 """[bytes]: the client's queue, a page of events, a batch of new ones; without a bound it would be 20 MB and more."""
 
