@@ -61,13 +61,18 @@ def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> 
 
 
 def take(session: Session, limit: int, *, holder: int | None = None) -> Sequence[JobRow]:
-    """The oldest queued jobs that no other replica is taking, marked as running; holder: number of the replica, which gets
-    none when it was taken for gone meanwhile.
+    """The oldest queued jobs that no other replica is taking, marked as running; behind them those that did harm before.
+
+    holder: number of the replica, which gets none when it was taken for gone meanwhile.
     """
     if holder is not None and session.get(ReplicaRow, holder) is None:
         return []
-    query = select(JobRow).where(JobRow.state == QUEUED).order_by(JobRow.id).limit(limit)
-    rows = session.scalars(query.with_for_update(skip_locked=True)).all()
+    rows: list[JobRow] = []
+    for tried in (JobRow.attempts == 0, JobRow.attempts > 0):
+        if len(rows) == limit:
+            break
+        query = select(JobRow).where(JobRow.state == QUEUED, tried).order_by(JobRow.id).limit(limit - len(rows))
+        rows += session.scalars(query.with_for_update(skip_locked=True))
     for row in rows:
         row.state = RUNNING
         row.attempts += 1

@@ -66,6 +66,16 @@ def test_a_job_that_costs_every_worker_is_given_up(plant: Database) -> None:
         assert row.error == "given up after 3 attempts: the worker died"
 
 
+def test_a_job_that_did_harm_waits_behind_all_others(plant: Database) -> None:
+    with plant.transaction() as session:
+        first, second, third = (ask(session, run_id) for run_id in (1, 2, 3))
+        (harmful,) = jobs.take(session, 1)
+        jobs.put_back(harmful, "it took too long")
+    with plant.transaction() as session:
+        assert [row.id for row in jobs.take(session, 1)] == [second]
+        assert [row.id for row in jobs.take(session, 2)] == [third, first]
+
+
 def test_what_an_earlier_process_left_running_is_queued_again(plant: Database) -> None:
     with plant.transaction() as session:
         for run_id in range(4):
