@@ -25,8 +25,12 @@ _TOO_SLOW = (
 )
 
 
-class HeadTooLarge(ValueError):
-    """More headers than any client needs."""
+_UNREADABLE = "this is no HTTP/1.1 request: a line, a header or a chunk of it is wrong, or it is TLS or another protocol"
+_NO_HOST = "a request has one Host header (RFC 9112, section 3.2)"
+
+
+class HeadRefused(ValueError):
+    """Status and detail: the parser stops at it."""
 
 
 class HttpProtocol(HttpToolsProtocol):
@@ -36,7 +40,8 @@ class HttpProtocol(HttpToolsProtocol):
     _waits = False
     """Whether a request is still to come, or comes."""
     _in_head = True
-    _too_large = False
+    _fault = (HTTPStatus.BAD_REQUEST, _UNREADABLE)
+    """What is answered when the parser stops."""
     _since = 0.0
     _came = 0
     """Bytes, since then."""
@@ -68,11 +73,14 @@ class HttpProtocol(HttpToolsProtocol):
     def on_headers_complete(self) -> None:
         """Its head is there.
 
-        Raises HeadTooLarge, at which the parser stops.
+        Raises HeadRefused.
         """
-        self._too_large = len(self.url) + sum(len(name) + len(value) for name, value in self.headers) > LARGEST_HEAD
-        if self._too_large:
-            raise HeadTooLarge(_TOO_LARGE)
+        if len(self.url) + sum(len(name) + len(value) for name, value in self.headers) > LARGEST_HEAD:
+            self._fault = HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE
+            raise HeadRefused(*self._fault)
+        if self.parser.get_http_version() == "1.1" and [name for name, _ in self.headers].count(b"host") != 1:
+            self._fault = HTTPStatus.BAD_REQUEST, _NO_HOST
+            raise HeadRefused(*self._fault)
         self._in_head = False
         super().on_headers_complete()
 
@@ -81,12 +89,9 @@ class HttpProtocol(HttpToolsProtocol):
         self._stop_waiting()
         super().on_message_complete()
 
-    def send_400_response(self, msg: str) -> None:
+    def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - the library says the same of everything
         """The parser could not go on."""
-        if self._too_large:
-            self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
-        else:
-            self._refuse(HTTPStatus.BAD_REQUEST, f"this cannot be read as HTTP/1.1: {msg}")
+        self._refuse(*self._fault)
 
     def _answering(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete
