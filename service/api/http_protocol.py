@@ -39,12 +39,18 @@ class HttpProtocol(HttpToolsProtocol):
     _timer: asyncio.TimerHandle | None = None
     _waits = False
     """Whether a request is still to come, or comes."""
+    _begun = False
+    """Whether something of it came."""
     _in_head = True
-    _fault = (HTTPStatus.BAD_REQUEST, _UNREADABLE)
-    """What is answered when the parser stops."""
     _since = 0.0
     _came = 0
-    """Bytes, since then."""
+    """Bytes of it, as far as they are surely its own."""
+    _completed = 0
+    """Requests that came whole."""
+    _fault = (HTTPStatus.BAD_REQUEST, _UNREADABLE)
+    """What is answered when the parser stops."""
+    _refusal: tuple[HTTPStatus, str] | None = None
+    """What is answered once those who asked before have their answers."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin; a peer that says nothing may not stay."""
@@ -58,10 +64,14 @@ class HttpProtocol(HttpToolsProtocol):
 
     def data_received(self, data: bytes) -> None:
         """Read on."""
+        if self._refusal is not None:
+            return
         if not self._waits and not self._answering():
             self._wait()
+        before = self._completed
         super().data_received(data)
-        self._came += len(data)
+        if self._completed == before:
+            self._came += len(data)
         if self._waits and self._in_head and self._came > LARGEST_HEAD and not self.transport.is_closing():
             self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
 
@@ -69,6 +79,7 @@ class HttpProtocol(HttpToolsProtocol):
         """A request begins."""
         super().on_message_begin()
         self._wait()
+        self._begun = True
 
     def on_headers_complete(self) -> None:
         """Its head is there.
@@ -85,9 +96,18 @@ class HttpProtocol(HttpToolsProtocol):
         super().on_headers_complete()
 
     def on_message_complete(self) -> None:
-        """All of it is there."""
+        """All of it is there. Where it was answered before it was, nobody else waits for the next one."""
+        self._completed += 1
         self._stop_waiting()
         super().on_message_complete()
+        if not self._answering():
+            self._wait()
+
+    def on_response_complete(self) -> None:
+        """The next one in the line is answered, or refused."""
+        super().on_response_complete()
+        if self._refusal is not None and not self._answering() and not self.transport.is_closing():
+            self._refuse(*self._refusal)
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - the library says the same of everything
         """The parser could not go on."""
@@ -98,7 +118,7 @@ class HttpProtocol(HttpToolsProtocol):
 
     def _wait(self) -> None:
         """For a request."""
-        self._waits, self._in_head = True, True
+        self._waits, self._begun, self._in_head = True, False, True
         self._since, self._came = self.loop.time(), 0
         if self._timer is None:
             self._timer = self.loop.call_later(PATIENCE_S, self._look)
@@ -115,13 +135,17 @@ class HttpProtocol(HttpToolsProtocol):
         left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:
             self._timer = self.loop.call_later(max(left, 1.0), self._look)
-        elif self._came == 0:
-            self.transport.close()
-        else:
+        elif self._begun:
             self._refuse(HTTPStatus.REQUEST_TIMEOUT, _TOO_SLOW)
+        else:
+            self.transport.close()
 
     def _refuse(self, status: HTTPStatus, detail: str) -> None:
-        """Answer without the application, unless it began to, and close."""
+        """Answer without the application, and close."""
+        if self._answering() and self._in_head:
+            self._refusal = status, detail
+            self._stop_waiting()
+            return
         if not (self._answering() and self.cycle.response_started):
             answer = problem_response(status, detail, {"Connection": "close"})
             headers = [*answer.raw_headers, *ALWAYS, NO_STORE]

@@ -2,6 +2,7 @@
 
 import json
 import socket
+import threading
 import time
 from collections.abc import Iterator
 
@@ -153,3 +154,47 @@ def test_requests_sent_ahead_are_all_answered(base: str) -> None:
             part = client.recv(65536)
             assert part, came
             came += part
+
+
+def test_what_was_asked_before_is_answered_before_a_refusal(base: str) -> None:
+    with opened(base) as client:
+        client.sendall(WHOLE * 2 + b"junk\r\n\r\n")
+        came = rest(client)
+    assert came.count(b"HTTP/1.1 200") == 2
+    assert problem(came[came.index(b"HTTP/1.1 400") :])[0] == 400
+
+
+def test_thousands_of_requests_sent_ahead_are_no_large_head(base: str) -> None:
+    count = 3 * LARGEST_HEAD // len(WHOLE)
+    with opened(base) as client:
+        sender = threading.Thread(target=client.sendall, args=[WHOLE * count + WHOLE[:10]])
+        sender.start()
+        came = 0
+        left = b""
+        while came < count:
+            part = client.recv(2**20)
+            assert part, f"{came} of {count}"
+            left += part
+            came += left.count(b"HTTP/1.1 200")
+            left = left[-11:] if b"HTTP/1.1 200" not in left[-11:] else b""
+        sender.join()
+
+
+def test_a_body_that_comes_after_its_answer_does_not_keep_a_connection(base: str, impatient: float) -> None:
+    with opened(base) as client:
+        client.sendall(b"GET /api/v1/alive HTTP/1.1\r\nHost: here\r\nContent-Length: 2\r\n\r\n")
+        assert client.recv(65536).startswith(b"HTTP/1.1 200")
+        client.sendall(b"{}")
+        began = time.monotonic()
+        assert rest(client) == b""
+        assert time.monotonic() - began < impatient + 5
+
+
+def test_half_a_request_does_not_end_a_stream(plant: Database, impatient: float) -> None:
+    with served(plant) as base, opened(base) as client:
+        client.sendall(b"GET /api/v1/alert-events/stream HTTP/1.1\r\nHost: here\r\n\r\n")
+        assert client.recv(65536).startswith(b"HTTP/1.1 200")
+        client.sendall(BEGUN)
+        client.settimeout(4 * impatient)
+        with pytest.raises(TimeoutError):  # it goes on
+            rest(client)
