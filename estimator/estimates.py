@@ -131,11 +131,14 @@ def _coefficient(
     spread = float(coordinates.unit[place] * error[place])
     if coefficient.direct:
         if spread > LARGEST_DIRECT_ERROR:
-            return _open(common, f"the data leave it uncertain by {100 * spread:.0f} % of its value{_because(reason, name)}")
+            limit = f"its standard error; {100 * LARGEST_DIRECT_ERROR:.0f} % at most"
+            words = f"the data leave it uncertain by {100 * spread:.0f} % of its value ({limit})"
+            return _open(common, words + _because(reason, name))
         return _positive(common, coefficient.expected * math.exp(float(theta[place])), spread)
     if spread > LARGEST_RELATIVE_ERROR * judged_by:
         part, why = 100 * spread / judged_by, _because(reason, name)
-        return _open(common, f"the data leave it uncertain by {part:.0f} % of the direct terms of its element{why}")
+        limit = f"its standard error; {100 * LARGEST_RELATIVE_ERROR:.0f} % at most"
+        return _open(common, f"the data leave it uncertain by {part:.0f} % of the direct terms of its element ({limit}){why}")
     value, half = float(coordinates.unit[place] * theta[place]), CONFIDENCE_95 * spread
     return Estimate(*common, value, spread, value - half, value + half)
 

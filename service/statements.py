@@ -1,5 +1,6 @@
 """A cause in words, and as the evidence that an alert and a diagnosis carry."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -93,8 +94,8 @@ def _element(one: Statement) -> str:
 def _unbalance(one: Statement) -> str:
     q = one.size.quantities
     return (
-        f"The unbalance of disc {_id(one)} has changed by {q['change_g_mm']:.3g} g·mm at {q['change_deg']:.0f}°, "
-        f"from {q['before_g_mm']:.3g} to {q['after_g_mm']:.3g} g·mm"
+        f"The unbalance of disc {_id(one)} has changed by {rounded(q['change_g_mm'], 3)} g·mm at {q['change_deg']:.0f}°, "
+        f"from {rounded(q['before_g_mm'], 3)} to {rounded(q['after_g_mm'], 3)} g·mm"
     )
 
 
@@ -107,7 +108,7 @@ def _sensor(one: Statement) -> str:
 
 def _run_out(one: Statement) -> str:
     where = "The run-out at probe" if one.cause.kind == "run_out" else "The bow, or the run-out at all probes, of shaft"
-    return f"{where} {_id(one)} has changed by {one.size.quantities['largest_um']:.2g} µm"
+    return f"{where} {_id(one)} has changed by {rounded(one.size.quantities['largest_um'], 2)} µm"
 
 
 def _misfit(_one: Statement) -> str:
@@ -137,3 +138,10 @@ def _stiffnesses(quantities: Mapping[str, float]) -> list[tuple[str, float]]:
 
 def _id(one: Statement) -> str:
     return one.cause.element.split(".", 1)[1]
+
+
+def rounded(value: float, digits: int) -> str:
+    """A number to so many digits, written out: people read these, and nobody reads 1.3e+04 g·mm aloud."""
+    shown = float(f"{value:.{digits}g}")
+    decimals = 0 if shown == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown))))
+    return f"{shown:.{decimals}f}"

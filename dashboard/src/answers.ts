@@ -87,6 +87,7 @@ export interface Estimate {
   upper: number | null;
   imaginary: number | null;
   imaginary_standard_error: number | null;
+  magnitude: number | null;
   angle_deg: number | null;
   angle_half_width_deg: number | null;
   reason: string | null;

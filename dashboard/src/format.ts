@@ -34,7 +34,8 @@ export function scaleOf(largest: number, unit: string): Scale {
 export function number(value: number | null | undefined, digits = 3): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
   if (value === 0) return "0";
-  const size = Math.abs(value);
+  // What rounds up to the next power of ten has a digit more in front.
+  const size = Math.abs(Number(value.toPrecision(digits)));
   if (size >= 1e7 || size < 1e-4) return value.toExponential(digits - 1).replace("-", "−");
   const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
   return value.toFixed(Math.min(decimals, 8)).replace("-", "−");

@@ -126,8 +126,8 @@ function Words({ found }: { found: Identification }) {
     <Panel title="What the data tell">
       <p>
         {known.length} of {found.estimates.length} parameters are determined. Of the {direct.length} direct terms and unbalances among them,{" "}
-        {sharp.length} are known to {100 * FAIR} % or better
-        {vague.length > 0 ? `, and ${vague.length} only to more than ${100 * POOR} %: ${vague.map((one) => one.parameter).join(", ")}.` : "."}
+        {sharp.length} are known to ± {100 * FAIR} % or better
+        {vague.length > 0 ? `, and of ${vague.length} the 95 % interval is wider than ± ${100 * POOR} %: ${vague.map((one) => one.parameter).join(", ")}.` : "."}
       </p>
       {missing.length === 0 ? (
         <Empty>Nothing is left undetermined.</Empty>
@@ -186,7 +186,7 @@ function Row({ one }: { one: Estimate }) {
       <td>{termName(one.parameter)}</td>
       <td class="number">
         {number(size * scale.factor)} {scale.unit}
-        {angle}
+        {angle && <small>{angle.trim()}</small>}
       </td>
       <td class="number muted">
         {one.lower === null ? "–" : number(one.lower * scale.factor)} … {one.upper === null ? "–" : number(one.upper * scale.factor)}

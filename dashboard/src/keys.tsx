@@ -25,7 +25,7 @@ export function useShortcuts(toggleKeys: () => void): void {
     const pressed = (event: KeyboardEvent) => {
       // A window that was just closed has the focus until the browser draws again.
       const target = event.target as HTMLElement;
-      if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog[open], .plot")) return;
+      if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog[open]")) return;
       const tab = TABS[Number(event.key) - 1];
       const { parts } = place.value;
       if (event.key === "?") toggleKeys();

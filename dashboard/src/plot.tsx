@@ -78,6 +78,8 @@ const ZOOM = 0.6;
 /** A click so near to a point picks it [px]; a finger hides what it points at. */
 const NEAR = 20;
 const NEAR_FINGER = 32;
+/** Above a plot's upper edge, but not away from it [px]. */
+const BESIDE = 0;
 const DAY_S = 86_400;
 /** Labels of a time axis by the distance of its marks: what every mark says, and what is added where year or day changes. */
 const DATES: uPlot.Axis.Values = [
@@ -214,7 +216,12 @@ function step(made: uPlot, props: PlotProps, by: number): void {
   const here = made.cursor.idx ?? null;
   const place = here === null ? rows.length - 1 : rows.indexOf(nearestOf(props.x, rows, here)!);
   const to = rows[Math.min(rows.length - 1, Math.max(0, place + by))]!;
-  made.setCursor({ left: made.valToPos(props.x[to]!, "x"), top: made.bbox.height / devicePixelRatio / 2 });
+  readOut(made, props.x[to]!);
+}
+
+/** Read out a place of the x axis, here and in the plots beside it; the line across lies on no value, so it is out of sight. */
+function readOut(made: uPlot, x: number): void {
+  for (const one of together(made)) one.setCursor({ left: one.valToPos(x, "x"), top: BESIDE });
 }
 
 /** A plot and those that it zooms together with. */

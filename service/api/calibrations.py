@@ -13,6 +13,7 @@ from service.api.paging import ByTime
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.principal import Author
 from service.security.requirement import ANALYST, VIEWER
+from service.wire import is_ahead
 from storage import calibrations, machines, timeline
 from storage.clock import to_datetime
 from storage.tables import CalibrationRow
@@ -66,6 +67,8 @@ def list_calibrations(
 def add_calibration(request: Request, machine_id: MachineId, said: CalibrationIn) -> CalibrationOut:
     """Note that a channel was calibrated; it is never changed or deleted."""
     at = instant(said.at)
+    if is_ahead(at):
+        raise Unsuitable("a calibration is noted when it was done, not in the future: note the plan as a note")
     with database(request).transaction() as session:
         channels = machines.document(session, machine_id).channels
         if said.channel not in channels:

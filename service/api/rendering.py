@@ -174,7 +174,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
 def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
     """In the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
-    angle, half_width = _angle(row)
+    magnitude, angle, half_width = _polar(row)
     return schemas.EstimateOut(
         parameter=row.parameter,
         element=row.element,
@@ -186,17 +186,18 @@ def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
         upper=_scaled(row.upper, size),
         imaginary=_scaled(row.imaginary, size),
         imaginary_standard_error=_scaled(row.imaginary_standard_error, size),
+        magnitude=_scaled(magnitude, size),
         angle_deg=angle,
         angle_half_width_deg=half_width,
         reason=row.reason,
     )
 
 
-def _angle(row: EstimateRow) -> tuple[float | None, float | None]:
+def _polar(row: EstimateRow) -> tuple[float | None, float | None, float | None]:
     if row.value is None or row.imaginary is None or row.upper is None:
-        return None, None
+        return None, None, None
     value = np.array([complex(row.value, row.imaginary)])
-    return float(angle_deg(value)[0]), float(angle_half_width_deg(value, np.array([row.upper]))[0])
+    return abs(complex(value[0])), float(angle_deg(value)[0]), float(angle_half_width_deg(value, np.array([row.upper]))[0])
 
 
 def job(row: JobRow) -> schemas.JobOut:

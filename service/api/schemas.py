@@ -148,6 +148,7 @@ class EstimateOut(BaseModel):
     upper: float | None
     imaginary: float | None = Field(default=None, description="of an unbalance")
     imaginary_standard_error: float | None = None
+    magnitude: float | None = Field(default=None, description="of an unbalance; lower and upper are its interval")
     angle_deg: float | None = Field(default=None, description="of an unbalance, from the keyphasor mark on, from +x to +y")
     angle_half_width_deg: float | None = Field(
         default=None, description="of the angle's 95 % interval; 180: any angle is possible"

@@ -102,6 +102,8 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
     plot.press("ArrowLeft")
     expect(plot.locator(".readout")).to_contain_text(f" g·mm at {angle % 360:.1f}° ± ")
+    size = seen.page.get_by_role("group", name=re.compile(f"{name} over time, ")).first
+    expect(size.locator(".readout")).to_have_text(plot.locator(".readout").inner_text())
     assert seen.errors == []
 
 

@@ -40,6 +40,8 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
         seen.page.keyboard.press("ArrowLeft")
     expect(plot.locator(".readout")).not_to_have_text(before)
     expect(plot.locator(".readout")).to_contain_text("kN/m")
+    seen.page.keyboard.press("?")
+    expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
     assert seen.errors == []
 
 

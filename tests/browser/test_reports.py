@@ -2,6 +2,7 @@
 
 import re
 from datetime import UTC, datetime, timedelta
+from typing import Literal
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
@@ -20,6 +21,27 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     expect(seen.page.locator(".bar")).to_be_hidden()
     assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
+    assert seen.errors == []
+
+
+@pytest.mark.parametrize(
+    ("shown_at", "width", "media"),
+    [
+        (f"reports/{MACHINE}", 688, "print"),  # A4 less its margins
+        (f"reports/{MACHINE}", 794, "print"),
+        (f"machines/{MACHINE}/identified", 1440, "screen"),
+        (f"machines/{MACHINE}/identified", 1920, "screen"),
+    ],
+)
+def test_no_number_of_a_parameter_is_cut_off(seen: Seen, shown_at: str, width: int, media: Literal["print", "screen"]) -> None:
+    seen.page.set_viewport_size({"width": width, "height": 1000})
+    seen.open(shown_at)
+    tables = seen.page.locator(".elements .scroll")
+    expect(tables.filter(has_text="°").first).to_be_attached()
+    seen.page.emulate_media(media=media)
+    for one in tables.all():
+        assert one.evaluate("one => one.scrollWidth <= one.clientWidth + 1"), one.inner_text()
+    seen.picture(f"parameters-{media}-{width}")
     assert seen.errors == []
 
 

@@ -328,6 +328,8 @@ def test_an_identification_with_its_estimates(told: Api) -> None:
     assert unbalance["imaginary"] == -5e-4
     assert unbalance["angle_deg"] == pytest.approx(360 - math.degrees(math.atan(0.5)))
     size = math.hypot(unbalance["value"], unbalance["imaginary"])
+    assert unbalance["magnitude"] == pytest.approx(size)
+    assert unbalance["lower"] < unbalance["magnitude"] < unbalance["upper"]
     assert unbalance["angle_half_width_deg"] == pytest.approx(math.degrees(math.asin(unbalance["upper"] / size - 1)))
     assert by_name["coupling.C1.kxx"]["angle_deg"] is None
     assert (body["coordinates"], body["covariance"]) == (None, None)

@@ -111,6 +111,8 @@ def test_a_calibration_is_of_a_channel_that_is_there(api: Api) -> None:
     assert "B2X" in problem(api.ask("POST", CALIBRATIONS, json=CALIBRATED | {"channel": "X9"}), 422)["detail"]
     assert fields(api.ask("POST", CALIBRATIONS, json=CALIBRATED | {"at": "2026-03-01T09:00:00"})) == ["at"]
     assert fields(api.ask("POST", CALIBRATIONS, json=CALIBRATED | {"certificate": ""})) == ["certificate"]
+    planned = CALIBRATED | {"at": "2096-03-01T09:00:00Z"}
+    assert "not in the future" in problem(api.ask("POST", CALIBRATIONS, json=planned), 422)["detail"]
     problem(api.ask("POST", CALIBRATIONS.replace(KEY.machine, "none"), json=CALIBRATED), 404)
 
 
