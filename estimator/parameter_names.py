@@ -4,11 +4,11 @@ So that what was never identified can be told from what the machine has not.
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from estimator.condensation import scale_spreads
 from estimator.machine import Machine
-from estimator.parameters import UNITS, Coefficient, unknowns
+from estimator.parameters import UNITS, Coefficient, is_direct, unknowns
 from estimator.rotor import assemble_rotor
 
 NUMBER = re.compile(r"[1-9][0-9]{0,2}")
@@ -31,6 +31,18 @@ def parameter_units(machine: Machine) -> dict[str, str]:
         if probe.run_out_spread > 0.0:
             found[f"probe.{probe.id}.run_out"] = UNITS["run-out"]
     return found
+
+
+def change_unit(name: str, units: Mapping[str, str]) -> str | None:
+    """SI unit in which a diagnosis tells the change of a parameter or of a vector's component; 1: a part of its value.
+
+    name: such as `bearing.B1.kxy` or `disc.D1.unbalance.real`; units: see `parameter_units`. None for a name not among them.
+    """
+    if is_direct(name):
+        return "1"
+    stem = name.removesuffix(".real").removesuffix(".imaginary")
+    of_probe = {"gain": UNITS["gain"], "run_out": UNITS["run-out"]} if stem.startswith("probe.") else {}
+    return units.get(stem) or of_probe.get(stem.rpartition(".")[2])
 
 
 def derived_units(machine: Machine) -> dict[str, str]:

@@ -5,7 +5,9 @@ from typing import Any
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
+from sqlalchemy.orm import Session
 
+from estimator.parameter_names import change_unit, parameter_units
 from service.api.access import MachineId, Number, Reading
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.requirement import VIEWER
@@ -14,6 +16,41 @@ from storage.clock import to_datetime
 from storage.tables import DiagnosisRow
 
 router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])
+
+
+class Moved(BaseModel):
+    """A parameter, or a component of a vector, that has changed."""
+
+    parameter: str
+    change: float = Field(description="of direct terms and gains a part of the baseline's value, of all others the difference")
+    unit: str | None = Field(description="SI unit of the change; 1: a part; null: the document has no such parameter any more")
+    sigma: float = Field(description="the change in its standard errors")
+
+
+class RunnerUp(BaseModel):
+    """What else would explain it, less well."""
+
+    kind: str
+    element: str
+    evidence: float
+
+
+class CauseOut(BaseModel):
+    """Something that has happened to the machine."""
+
+    kind: str = Field(description="misalignment, coupling, bearing, unbalance, bow, run_out, sensor, misfit or outliers")
+    element: str
+    evidence: float = Field(description="logarithm of the factor by which it makes the runs more probable")
+    sigma: float = Field(description="the whole change in its standard errors")
+    per_cent: float | None = Field(description="of what the element was in the baseline; null where the cause has no size")
+    quantities: dict[str, float] = Field(default_factory=dict, description="its size, by name with the unit at its end")
+    form: str | None = Field(default=None, description="of a misalignment: parallel, angular or combined, where the data tell")
+    misalignment_force: float | None = Field(default=None, description="in the coupling at running speed [N]")
+    since: datetime = Field(description="when the first run that shows it was measured")
+    first_identification: int | None = Field(default=None, description="that run's")
+    runs: int = Field(description="newest runs that were looked at together")
+    moved: list[Moved] = Field(description="the surest first; at most four of each element")
+    runners_up: list[RunnerUp]
 
 
 class DiagnosisOut(BaseModel):
@@ -25,28 +62,29 @@ class DiagnosisOut(BaseModel):
     made_at: datetime
     baseline: list[int] = Field(description="ids of the identifications that it was compared with")
     runs: int = Field(description="newest runs that were looked at together; 0 where they showed nothing")
-    causes: list[dict[str, Any]] = Field(
-        description="strongest first, each with kind, element, evidence, sigma, per_cent, since, moved, runners_up"
-    )
+    causes: list[CauseOut] = Field(description="strongest first")
 
 
 @router.get("/identifications/{identification_id}/diagnosis", operation_id="read_diagnosis")
 def read_diagnosis(session: Reading, identification_id: Number) -> DiagnosisOut:
     """What an identification said of its machine when it was filed, also where that reached no limit."""
     identifications.get(session, identification_id)
-    return _answer(diagnoses.of_identification(session, identification_id), f"identification {identification_id}")
+    found = diagnoses.of_identification(session, identification_id)
+    return _answer(session, found, f"identification {identification_id}")
 
 
 @router.get("/machines/{machine_id}/diagnosis", operation_id="read_newest_diagnosis")
 def read_newest_diagnosis(session: Reading, machine_id: MachineId) -> DiagnosisOut:
     """The diagnosis of the machine's newest run that has one."""
     machines.get(session, machine_id)
-    return _answer(diagnoses.newest(session, machine_id), f"machine '{machine_id}'")
+    return _answer(session, diagnoses.newest(session, machine_id), f"machine '{machine_id}'")
 
 
-def _answer(row: DiagnosisRow | None, what: str) -> DiagnosisOut:
+def _answer(session: Session, row: DiagnosisRow | None, what: str) -> DiagnosisOut:
     if row is None:
         raise Unsuitable(f"{what} has no diagnosis: its baseline is not complete, or it was identified by an older release")
+    revision = identifications.get(session, row.identification_id).revision
+    units = parameter_units(machines.document(session, row.machine_id, revision))
     return DiagnosisOut(
         identification=row.identification_id,
         machine=row.machine_id,
@@ -54,5 +92,10 @@ def _answer(row: DiagnosisRow | None, what: str) -> DiagnosisOut:
         made_at=to_datetime(row.made_at),
         baseline=row.baseline,
         runs=row.runs,
-        causes=row.causes,
+        causes=[_cause(one, units) for one in row.causes],
     )
+
+
+def _cause(stored: dict[str, Any], units: dict[str, str]) -> CauseOut:
+    moved = [one | {"unit": change_unit(one["parameter"], units)} for one in stored["moved"]]
+    return CauseOut.model_validate(stored | {"moved": moved})

@@ -9,7 +9,7 @@ from estimator.coordinates import Coordinates
 from estimator.derived import model_quantities
 from estimator.estimates import estimates
 from estimator.machine import parse_machine
-from estimator.parameter_names import derived_unit, derived_units, in_words, parameter_units, without_number
+from estimator.parameter_names import change_unit, derived_unit, derived_units, in_words, parameter_units, without_number
 
 
 def test_of_a_train_of_everything_parameters_are_named_as_they_are_estimated() -> None:
@@ -18,6 +18,33 @@ def test_of_a_train_of_everything_parameters_are_named_as_they_are_estimated() -
     coordinates = Coordinates.of(train, unbalance_scale=1e-3)
     found = estimates(train, coordinates, coordinates.centre, np.full(coordinates.size, 1e-3), None)
     assert parameter_units(machine) == {one.name: one.unit for one in found}
+
+
+def test_of_a_train_of_everything_all_changes_have_a_unit() -> None:
+    machine = parse_machine(rich_document())
+    train = condense(machine, speed=np.ones(1), direction=np.ones(1))
+    coordinates = Coordinates.of(train, unbalance_scale=1e-3)
+    units = parameter_units(machine)
+    found = {name: change_unit(name, units) for name in coordinates.names}
+    assert None not in found.values()
+    for name, unit in found.items():
+        assert unit in ("1", units.get(name.removesuffix(".real").removesuffix(".imaginary"))), name
+    assert {"1", "N/m", "N s/m", "kg m", "m"} <= set(found.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("bearing.B1.kxx@1500rpm", "1"),
+        ("bearing.B1.kxy", "N/m"),
+        ("disc.D1.unbalance.imaginary", "kg m"),
+        ("probe.A.gain.real", "1"),
+        ("probe.A.run_out.imaginary", "m"),
+        ("bearing.B9.kxy", None),
+    ],
+)
+def test_changes_are_told_in(name: str, unit: str | None) -> None:
+    assert change_unit(name, {"bearing.B1.kxy": "N/m", "disc.D1.unbalance": "kg m"}) == unit
 
 
 def test_derived_quantities_are_named_as_they_are_stored() -> None:
