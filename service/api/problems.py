@@ -16,6 +16,7 @@ from estimator.machine import DocumentError, problems_of
 from estimator.slow_roll import NotSlowRoll
 from service.alert_life import Forbidden
 from service.alerting import MomentRefused
+from service.api.patterns import WORDS
 from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
@@ -184,6 +185,8 @@ def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
         place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
         if item["type"] == "json_invalid":
             place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"
+        if item["type"] == "string_pattern_mismatch":
+            message = WORDS.get(item["ctx"]["pattern"], message)
         found.append(item | {"loc": place[1:] if place[:1] == ("body",) and len(place) > 1 else place, "msg": message})
     return found
 

@@ -18,6 +18,7 @@ from service import alerting
 from service.alerting import Finding
 from service.api import openapi
 from service.api.body_size import LARGEST_BODY
+from service.api.patterns import WORDS
 from storage import deliveries, fleet, idempotency, jobs, machines, suppressions
 from storage.database import Database
 from storage.tables import IdempotencyKeyRow, TimelineRow
@@ -504,3 +505,24 @@ def test_the_committed_document_is_that_of_the_application() -> None:
     """A change of the API is seen in review: `python -m service.api.openapi docs/openapi.json` renews the file."""
     committed = (ROOT / "docs" / "openapi.json").read_text(encoding="utf-8")
     assert committed == openapi.text(), "docs/openapi.json is not up to date: python -m service.api.openapi docs/openapi.json"
+
+
+def test_every_pattern_is_said_in_words() -> None:
+    document = json.loads((ROOT / "docs" / "openapi.json").read_text())
+    assert set(patterns(document)) == set(WORDS)
+
+
+def patterns(part: Any) -> Iterator[str]:
+    """Every pattern of a document."""
+    if isinstance(part, dict):
+        if isinstance(part.get("pattern"), str):
+            yield part["pattern"]
+        part = list(part.values())
+    for one in part if isinstance(part, list) else []:
+        yield from patterns(one)
+
+
+def test_a_text_of_another_pattern_is_refused_in_words(api: Api) -> None:
+    answer = api.get(f"/machines/{KEY.machine}/trends", parameter="nope")
+    (error,) = problem(answer, 422)["errors"]
+    assert "such as bearing.B1.kxx" in error["message"]
