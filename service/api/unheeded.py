@@ -1,5 +1,8 @@
 """Questions that would not be heeded are refused, lest somebody takes the answer for one to what they asked."""
 
+from collections.abc import Iterator
+from typing import Any, get_args, get_origin
+
 from fastapi import Request
 from fastapi.dependencies.models import Dependant
 from fastapi.exceptions import RequestValidationError
@@ -10,13 +13,13 @@ from service.api.units import wrong_units
 UNITS = "units"
 NO_UNITS = "leave it out: this answer comes in the units that its fields' names and descriptions say, and in no others"
 
-_names: dict[str, frozenset[str]] = {}
-"""What each operation takes, by its id."""
+_names: dict[str, dict[str, bool]] = {}
+"""What each operation takes, by its id; whether more than once."""
 
 
 async def refuse_unheeded(request: Request) -> None:
-    """Raises RequestValidationError for a parameter that the operation does not know, that no store could look for, or for
-    units of which only the last would count.
+    """Raises RequestValidationError for a parameter that the operation does not know, that no store could look for, or of
+    which only the last one would count.
     """
     route = request.scope["route"]
     if not request.scope["query_string"] or not isinstance(route, APIRoute):
@@ -30,19 +33,30 @@ async def refuse_unheeded(request: Request) -> None:
             raise _wrong(name, value, f"this operation knows no such parameter: {takes}")
         if "\0" in value:
             raise _wrong(name, value, "a text holds no NUL")
-    given = request.query_params.getlist(UNITS)
-    if len(given) > 1:
-        raise wrong_units(given[-1], f"given {len(given)} times: give it once, with commas between: units={','.join(given)}")
+    for name, often in known.items():
+        given = request.query_params.getlist(name)
+        if len(given) > 1 and name == UNITS:
+            joined = ",".join(given)
+            raise wrong_units(given[-1], f"given {len(given)} times: give it once, with commas between: units={joined}")
+        if len(given) > 1 and not often:
+            raise _wrong(name, given[-1], f"given {len(given)} times: give it once")
 
 
-def _known(route: APIRoute) -> frozenset[str]:
+def _known(route: APIRoute) -> dict[str, bool]:
     if route.unique_id not in _names:
-        _names[route.unique_id] = frozenset(_taken(route.dependant))
+        _names[route.unique_id] = dict(_taken(route.dependant))
     return _names[route.unique_id]
 
 
-def _taken(dependant: Dependant) -> set[str]:
-    return {one.alias for one in dependant.query_params}.union(*map(_taken, dependant.dependencies))
+def _taken(dependant: Dependant) -> Iterator[tuple[str, bool]]:
+    for one in dependant.query_params:
+        yield one.alias, _is_list(one.field_info.annotation)
+    for below in dependant.dependencies:
+        yield from _taken(below)
+
+
+def _is_list(annotation: Any) -> bool:
+    return get_origin(annotation) in (list, set, frozenset, tuple) or any(map(_is_list, get_args(annotation)))
 
 
 def _wrong(name: str, value: str, message: str) -> RequestValidationError:

@@ -3,6 +3,7 @@
 import base64
 import contextlib
 import json
+import re
 import zlib
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -526,3 +527,19 @@ def test_a_text_of_another_pattern_is_refused_in_words(api: Api) -> None:
     answer = api.get(f"/machines/{KEY.machine}/trends", parameter="nope")
     (error,) = problem(answer, 422)["errors"]
     assert "such as bearing.B1.kxx" in error["message"]
+
+
+def test_a_parameter_that_counts_once_is_given_once(api: Api) -> None:
+    document = json.loads((ROOT / "docs" / "openapi.json").read_text())
+    asked = 0
+    for path, item in document["paths"].items():
+        place = re.sub(r"\{\w+\}", "1", path.replace("{machine_id}", KEY.machine))
+        for one in item.get("get", {}).get("parameters", []):
+            if one["in"] == "query":
+                answer = api.ask("GET", place, params=[(one["name"], "1"), (one["name"], "1")])
+                wrong = answer.json()["errors"] if answer.status_code == 422 else []
+                said = " ".join(error["message"] for error in wrong)
+                several = "array" in json.dumps(one["schema"])
+                assert ("given 2 times" in said) != several, (place, one["name"], said)
+                asked += 1
+    assert asked > 50
