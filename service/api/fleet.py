@@ -91,7 +91,7 @@ async def read_fleet(
 ) -> Response:
     """What each machine is doing, its last run, its open alerts, and what happened to it since a time.
 
-    Speeds, states and progress may be a quarter of a second behind what is stored, all else is not.
+    Speeds, states and progress may be half a second behind what is stored, all else is not.
     """
     begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
     known: MachineList = request.app.state.machine_list

@@ -1,7 +1,7 @@
 """Answers to questions that many ask again and again: kept until something is committed that bears on them.
 
 Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
-but for what changes with every sample, where a quarter of a second is allowed.
+but for what changes with every sample, where half a second is allowed.
 What is asked at once is computed once.
 """
 
@@ -25,8 +25,10 @@ from storage.database import Database
 THREADS = 2
 """That make answers at a time: they mostly compute, and more of them would take turns and all be late."""
 MOST_KEPT_BYTES = 64 * 1024 * 1024
-LATELY_S = 0.25
-"""What changes with every sample may be so far behind in an answer that says so."""
+LATELY_S = 0.5
+"""What changes with every sample may be so far behind in an answer that says so, …"""
+AHEAD_S = 0.25
+"""… and from this age on is made anew while those who ask get the one there is: nobody waits for it."""
 LARGEST_KEPT_BYTES = 4 * 1024 * 1024
 """A larger answer is made anew each time."""
 
@@ -56,6 +58,11 @@ class FreshAnswers:
         self._threads: CapacityLimiter | None = None
         self._made: dict[Hashable, asyncio.Task[_Kept]] = {}
 
+    @property
+    def making(self) -> int:
+        """How many answers are under way."""
+        return len(self._made)
+
     async def answer(
         self,
         request: Request,
@@ -76,15 +83,13 @@ class FreshAnswers:
         kept = self._kept.get(asked)
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
             self._kept.move_to_end(asked)
+            if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
+                self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_passed_over)
             return kept.response()
         if mark is None:
             return (await self._apart(make, mark, None, zipped=zipped)).response()
-        task = self._made.get((asked, mark))
-        if task is None:
-            task = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
-            self._made[asked, mark] = task
         # Shielded: who goes away does not take the answer from the others.
-        return (await asyncio.shield(task)).response()
+        return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
 
     async def _is_late_enough(self, kept: _Kept, lately: Sequence[str]) -> bool:
         if not lately or time.monotonic() < kept.begun + LATELY_S:
@@ -102,6 +107,15 @@ class FreshAnswers:
         if self._changes.waits:
             return await run_in_threadpool(self._changes.mark, tables)
         return self._changes.mark(tables)
+
+    def _begin(
+        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+    ) -> "asyncio.Task[_Kept]":
+        """Make an answer, unless that is under way."""
+        task = self._made.get((asked, mark))
+        if task is None:
+            task = self._made[asked, mark] = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
+        return task
 
     async def _make(
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
@@ -121,6 +135,12 @@ class FreshAnswers:
         self._kept[asked] = kept
         while self._bytes > MOST_KEPT_BYTES:
             self._bytes -= len(self._kept.popitem(last=False)[1].body)
+
+
+def _passed_over(task: "asyncio.Task[_Kept]") -> None:
+    """Nobody waits for it: whoever asks next, and finds no answer, is told what was wrong."""
+    if not task.cancelled():
+        task.exception()
 
 
 def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _Kept:
