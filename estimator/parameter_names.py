@@ -34,7 +34,7 @@ def parameter_units(machine: Machine) -> dict[str, str]:
 
 
 def change_unit(name: str, units: Mapping[str, str]) -> str | None:
-    """SI unit in which a diagnosis tells the change of a parameter or of a vector's component; 1: a part of its value.
+    """SI unit in which a diagnosis tells the change of a parameter or of a vector's component; 1: a logarithm or a part.
 
     name: such as `bearing.B1.kxy` or `disc.D1.unbalance.real`; units: see `parameter_units`. None for a name not among them.
     """

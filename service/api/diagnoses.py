@@ -22,8 +22,8 @@ class Moved(BaseModel):
     """A parameter, or a component of a vector, that has changed."""
 
     parameter: str
-    change: float = Field(description="of direct terms and gains a part of the baseline's value, of all others the difference")
-    unit: str | None = Field(description="SI unit of the change; 1: a part; null: the document has no such parameter any more")
+    change: float = Field(description="of direct terms the logarithm of the factor, of all others the difference")
+    unit: str | None = Field(description="SI unit of the change; null: the document has no such parameter")
     sigma: float = Field(description="the change in its standard errors")
 
 
@@ -42,15 +42,17 @@ class CauseOut(BaseModel):
     element: str
     evidence: float = Field(description="logarithm of the factor by which it makes the runs more probable")
     sigma: float = Field(description="the whole change in its standard errors")
-    per_cent: float | None = Field(description="of what the element was in the baseline; null where the cause has no size")
+    per_cent: float | None = Field(
+        default=None, description="of what the element was in the baseline; null where the cause has no size"
+    )
     quantities: dict[str, float] = Field(default_factory=dict, description="its size, by name with the unit at its end")
     form: str | None = Field(default=None, description="of a misalignment: parallel, angular or combined, where the data tell")
     misalignment_force: float | None = Field(default=None, description="in the coupling at running speed [N]")
     since: datetime = Field(description="when the first run that shows it was measured")
     first_identification: int | None = Field(default=None, description="that run's")
-    runs: int = Field(description="newest runs that were looked at together")
+    runs: int | None = Field(default=None, description="newest runs that were looked at together; null: of an older release")
     moved: list[Moved] = Field(description="the surest first; at most four of each element")
-    runners_up: list[RunnerUp]
+    runners_up: list[RunnerUp] = Field(default_factory=list)
 
 
 class DiagnosisOut(BaseModel):

@@ -130,7 +130,7 @@ def add_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(MomentRefused)
     async def moment(_request: Request, error: MomentRefused) -> JSONResponse:
-        problems = [FieldProblem(field="body.until", message=str(error))]
+        problems = [FieldProblem(field="until", message=str(error))]
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
     @app.exception_handler(RequestValidationError)
