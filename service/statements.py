@@ -10,6 +10,7 @@ import numpy as np
 
 from estimator.change_size import ChangeSize, misalignment_form
 from estimator.diagnosis import Cause
+from estimator.parameter_names import change_unit
 from service.limits import RuleName
 from storage.clock import to_datetime
 
@@ -25,7 +26,7 @@ class Statement:
     """A cause with its runners-up and size.
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
-    running speed [N], where known.
+    running speed [N], where known. units: SI unit of each parameter of the machine by name.
     """
 
     cause: Cause
@@ -34,6 +35,7 @@ class Statement:
     since: int
     first_identification: int
     force: float | None
+    units: Mapping[str, str]
 
     def words(self) -> str:
         """One sentence for a person."""
@@ -50,10 +52,10 @@ class Statement:
             "quantities": dict(self.size.quantities),
             "form": misalignment_form(self.cause) if self.cause.kind == "misalignment" else None,
             "misalignment_force": self.force,
-            "since": to_datetime(self.since).isoformat(),
+            "since": to_datetime(self.since).isoformat().replace("+00:00", "Z"),
             "first_identification": self.first_identification,
             "runs": len(self.cause.agreement),
-            "moved": _moved(self.cause),
+            "moved": _moved(self.cause, self.units),
             "runners_up": [{"kind": one.kind, "element": one.element, "evidence": one.evidence} for one in self.runners_up],
         }
 
@@ -64,7 +66,7 @@ def rule_of(cause: Cause | str) -> Any:
     return "run_out" if kind == "bow" else kind
 
 
-def _moved(cause: Cause) -> list[dict[str, Any]]:
+def _moved(cause: Cause, units: Mapping[str, str]) -> list[dict[str, Any]]:
     certainty = np.divide(cause.change, cause.error, out=np.zeros_like(cause.change), where=cause.error > 0.0)
     order = np.argsort(-np.abs(certainty))
     found = []
@@ -73,7 +75,9 @@ def _moved(cause: Cause) -> list[dict[str, Any]]:
         element = cause.names[i].rsplit(".", 1)[0]
         named[element] += 1
         if named[element] <= LARGEST_MOVES:
-            found.append({"parameter": cause.names[i], "change": float(cause.change[i]), "sigma": float(certainty[i])})
+            name = cause.names[i]
+            change = {"change": float(cause.change[i]), "unit": change_unit(name, units)}
+            found.append({"parameter": name, **change, "sigma": float(certainty[i])})
     return found
 
 

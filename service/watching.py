@@ -12,6 +12,7 @@ from estimator.diagnosis import Cause, Diagnosis
 from estimator.healthy_variation import typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
+from estimator.parameter_names import parameter_units
 from estimator.watch import Watch
 from service import alerting, watching_rates
 from service.alert_life import Severity
@@ -124,6 +125,7 @@ def _said(rows: Sequence[IdentificationRow], channels: tuple[str, ...]) -> list[
 
 def _statements(session: Session, found: Comparison, diagnosis: Diagnosis, stored: IdentificationRow) -> list[Statement]:
     amplitude = {probe.id: typical_amplitude(probe.id, found.watch.baseline) for probe in found.machine.probes}
+    units = parameter_units(found.machine)
     statements = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
         size = change_size(cause, found.watch.reference, amplitude=amplitude)
@@ -131,7 +133,7 @@ def _statements(session: Session, found: Comparison, diagnosis: Diagnosis, store
         force = None
         if cause.kind == "misalignment":
             force = derived.value(session, stored.id, f"{cause.element}.misalignment_force")
-        statements.append(Statement(cause, runners_up, size, since, first, force))
+        statements.append(Statement(cause, runners_up, size, since, first, force, units))
     return statements
 
 

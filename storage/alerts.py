@@ -131,6 +131,12 @@ def history(
     return session.scalars(ordered(query, (AlertEventRow.number,), after, descending=False).limit(limit)).all()
 
 
+def last_event(session: Session, alert_id: int) -> AlertEventRow:
+    """The newest of what happened to an alert: at least its opening."""
+    newest = select(AlertEventRow).where(AlertEventRow.alert_id == alert_id).order_by(AlertEventRow.number.desc()).limit(1)
+    return session.scalars(newest).one()
+
+
 def events_after(session: Session, event_id: int, *, limit: int) -> Sequence[AlertEventRow]:
     """Events of all alerts behind a given one, oldest first."""
     query = select(AlertEventRow).where(AlertEventRow.id > event_id).order_by(AlertEventRow.id).limit(limit)

@@ -1,7 +1,8 @@
 // Asks who does something to an alert, and why; says what the service answers.
 import { DEEDS, type Deed } from "./alert-words";
-import type { Alert } from "./answers";
-import { Failure, getToChange, post } from "./api";
+import { MOST_EVENTS } from "./alerts-at";
+import type { Alert, AlertEvent } from "./answers";
+import { Failure, get, getToChange, post } from "./api";
 import { AskDialog, Comment } from "./ask-dialog";
 import { refresh } from "./resource";
 
@@ -18,7 +19,8 @@ async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>):
   // The tag is that of the alert as it is now: if it is no longer what was shown, the service's answer says what it has become.
   const [now, etag] = await getToChange<Alert>(`/alerts/${alert.id}`);
   if (deed !== "comments" && now.state !== alert.state) {
-    throw new Failure(409, `It is ${now.state.replaceAll("_", " ")} meanwhile: somebody else was here. Look again.`);
+    const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MOST_EVENTS}`)).at(-1);
+    throw new Failure(409, `It is ${now.state.replaceAll("_", " ")} meanwhile, by ${last?.by ?? "somebody else"}. Look again.`);
   }
   if (deed !== "comments" && now.severity !== alert.severity) {
     throw new Failure(409, `It is of severity ${now.severity} meanwhile, no longer ${alert.severity}. Look again.`);

@@ -2,11 +2,12 @@
 
 import re
 from datetime import UTC, datetime
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 
 from estimator.written import Written
+from service.api.evidence import AlertEvidence
 from service.api.times import Time
 from service.security.principal import Author
 
@@ -47,7 +48,7 @@ class AlertOut(BaseModel):
     latching: bool = Field(description="whether a person must reset it after its cause is gone")
     suppressions: list[str]
     message: str
-    evidence: dict[str, Any]
+    evidence: AlertEvidence
     identification: int
     measured_at: datetime = Field(description="when the run was measured that says so last")
     first_measured_at: datetime = Field(description="when the run was measured that raised it")

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy.orm import Session
 
 from service import alerting
+from service.alert_life import Forbidden
 from service.alert_messages import AlertEvent, alert_event
 from service.alerting import Person
 from service.api import alert_rendering as rendering
@@ -15,11 +16,12 @@ from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Reading, database, instant
 from service.api.fresh_answers import Fresh
 from service.api.paging import ById, ByTime, Paging
-from service.api.preconditions import ANYTHING, IfMatch, require, tagged
+from service.api.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import alerts, machines
 from storage.alerts import ListedAlert
+from storage.clock import to_datetime
 from storage.paging import Keys
 from storage.tables import AlertRow
 
@@ -139,9 +141,19 @@ class Change:
         """The alert afterwards. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
-            require(self.if_match, rendering.alert(row))
-            change(session, row)
+            try:
+                require(self.if_match, rendering.alert(row))
+                change(session, row)
+            except (Stale, Forbidden) as refused:
+                raise type(refused)(f"{refused}; {_what_happened(session, row)}") from refused
             return tagged(self.response, rendering.alert(row))
+
+
+def _what_happened(session: Session, row: AlertRow) -> str:
+    """Who was here before: people who act at once are told of each other."""
+    last = alerts.last_event(session, row.id)
+    kind, at = last.kind.replace("_", " "), to_datetime(last.at)
+    return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"
 
 
 def _place(row: ListedAlert) -> Keys:

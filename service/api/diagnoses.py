@@ -9,6 +9,7 @@ from sqlalchemy.orm import Session
 
 from estimator.parameter_names import change_unit, parameter_units
 from service.api.access import MachineId, Number, Reading
+from service.api.evidence import CauseOut
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.requirement import VIEWER
 from storage import diagnoses, identifications, machines
@@ -16,43 +17,6 @@ from storage.clock import to_datetime
 from storage.tables import DiagnosisRow
 
 router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])
-
-
-class Moved(BaseModel):
-    """A parameter, or a component of a vector, that has changed."""
-
-    parameter: str
-    change: float = Field(description="of direct terms the logarithm of the factor, of all others the difference")
-    unit: str | None = Field(description="SI unit of the change; null: the document has no such parameter")
-    sigma: float = Field(description="the change in its standard errors")
-
-
-class RunnerUp(BaseModel):
-    """What else would explain it, less well."""
-
-    kind: str
-    element: str
-    evidence: float
-
-
-class CauseOut(BaseModel):
-    """Something that has happened to the machine."""
-
-    kind: str = Field(description="misalignment, coupling, bearing, unbalance, bow, run_out, sensor, misfit or outliers")
-    element: str
-    evidence: float = Field(description="logarithm of the factor by which it makes the runs more probable")
-    sigma: float = Field(description="the whole change in its standard errors")
-    per_cent: float | None = Field(
-        default=None, description="of what the element was in the baseline; null where the cause has no size"
-    )
-    quantities: dict[str, float] = Field(default_factory=dict, description="its size, by name with the unit at its end")
-    form: str | None = Field(default=None, description="of a misalignment: parallel, angular or combined, where the data tell")
-    misalignment_force: float | None = Field(default=None, description="in the coupling at running speed [N]")
-    since: datetime = Field(description="when the first run that shows it was measured")
-    first_identification: int | None = Field(default=None, description="that run's")
-    runs: int | None = Field(default=None, description="newest runs that were looked at together; null: of an older release")
-    moved: list[Moved] = Field(description="the surest first; at most four of each element")
-    runners_up: list[RunnerUp] = Field(default_factory=list)
 
 
 class DiagnosisOut(BaseModel):
@@ -99,5 +63,6 @@ def _answer(session: Session, row: DiagnosisRow | None, what: str) -> DiagnosisO
 
 
 def _cause(stored: dict[str, Any], units: dict[str, str]) -> CauseOut:
-    moved = [one | {"unit": change_unit(one["parameter"], units)} for one in stored["moved"]]
+    # Older releases kept no units.
+    moved = [{"unit": change_unit(one["parameter"], units)} | one for one in stored["moved"]]
     return CauseOut.model_validate(stored | {"moved": moved})

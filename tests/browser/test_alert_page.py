@@ -1,6 +1,7 @@
 """What people do to alerts, and where they are afterwards."""
 
 import re
+from datetime import UTC, datetime, timedelta
 
 from playwright.sync_api import Route, expect
 
@@ -96,3 +97,19 @@ def test_what_somebody_else_does_shows_by_itself(seen: Seen, service: Service) -
     service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "seen it"}).raise_for_status()
     count = service.get(f"/alerts/{alert['id']}")["events"]
     expect(alarm).to_contain_text(f"{count} events", timeout=3000)
+
+
+def test_who_comes_second_is_told_who_was_first(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    seen.page.locator(".alarm").get_by_role("button", name="Shelve").click()
+    seen.page.get_by_label("Your name").fill("anna")
+    until = (datetime.now(UTC) + timedelta(hours=1)).isoformat()
+    said = {"by": "otto", "comment": "his shift", "until": until}
+    service.client.post(f"/alerts/{alert['id']}/shelve", json=said, headers={"if-match": "*"}).raise_for_status()
+    seen.page.get_by_role("dialog").get_by_role("button", name="Shelve").click()
+    expect(seen.page.get_by_role("dialog")).to_contain_text("by otto")
+    gone = {"by": "otto", "comment": ""}
+    service.client.post(f"/alerts/{alert['id']}/unshelve", json=gone, headers={"if-match": "*"}).raise_for_status()
+    (event,) = [one for one in service.get(f"/alerts/{alert['id']}/events") if one["kind"] == "shelved"]
+    assert event["by"] == "otto"

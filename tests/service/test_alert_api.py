@@ -68,7 +68,8 @@ def test_an_alert_is_acknowledged_and_its_history_says_by_whom(plant: Database, 
         ("raised", "rundown", ""),
         ("acknowledged", "anna", "looked at it"),
     ]
-    assert "acknowledged already" in refused(api.post(f"/alerts/{alert}/acknowledge", json=ANNA), 409)
+    told = refused(api.post(f"/alerts/{alert}/acknowledge", json=ANNA | {"by": "ben"}), 409)
+    assert ("acknowledged already" in told, "acknowledged by anna, 20" in told) == (True, True)
     cleared(plant, alert)
     assert "closed" in refused(api.post(f"/alerts/{alert}/acknowledge", json=ANNA), 409)
     assert api.get(f"/alerts/{alert}").json()["state"] == "normal"

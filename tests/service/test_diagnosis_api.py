@@ -3,8 +3,10 @@
 from datetime import datetime
 
 import pytest
+from sqlalchemy import update
 
 from storage.database import Database
+from storage.tables import AlertRow
 from tests.asking import Api, problem
 from tests.plant import KEY, START, identification, store_identification
 from tests.service.test_watching import BASELINE, STIFFER, WEEK, Weeks
@@ -61,3 +63,35 @@ def test_where_there_is_no_diagnosis_the_reason_is_said(plant: Database) -> None
     assert "no diagnosis" in problem(api.get(f"/identifications/{number}/diagnosis"), 422)["detail"]
     problem(api.get("/identifications/999/diagnosis"), 404)
     problem(api.get("/machines/none/diagnosis"), 404)
+
+
+def test_an_alert_rests_on_the_same_cause_with_its_units(api: Api) -> None:
+    (alert,) = api.value("/alerts")
+    assert alert == api.value(f"/alerts/{alert['id']}")
+    (cause,) = api.value(NEWEST)["causes"]
+    evidence = alert["evidence"]
+    assert {name: evidence[name] for name in cause} == cause
+    assert evidence.keys() - cause.keys() == {"identification", "run_kind", "baseline"}
+    assert (evidence["identification"], evidence["baseline"]) == (BASELINE + 2, list(range(1, BASELINE + 1)))
+
+
+def test_an_alert_of_a_rate_says_how_fast(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        for week in range(14):
+            weeks.file({"bearing.B1.kxx": 1.01**week})
+    api = Api(plant)
+    (alert,) = (one for one in api.value("/alerts") if one["rule"] == "rate_of_change")
+    evidence = alert["evidence"]
+    assert alert == api.value(f"/alerts/{alert['id']}")
+    assert (evidence["kind"], evidence["parameter"]) == ("rate_of_change", "bearing.B1.kxx")
+    assert evidence["lower_per_cent"] < evidence["per_week_per_cent"] < evidence["upper_per_cent"]
+
+
+def test_what_an_older_release_stored_is_answered_as_it_was_stored(api: Api, plant: Database) -> None:
+    older = {"coupling": "C1", "shift": 0.12}
+    with plant.transaction() as session:
+        session.execute(update(AlertRow).values(evidence=older))
+    (alert,) = api.value("/alerts")
+    assert api.value(f"/alerts/{alert['id']}")["evidence"] == alert["evidence"] == older
