@@ -12,6 +12,7 @@ from estimator.fit import Fit, Problem
 from estimator.machine import Machine
 from estimator.parameters import Coefficient, dense
 from estimator.rotor import assemble_rotor
+from estimator.units import rad_per_s_to_rpm
 
 SMALLEST_SHARE = 0.005
 """A mode moves an element when the element holds this part of the mode's energy, or takes as much out of it in a radian."""
@@ -64,14 +65,13 @@ class OpenParameters:
         frequency = self._modes.frequency
         if np.any(moved & (frequency >= low) & (frequency <= high)):
             return None
-        words = (
-            f"the speed range {low:.3g}-{high:.3g} rad/s crosses no mode that moves {coefficient.element.replace('.', ' ')}"
-        )
+        covered = f"{rad_per_s_to_rpm(low):.0f}-{rad_per_s_to_rpm(high):.0f} rpm"
+        words = f"the speed range {covered} crosses no mode that moves {coefficient.element.replace('.', ' ')}"
         beyond = frequency[moved & ((frequency < low) | (frequency > high))]
         if beyond.size == 0:
             return words
         nearest = beyond[np.argmin(np.minimum(np.abs(beyond - low), np.abs(beyond - high)))]
-        return f"{words} this way; the nearest that does lies at {nearest:.3g} rad/s"
+        return f"{words} this way; the nearest that does lies at {rad_per_s_to_rpm(nearest):.0f} rpm"
 
     def _mistaken_for(self, place: int) -> str | None:
         """The parameter that a change of this one looks most like, if alone it would be determined much better."""

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.machine import Machine
-from estimator.units import rpm_to_rad_per_s
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire import Fault
 from storage.blocks import Samples
 
@@ -64,7 +64,8 @@ class Order:
         if self.strikes >= STRIKES:
             return None
         seconds = (time - self.time) / 1e9
-        detail = f"speed {speed:.6g} rad/s cannot follow {self.speed:.6g} rad/s within {seconds:.3g} s"
+        speeds = f"speed {rad_per_s_to_rpm(speed):.6g} rpm cannot follow {rad_per_s_to_rpm(self.speed):.6g} rpm"
+        detail = f"{speeds} within {seconds:.3g} s"
         return Fault(index, "speed_out_of_order", detail)
 
     def _was_set_back(self, time: int) -> bool:

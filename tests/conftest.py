@@ -14,6 +14,14 @@ from tests.databases import Databases, Kind, NewDatabase, PostgresqlDatabases, S
 from tests.plant import machine
 from tests.postgresql import FAST, Server, server
 
+FIRST = ("browser", "distribution", "end_to_end", "faults")
+"""Folders of which a few tests take as long as hundreds of others: last, they would leave one process alone with them."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes longest begins first."""
+    items.sort(key=lambda item: item.path.parent.name not in FIRST)
+
 
 @pytest.fixture(scope="session")
 def postgresql() -> Iterator[Server]:

@@ -97,3 +97,12 @@ export function elementsOfDocument(machine: Document): string[] {
   const named = (kind: string, all: { id: string }[]) => all.map((one) => `${kind}.${one.id}`);
   return [...named("coupling", machine.couplings), ...named("bearing", machine.bearings), ...named("disc", machine.discs), ...named("probe", machine.probes)];
 }
+
+/** As the estimator has it, in estimator/whirl.py. */
+const PLANAR = 0.05;
+
+/** Of a whirl between -1, circular against the rotation, and 1, circular with it. */
+export function whirlInWords(whirl: number): string {
+  if (Math.abs(whirl) < PLANAR) return "planar";
+  return whirl > 0 ? "forward" : "backward";
+}

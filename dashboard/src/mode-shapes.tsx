@@ -1,6 +1,6 @@
 // Mode shapes of the identified model along the train, in the phase in which they are largest.
 import type { Displacement, Document, Drawing, Modes, ModeShape } from "./answers";
-import { number, rpm } from "./format";
+import { number, rpm, whirlInWords } from "./format";
 import { Empty, Panel, Shown } from "./parts";
 import { useResource } from "./resource";
 import { useNewest } from "./newest";
@@ -42,7 +42,7 @@ function Shape({ mode, drawing }: { mode: ModeShape; drawing: Drawing }) {
   const turn = -phaseOfLargest(mode);
   const line = (where: number[], values: number[]) => `M${where.map((z, index) => `${at(z).toFixed(1)} ${up(values[index]!).toFixed(1)}`).join("L")}`;
   const now = (one: Displacement) => one.real.map((real, index) => real * Math.cos(turn) - one.imaginary[index]! * Math.sin(turn));
-  const whirl = Math.abs(mode.whirl) < 0.2 ? "straight" : mode.whirl > 0 ? "forward" : "backward";
+  const whirl = whirlInWords(mode.whirl);
   const words = `${number(mode.frequency_hz)} Hz`;
   return (
     <figure>

@@ -1,6 +1,6 @@
 // What the identified model says: critical speeds, Campbell diagram, coupling loads over speed, a balancing proposal.
 import type { Balancing, Campbell, CriticalSpeeds, Document, Identification, MisalignmentForce } from "./answers";
-import { number, rpm, scaleOf } from "./format";
+import { number, rpm, scaleOf, whirlInWords } from "./format";
 import { Empty, Panel, Shown, Time } from "./parts";
 import { Plot, type Curve } from "./plot";
 import { useResource } from "./resource";
@@ -54,7 +54,7 @@ function CampbellPanel({ machine, path }: { machine: Document; path: string }) {
         )}
       </Shown>
       <p class="muted">
-        Solid: forward whirl, dashed: backward. Vertical lines: critical speeds. The machine runs to {rpm(machine.speed_range.maximum_rpm)}.
+        Solid: forward whirl or planar, dashed: backward. Vertical lines: critical speeds. The machine runs to {rpm(machine.speed_range.maximum_rpm)}.
       </p>
     </Panel>
   );
@@ -64,8 +64,8 @@ function campbellCurves(found: Campbell): Curve[] {
   const modes = found.curves.flatMap((one, at): Curve[] => {
     const felt = one.frequency_hz.map((value, index) => ((one.damping_ratio[index] ?? 1) < HEAVY ? value : null));
     if (felt.every((value) => value === null)) return [];
-    const forward = one.whirl.reduce<number>((sum, value) => sum + (value ?? 0), 0) >= 0;
-    return [{ name: `mode ${at + 1}`, style: forward ? 0 : 1, y: felt, aside: true }];
+    const mean = one.whirl.reduce<number>((sum, value) => sum + (value ?? 0), 0) / one.whirl.length;
+    return [{ name: `mode ${at + 1}`, style: whirlInWords(mean) === "backward" ? 1 : 0, y: felt, aside: true }];
   });
   return [{ name: "1×", style: 2, y: found.synchronous_hz, aside: true }, ...modes];
 }
@@ -109,7 +109,7 @@ function Criticals({ machine, path }: { machine: Document; path: string }) {
                       </td>
                       <td class="number">{number(100 * one.damping_ratio)} %</td>
                       <td class="number">{number(one.log_decrement)}</td>
-                      <td>{Math.abs(one.whirl) < 0.2 ? "straight" : one.whirl > 0 ? "forward" : "backward"}</td>
+                      <td>{whirlInWords(one.whirl)}</td>
                       <td>{one.speed < low ? "below the range" : one.speed > high ? "above the range" : "in the range"}</td>
                     </tr>
                   ))}

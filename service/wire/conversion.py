@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from estimator.channel_status import ChannelStatus
 from estimator.machine import Machine
-from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rpm_to_rad_per_s
+from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
 from storage.blocks import Samples
@@ -165,7 +165,7 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
         if not np.isfinite(speed[index]):
             yield Fault(index, "not_finite", "speed is not a finite number")
         elif not 0.0 <= speed[index] <= fastest:
-            detail = f"speed {speed[index]:.6g} rad/s is not between 0 and {fastest:.6g} rad/s"
+            detail = f"speed {rad_per_s_to_rpm(speed[index]):.6g} rpm is not between 0 and {rad_per_s_to_rpm(fastest):.6g} rpm"
             yield Fault(index, "speed_out_of_range", detail)
         else:
             detail = f"time {time[index]} ns is before 2000 or more than ten minutes ahead"
