@@ -37,7 +37,8 @@ def begin(
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
     for alert in alerts.open_alerts(session, machine_id):
-        if alert.measured_at < since:
+        # Where it begins in the past, runs behind that were compared with what no longer counts.
+        if alert.measured_at < since or baselines.in_force(session, machine_id, at=alert.measured_at) is row:
             alerting.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
     return row
 

@@ -44,6 +44,25 @@ def test_a_maintenance_ends_a_rate_of_change_too(plant: Database) -> None:
         assert {row.state for row in weeks.alerts()} == {"returned"}
 
 
+def test_a_maintenance_that_is_said_late_ends_what_rested_on_the_runs_before_it(plant: Database) -> None:
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        done = after(weeks)
+        weeks.file(STIFFER, times=2)
+        (alert,) = weeks.alerts()
+        assert (alert.state, alert.measured_at > done) == ("unacknowledged", True)
+        baselining.note(session, "pump-7", at=done, kind="maintenance", text="coupling re-shimmed", by="anna")
+        assert [one.state for one in weeks.alerts()] == ["returned"]
+        # One that was done before an alert's own baseline changes nothing for it.
+        weeks.file(STIFFER, times=BASELINE)
+        weeks.file({"coupling.C1.kxx": 2.0, "coupling.C1.kyy": 2.0}, times=2)
+        states = [one.state for one in weeks.alerts()]
+        assert "unacknowledged" in states
+        baselining.note(session, "pump-7", at=done - 1, kind="maintenance", text="said even later", by="anna")
+        assert [one.state for one in weeks.alerts()] == states
+
+
 def test_a_note_begins_no_baseline(plant: Database) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
