@@ -1,0 +1,58 @@
+"""The document of the API: committed, complete, and its patterns in words."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from service.api import openapi
+from service.api.patterns import WORDS
+from tests.asking import Api, problem
+from tests.plant import KEY
+
+ROOT = Path(__file__).parents[3]
+
+
+OF_ITSELF = ("/health", "/ready", "/alive")
+"""What the service says of itself is the answer also where it is not well."""
+
+
+def test_every_error_is_described_as_a_problem(api: Api) -> None:
+    described = api.value("/openapi.json")
+    assert described["openapi"].startswith("3.1")
+    assert not {"HTTPValidationError", "ValidationError"} & described["components"]["schemas"].keys()
+    assert "HTTPValidationError" not in json.dumps(described)
+    for path, item in described["paths"].items():
+        for method, operation in item.items():
+            for code, response in operation["responses"].items():
+                if code == "default" or (int(code) >= 400 and not path.endswith(OF_ITSELF)):
+                    assert list(response["content"]) == ["application/problem+json"], (method, path, code)
+            if method == "post":
+                assert "Idempotency-Key" in {one["name"] for one in operation["parameters"]}
+
+
+def test_the_committed_document_is_that_of_the_application() -> None:
+    """A change of the API is seen in review: `python -m service.api.openapi docs/openapi.json` renews the file."""
+    committed = (ROOT / "docs" / "openapi.json").read_text(encoding="utf-8")
+    assert committed == openapi.text(), "docs/openapi.json is not up to date: python -m service.api.openapi docs/openapi.json"
+
+
+def test_every_pattern_is_said_in_words() -> None:
+    document = json.loads((ROOT / "docs" / "openapi.json").read_text())
+    assert set(patterns(document)) == set(WORDS)
+
+
+def patterns(part: Any) -> Iterator[str]:
+    """Every pattern of a document."""
+    if isinstance(part, dict):
+        if isinstance(part.get("pattern"), str):
+            yield part["pattern"]
+        part = list(part.values())
+    for one in part if isinstance(part, list) else []:
+        yield from patterns(one)
+
+
+def test_a_text_of_another_pattern_is_refused_in_words(api: Api) -> None:
+    answer = api.get(f"/machines/{KEY.machine}/trends", parameter="nope")
+    (error,) = problem(answer, 422)["errors"]
+    assert "such as bearing.B1.kxx" in error["message"]
