@@ -95,6 +95,7 @@ export interface Estimate {
 
 export interface IdentificationSummary {
   id: number;
+  machine: string;
   scope: string;
   run_kind: string;
   runs: number[];

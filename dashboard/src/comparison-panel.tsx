@@ -30,6 +30,7 @@ export function ComparisonPanel({ shown, all, estimates }: Props) {
           Against{" "}
           <select value={earlier} onChange={(event) => choose({ against: event.currentTarget.value || null })}>
             <option value="">none</option>
+            {earlier !== "" && !others.some((one) => String(one.id) === earlier) && <option value={earlier}>{earlier}</option>}
             {others.map((one) => (
               <option key={one.id} value={one.id}>
                 {one.id} {one.run_kind}, {when(one.measured_at)}

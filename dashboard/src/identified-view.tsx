@@ -32,6 +32,7 @@ export function IdentifiedView({ machine }: { machine: Document }) {
           <label>
             Identification
             <select value={asked} onChange={(event) => choose({ identification: event.currentTarget.value })}>
+              {list.data && !list.data.some((one) => String(one.id) === asked) && <option value={asked}>{asked}</option>}
               {list.data?.map((one) => (
                 <option key={one.id} value={one.id}>
                   {one.id} {one.run_kind}, {when(one.measured_at)}
@@ -45,7 +46,13 @@ export function IdentifiedView({ machine }: { machine: Document }) {
         </div>
       </Panel>
       <Shown answer={answer} lines={30}>
-        {(found) => <Identified machine={machine} found={found} />}
+        {(found) =>
+          found.machine === machine.id ? (
+            <Identified machine={machine} found={found} />
+          ) : (
+            <Empty>Identification {found.id} is of another machine: {found.machine}.</Empty>
+          )
+        }
       </Shown>
       {asked && <ComparisonPanel shown={asked} all={list.data ?? []} estimates={answer.data?.estimates ?? []} />}
       {asked && <CorrelationPanel identification={asked} />}

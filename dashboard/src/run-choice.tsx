@@ -44,7 +44,8 @@ export function RunChoice({ all, run, reference }: Runs) {
     <>
       <label>
         Run
-        <select value={run?.id} onChange={(event) => choose({ run: event.currentTarget.value, reference: null })}>
+        <select value={run?.id ?? ""} onChange={(event) => choose({ run: event.currentTarget.value, reference: null })}>
+          {!run && <option value="">none</option>}
           {all?.map((one) => (
             <option key={one.id} value={one.id}>
               {words(one)}
