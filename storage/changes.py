@@ -44,6 +44,8 @@ class Changes:
         self._database = database
         self.waits = database.engine.dialect.name != "sqlite"
         self._connection: sqlite3.Connection | None = None
+        self._version: int | None = None
+        self._counts: dict[str, int] = {}
         self._lock = threading.Lock()
 
     def mark(self, tables: Sequence[str]) -> Hashable | None:
@@ -56,10 +58,20 @@ class Changes:
                 return cast(str, session.scalar(text("SELECT CAST(pg_current_snapshot() AS TEXT)")))
         with self._lock:
             try:
-                counts = dict(self._opened().execute("SELECT table_name, count FROM change_counts").fetchall())
+                counts = self._counted(self._opened())
             except sqlite3.OperationalError:
                 return None  # locked for a moment: nobody should wait for that here
         return tuple(counts[table] for table in tables)
+
+    def _counted(self, connection: sqlite3.Connection) -> dict[str, int]:
+        """Changes of each table. They are read only after a commit of somebody, of which SQLite knows by one number: with each
+        row that it reads, this thread lets another one of the interpreter compute, and waits for its turn again.
+        """
+        (version,) = connection.execute("PRAGMA data_version").fetchone()
+        if version != self._version:
+            self._counts = dict(connection.execute("SELECT table_name, count FROM change_counts").fetchall())
+            self._version = version
+        return self._counts
 
     def _opened(self) -> sqlite3.Connection:
         """A connection outside the pool, on which each statement sees what is committed when it begins."""
