@@ -27,6 +27,7 @@ from service.identifying import Identifying
 from service.ingest import Ingest
 from service.journal import Journal
 from service.leasing import Leasing
+from service.memory import share_one_heap
 from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
@@ -82,6 +83,7 @@ def serve(settings: Settings) -> None:
     Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable before anything starts.
     """
     asked_to_stop = _note_signals()
+    share_one_heap()
     stream_security = StreamSecurity.of(settings)
     with ExitStack() as closing:
         database = Database(settings.database)
