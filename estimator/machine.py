@@ -17,6 +17,8 @@ from estimator.references import reference_problems
 from estimator.written import Written
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
+Text = Annotated[str, Field(pattern=r"^[^\x00]*$")]
+"""A text that every store takes."""
 # Bounds far beyond any machine: they catch slips of the pen before they become numbers that no arithmetic survives.
 Positive = Annotated[float, Field(gt=0, lt=1e15, allow_inf_nan=False)]
 Direct = Annotated[float, Field(gt=1e-30, lt=1e15, allow_inf_nan=False)]
@@ -201,7 +203,7 @@ class Condition(_Part):
     """An operating condition that samples may carry beside the phasors, such as load or oil temperature."""
 
     name: Identifier
-    unit: Annotated[str, Field(min_length=1, max_length=16)] = Field(description="in which it comes, such as degC or %")
+    unit: Annotated[Text, Field(min_length=1, max_length=16)] = Field(description="in which it comes, such as degC or %")
     usual_change: Positive | None = Field(
         default=None,
         description="a change that is nothing unusual, in its unit; by default 10 for degC and K, 20 for %, "
@@ -314,7 +316,7 @@ class RayleighDamping(_Part):
 class ParameterRule(_Part):
     """What an identification may do with some parameters. Later rules win over earlier ones."""
 
-    names: Annotated[str, Field(min_length=1, max_length=200)] = Field(
+    names: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
         description="a parameter's name or a pattern, such as coupling.C1.k_phi*"
     )
     fixed: bool = Field(default=False, description="keep the nominal value")
@@ -345,7 +347,7 @@ class Machine(_Part):
     schema_version: Literal[1] = 1
     id: Identifier
     plant: Identifier
-    name: Annotated[str, Field(min_length=1, max_length=200)]
+    name: Annotated[Text, Field(min_length=1, max_length=200)]
     rotation: Literal["positive", "negative"] = Field(default="positive", description="positive turns +x towards +y")
     speed_range: SpeedRange
     materials: Annotated[dict[Identifier, Material], Field(min_length=1, max_length=50)]

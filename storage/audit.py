@@ -14,6 +14,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
+from storage.plain_text import plain_text
 from storage.tables import AuditHeadRow, AuditRow
 
 BEGINNING = "0" * 64
@@ -53,11 +54,11 @@ def append(session: Session, entry: Entry) -> AuditRow:
     row = AuditRow(
         number=head.number + 1,
         at=now(),
-        who=entry.who[:200],
-        address=entry.address[:64],
-        operation=entry.operation[:80],
-        target=entry.target[:2000],
-        outcome=entry.outcome[:80],
+        who=plain_text(entry.who)[:200],
+        address=plain_text(entry.address)[:64],
+        operation=plain_text(entry.operation)[:80],
+        target=plain_text(entry.target)[:2000],
+        outcome=plain_text(entry.outcome)[:80],
         previous=head.hash,
     )
     row.hash = digest(row)

@@ -8,6 +8,7 @@ from sqlalchemy import CursorResult, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from storage.paging import Keys, ordered
+from storage.plain_text import plain_text
 from storage.tables import QuarantineCountRow, QuarantineRow
 
 KEPT_ROWS = 10_000
@@ -53,10 +54,10 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
         session.add(
             QuarantineRow(
                 received_at=one.received_at,
-                key=_storable(one.key)[:512],
+                key=plain_text(one.key)[:512],
                 machine_id=one.machine_id,
                 reason=one.reason,
-                detail=_storable(one.detail)[:2000],
+                detail=plain_text(one.detail)[:2000],
                 size=len(one.payload) if one.size is None else one.size,
                 payload=one.payload[:KEPT_BYTES],
             )
@@ -102,8 +103,3 @@ def purge(session: Session, *, before: int | None, reason: str | None) -> int:
     if reason is not None:
         query = query.where(QuarantineRow.reason == reason)
     return int(cast("CursorResult[Any]", session.execute(query)).rowcount)
-
-
-def _storable(text: str) -> str:
-    """Control characters escaped: PostgreSQL takes no NUL in a text."""
-    return "".join(c if c.isprintable() or c == " " else c.encode("unicode_escape").decode() for c in text)

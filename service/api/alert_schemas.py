@@ -157,7 +157,7 @@ class SubscriptionIn(Written):
 
     kind: Literal["webhook", "alertmanager", "email", "zenoh"]
     name: Name
-    target: Annotated[str, Field(max_length=2000)] = ""
+    target: Annotated[str, Field(max_length=2000, pattern=r"^[^\x00-\x1f]*$")] = ""
     plants: Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=100)] | None = (
         Field(default=None, description="only of these plants' events; by default of all that who asks may see")
     )

@@ -27,6 +27,7 @@ from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, deliveries, machines
 from storage.clock import now, to_datetime
 from storage.database import Database
+from storage.plain_text import plain_text
 from storage.tables import AlertEventRow, SubscriptionRow
 
 logger = logging.getLogger(__name__)
@@ -181,17 +182,17 @@ class Dispatcher:
                 row = deliveries.delivery(session, number)
                 row.attempts += 1
                 row.last_try_at = now()
-                row.answer = outcome.answer[:2000]
+                answer = row.answer = plain_text(outcome.answer)[:2000]  # of a stranger: it must not stop what others are told
                 if outcome.result == "delivered":
                     row.state = deliveries.DELIVERED
                 elif outcome.result == "gone":
                     row.state = deliveries.GIVEN_UP
                     subscription = deliveries.get(session, row.subscription_id)
-                    deliveries.disable(session, subscription, f"the receiver answered {outcome.answer[:200]}")
+                    deliveries.disable(session, subscription, f"the receiver answered {answer[:200]}")
                     logger.warning("subscription '%s' is disabled: its receiver is gone", subscription.name)
                 elif row.attempts > len(RETRIES_S):
                     row.state = deliveries.GIVEN_UP
-                    logger.warning("delivery %d is given up after %d tries: %s", number, row.attempts, outcome.answer[:200])
+                    logger.warning("delivery %d is given up after %d tries: %s", number, row.attempts, answer[:200])
                 elif row.state == deliveries.PENDING:
                     wish = min(outcome.retry_after or 0.0, LONGEST_WISH_S)
                     row.next_try_at = now() + int(max(RETRIES_S[row.attempts - 1], wish) * SECOND)

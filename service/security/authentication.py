@@ -47,19 +47,26 @@ class Credentials:
     cookie: str | None
 
     @classmethod
-    def of(cls, headers: Mapping[bytes, bytes]) -> "Credentials":
-        """From a request's headers. Raises Unauthenticated for another scheme."""
+    def of(cls, headers: Mapping[bytes, bytes], *, cookie: str) -> "Credentials":
+        """From a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
         said = headers.get(b"authorization", b"").decode("latin-1").strip()
         if said and not said.lower().startswith(SCHEME):
             raise Unauthenticated("Authorization must be 'Bearer' and an API key or a token")
-        return cls(said[len(SCHEME) :].strip() or None, None if said else session_cookie(headers))
+        return cls(said[len(SCHEME) :].strip() or None, None if said else session_cookie(headers, cookie))
 
 
-def session_cookie(headers: Mapping[bytes, bytes]) -> str | None:
-    """The cookie of a browser's session."""
+def cookie_name(scheme: str, *, public_url: str) -> str:
+    """Of a session's cookie, for a request that came in some way: only one name is taken, or a neighbour of the same domain
+    could give a browser the other one.
+    """
+    return SAFE_COOKIE if scheme == "https" or public_url.startswith("https://") else COOKIE
+
+
+def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
+    """The cookie of a browser's session, which has that name."""
     for part in headers.get(b"cookie", b"").decode("latin-1").split(";"):
         name, _, value = part.strip().partition("=")
-        if name in (COOKIE, SAFE_COOKIE) and value:
+        if name == wanted and value:
             return value
     return None
 

@@ -25,7 +25,10 @@ def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
     origin = headers.get(b"origin")
     if origin is None:
         return None
-    said = urlsplit(origin.decode("latin-1"))
+    try:
+        said = urlsplit(origin.decode("latin-1"))
+    except ValueError:
+        return "Origin is no site"
     own = {headers.get(b"host", b"").decode("latin-1").lower(), urlsplit(public_url).netloc.lower()} - {""}
     return None if said.scheme in ("http", "https") and said.netloc.lower() in own else "Origin is another site"
 
@@ -35,7 +38,11 @@ def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 
     An address is nobody's name, and localhost is everybody's own.
     """
-    host = urlsplit("//" + headers.get(b"host", b"").decode("latin-1")).hostname or ""
+    said = headers.get(b"host", b"").decode("latin-1")
+    try:
+        host = urlsplit("//" + said).hostname or ""
+    except ValueError:
+        return f"'{said[:100]}' is no name"
     if not host or is_address(host) or is_loopback(host) or host == urlsplit(public_url).hostname:
         return None
     return f"{host[:100]} is not a name of this service: use localhost, log in, or set RUNDOWN_PUBLIC_URL"

@@ -12,7 +12,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.problems import problem_response
 from service.security import browser_origin
-from service.security.authentication import Authentication, Credentials, Unauthenticated
+from service.security.authentication import Authentication, Credentials, Unauthenticated, cookie_name
 from service.security.key_set import KeysUnavailable
 from service.security.operations import Operation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
@@ -72,7 +72,7 @@ class Guard:
         found = self._operations.find(scope["method"], scope["path"])
         operation = None if found is None else found[0]
         try:
-            who, given = await self._principal(headers, operation)
+            who, given = await self._principal(scope["scheme"], headers, operation)
             refused = self._refusal(who, scope, headers, operation)
             if refused is None and found is not None and who.plants is not None:
                 await self._look(who, *found)
@@ -100,10 +100,10 @@ class Guard:
         await self._passed(who, given, operation, scope, receive, send)
 
     async def _principal(
-        self, headers: Mapping[bytes, bytes], operation: Operation | None
+        self, scheme: str, headers: Mapping[bytes, bytes], operation: Operation | None
     ) -> tuple[Principal, Credentials | None]:
         try:
-            given = Credentials.of(headers)
+            given = Credentials.of(headers, cookie=cookie_name(scheme, public_url=self._public_url))
             return await self._authentication.principal(given), given
         except Unauthenticated:
             if operation is not None and operation.requirement.role is None:

@@ -100,7 +100,11 @@ def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
         algorithm = ALGORITHM.get(one.get("kty", ""))
         if algorithm is None or one.get("use", "sig") != "sig" or one.get("alg", algorithm) != algorithm:
             continue
-        key = jwt.PyJWK(one, algorithm).key
+        try:
+            key = jwt.PyJWK(one, algorithm).key
+        except jwt.PyJWTError as error:  # of a curve that is not known, or not whole: it is one among others
+            logger.warning("a key of the issuer is not used: %s", error)
+            continue
         if isinstance(key, RSAPublicKey) and key.key_size < SMALLEST_RSA_BITS:
             logger.warning("a key of the issuer has %d bits and is not used: %d are needed", key.key_size, SMALLEST_RSA_BITS)
             continue

@@ -12,7 +12,7 @@ from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from service.security.api_keys import key_hash
-from service.security.authentication import COOKIE, SAFE_COOKIE, Authentication, Unauthenticated, session_cookie
+from service.security.authentication import SAFE_COOKIE, Authentication, Unauthenticated, cookie_name, session_cookie
 from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
@@ -154,7 +154,7 @@ def come_back(request: Request) -> Response:
 @router.post("/logout")
 def log_out(request: Request) -> Response:
     """End the session."""
-    cookie = session_cookie(dict(request.scope["headers"]))
+    cookie = session_cookie(dict(request.scope["headers"]), _cookie_name(request))
     if cookie is not None:
         cast(Authentication, request.app.state.authentication).forget(cookie)
         with cast(Database, request.app.state.database).transaction() as session:
@@ -206,12 +206,12 @@ def _page(request: Request, trouble: str, status: int = 200) -> Response:
 
 
 def _encrypted(request: Request) -> bool:
-    security = cast(Security, request.app.state.security)
-    return request.url.scheme == "https" or security.public_url.startswith("https://")
+    return _cookie_name(request) == SAFE_COOKIE
 
 
 def _cookie_name(request: Request) -> str:
-    return SAFE_COOKIE if _encrypted(request) else COOKIE
+    security = cast(Security, request.app.state.security)
+    return cookie_name(request.url.scheme, public_url=security.public_url)
 
 
 def _write(request: Request, entry: Entry) -> None:

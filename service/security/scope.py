@@ -57,11 +57,9 @@ class Visibility:
         with PlantScope(self._database, who.plants).reading() as session:
             for name, value in parameters.items():
                 row, what = ROWS[name]
-                key: str | int = value
-                if row is not MachineRow:
-                    if not (value.isascii() and value.isdigit() and int(value) <= LARGEST):
-                        continue  # the endpoint says what is wrong with it
-                    key = int(value)
+                key = _key(row, value)
+                if key is None:
+                    continue  # the endpoint says what is wrong with it
                 if session.get(row, key) is None:
                     raise NotThere(f"no {what} {value[:64]}")
                 if len(self._seen) >= MOST_KEPT:
@@ -81,3 +79,11 @@ class Visibility:
     def sees(self, who: Principal, machine_id: str) -> bool:
         """Whether a machine concerns somebody."""
         return who.plants is None or who.sees(self.plant(machine_id))
+
+
+def _key(row: type[Any], value: str) -> str | int | None:
+    """By what a row is found; None for a text that is nothing's key."""
+    if row is MachineRow:
+        return value if value.isprintable() else None
+    digits = value.isascii() and value.isdigit() and len(value) <= len(str(LARGEST))
+    return int(value) if digits and int(value) <= LARGEST else None

@@ -7,7 +7,8 @@ from typing import Any
 import jwt
 
 from service.security.key_set import KeySet
-from service.security.principal import Principal, Role
+from service.security.principal import MOST_CHARACTERS, Principal, Role
+from storage.plain_text import plain_text
 
 LEEWAY_S = 30.0
 EVERY_PLANT = "*"
@@ -45,6 +46,7 @@ class Tokens:
         """Who checked claims stand for."""
         subject = str(claims["sub"])
         name = str(_inside(claims, self._claims.name) or claims.get("preferred_username") or subject)
+        name = plain_text(name)[:MOST_CHARACTERS]
         return Principal(name, self._role(claims), self._plants(claims), "token", f"token {subject}")
 
     def checked(self, token: str, *, audience: str, nonce: str | None = None) -> dict[str, Any]:

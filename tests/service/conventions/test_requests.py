@@ -11,7 +11,7 @@ import pytest
 
 from service.api.body_size import LARGEST_BODY
 from tests.asking import PREFIX, Api, fields, problem
-from tests.plant import KEY
+from tests.plant import KEY, document
 from tests.service.conventions.asked import ALERT, NOTE, TIMELINE
 
 
@@ -102,3 +102,10 @@ def test_a_parameter_that_counts_once_is_given_once(api: Api) -> None:
                 assert ("given 2 times" in said) != several, (place, one["name"], said)
                 asked += 1
     assert asked > 50
+
+
+def test_a_text_that_not_every_store_takes_is_refused_by_each(api: Api) -> None:
+    machine = api.ask("POST", f"{PREFIX}/machines", json=document(id="fan-2", name="a\x00b"))
+    assert [(one["field"], one["message"]) for one in problem(machine, 422)["errors"]] == [("name", "a text has no NUL in it")]
+    hook = {"kind": "webhook", "name": "a", "target": "http://plant.example/\x00"}
+    assert fields(api.ask("POST", f"{PREFIX}/subscriptions", json=hook)) == ["target"]

@@ -37,6 +37,7 @@ class Received:
 @dataclass
 class Receiver:
     """An HTTP server. `/ok` takes, `/hang` never answers, `/error` answers 500, `/gone` 410, `/redirect` 307 to `/ok`,
+    `/rubbish` takes and says what is no text,
     `/flaky` 503 until `well` is set, `/endless` sends without end, `/late` takes after some milliseconds."""
 
     port: int = 0
@@ -66,7 +67,7 @@ def receiver() -> Iterator[Receiver]:
                 return
             if kind == "late":
                 time.sleep(LATE_S)
-            status = {"error": 500, "gone": 410, "redirect": 307}.get(kind, 204)
+            status = {"error": 500, "gone": 410, "redirect": 307, "rubbish": 200}.get(kind, 204)
             if kind == "flaky" and not state.well.is_set():
                 status = 503
             if kind == "endless":
@@ -75,8 +76,10 @@ def receiver() -> Iterator[Receiver]:
             self.send_response(status)
             if kind == "redirect":
                 self.send_header("location", state.url("/ok"))
-            self.send_header("content-length", "0")
+            said = b"\x00\x1b\xff no text" if kind == "rubbish" and status != 204 else b""
+            self.send_header("content-length", str(len(said)))
             self.end_headers()
+            self.wfile.write(said)
 
         def _endless(self) -> None:
             self.send_response(500)

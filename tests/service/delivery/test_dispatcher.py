@@ -109,6 +109,17 @@ def test_receivers_that_hang_or_fail_delay_no_other(
         assert max(len(http.at(f"/hang/{number}")) for number in range(10)) <= dispatcher_module.AT_ONCE
 
 
+def test_a_receiver_that_answers_rubbish_stops_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    good, bad = subscribe(plant, http.url("/ok"), name="good"), subscribe(plant, http.url("/rubbish"), name="bad")
+    with delivering(plant, network):
+        for element in ("coupling.C1", "bearing.B1"):
+            raise_one(plant, found, machine(), element=element)
+            wait_until(lambda: {*states(plant, good), *states(plant, bad)} == {"delivered"})
+    assert {row.answer for row in rows(plant, bad)} == {"200 \\x00\\x1b\ufffd no text"}
+
+
 def test_a_receiver_that_is_gone_is_disabled(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver
 ) -> None:

@@ -178,6 +178,14 @@ def test_what_was_refused_for_the_role_is_in_it(api: Api, filled: Filled) -> Non
         assert audit.verify(session) == []
 
 
+def test_a_refusal_of_what_no_store_holds_is_in_it_too(api: Api, filled: Filled) -> None:
+    problem(api.ask("POST", f"{PREFIX}/machines/%00/timeline", json=NOTE, headers=bearer(filled.keys["viewer"])), 403)
+    with api.database.reading() as session:
+        row = audit.newest(session, limit=1)[0]
+        assert (row.target, row.outcome) == (f"POST {PREFIX}/machines/\\x00/timeline", "refused")
+        assert audit.verify(session) == []
+
+
 def test_the_trail_is_for_administrators_of_all_plants(api: Api, filled: Filled) -> None:
     for key in ("viewer", "analyst", "operator", "own", "source"):
         problem(api.ask("GET", f"{PREFIX}/audit", headers=bearer(filled.keys[key])), 403)

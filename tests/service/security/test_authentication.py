@@ -267,7 +267,12 @@ def test_weak_and_foreign_keys_are_passed_over(issuer: Issuer) -> None:
     curve = public("curve", ec.generate_private_key(ec.SECP256K1()))
     secret = {"kty": "oct", "k": "AAAA", "kid": "secret"}
     encryption = public("enc", issuer.keys["r1"]) | {"use": "enc"}
-    assert list(_parsed({"keys": [weak, curve, secret, encryption, *issuer.key_set()["keys"]]})) == ["r1", "e1"]
+    unknown = {"kty": "EC", "crv": "brainpoolP256r1", "x": "AAAA", "y": "AAAA", "kid": "unknown"}
+    half = {name: value for name, value in public("half", issuer.keys["e1"]).items() if name != "y"}
+    certificate = {"kty": "RSA", "x5c": ["AAAA"], "kid": "certificate"}
+    assert list(
+        _parsed({"keys": [weak, curve, secret, encryption, unknown, half, certificate, *issuer.key_set()["keys"]]})
+    ) == ["r1", "e1"]
 
 
 def test_looking_somebody_up_takes_little_time(store: Database, filled: Filled) -> None:

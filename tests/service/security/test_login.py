@@ -68,6 +68,7 @@ def test_the_cookie_is_read_by_no_script_and_sent_by_no_other_site(api: Api, fil
         {"X-Rundown-Token": "guessed"},
         {"X-Rundown-Token": "right", "Origin": "https://evil.example"},
         {"X-Rundown-Token": "right", "Origin": "null"},
+        {"X-Rundown-Token": "right", "Origin": "http://["},
         {"X-Rundown-Token": "right", "Sec-Fetch-Site": "cross-site"},
         {"X-Rundown-Token": "right", "Sec-Fetch-Site": "same-site"},
     ],
@@ -92,13 +93,33 @@ def test_where_nobody_needs_to_log_in_another_sites_page_changes_nothing_either(
 
 @pytest.mark.parametrize(
     ("host", "status"),
-    [("localhost:8080", 200), ("127.0.0.1:8080", 200), ("[::1]:8080", 200), ("plant.example", 200), ("evil.example", 421)],
+    [
+        ("localhost:8080", 200),
+        ("127.0.0.1:8080", 200),
+        ("[::1]:8080", 200),
+        ("plant.example", 200),
+        ("evil.example", 421),
+        ("[", 421),
+    ],
 )
 def test_a_name_that_was_made_to_mean_this_machine_reads_nothing(plant: Database, host: str, status: int) -> None:
     """DNS rebinding: the page of another site asks under its own name."""
     api = opened_api(plant, Security(names_checked=True, public_url="https://plant.example"))
     assert api.ask("GET", f"{PREFIX}/machines", headers={"Host": host}).status_code == status
     api.http.close()
+
+
+def test_over_tls_a_neighbours_cookie_logs_nobody_in(api: Api, filled: Filled) -> None:
+    """Of another name of the same domain it may be, unless its name says that it is this host's."""
+    logged_in(api, filled.keys["viewer"])
+    cookie = dict(api.http.cookies)["rundown_session"]
+    api.http.cookies.clear()
+    api.http.base_url = "https://rundown"
+    problem(api.ask("GET", ME, headers={"Cookie": f"rundown_session={cookie}"}), 401)
+    both = {"Cookie": f"rundown_session=another; __Host-rundown_session={cookie}"}
+    assert value(api.ask("GET", ME, headers=both))["role"] == "viewer"
+    api.http.base_url = "http://rundown"
+    problem(api.ask("GET", ME, headers={"Cookie": f"__Host-rundown_session={cookie}"}), 401)
 
 
 def test_logging_out_ends_the_session_at_once(api: Api, filled: Filled) -> None:
@@ -162,6 +183,13 @@ def test_a_login_at_the_issuer_gives_its_role_and_plants(api: Api, issuer: Issue
     assert (me["name"], me["role"], me["plants"]) == ("Berta", "analyst", [KEY.plant])
     api.http.cookies.clear()
     assert api.ask("GET", back).status_code == 401  # a code is good once
+
+
+def test_a_name_at_the_issuer_may_be_of_any_length_and_hold_anything(api: Api, issuer: Issuer) -> None:
+    issuer.claims = {"sub": "berta", "name": "B\x00" * 100, "rundown_role": "viewer", "rundown_plants": "*"}
+    assert api.ask("GET", begun(api)).status_code == 303
+    name = value(api.ask("GET", ME))["name"]
+    assert (len(name), name[:10]) == (120, "B\\x00B\\x00")
 
 
 def test_a_login_comes_to_its_end_at_another_replica(api: Api, store: Database, issuer: Issuer) -> None:

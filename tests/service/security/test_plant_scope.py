@@ -59,6 +59,13 @@ def test_nothing_of_another_plant_can_be_named_in_a_body(api: Api, filled: Fille
     assert not leaks(problem(api.ask("POST", f"{own}/slow-roll", json=capture, headers=headers), 404)["detail"])
 
 
+@pytest.mark.parametrize("place", ["machines/%00", "machines/a%0Ab", "alerts/" + "9" * 5000, "runs/" + "9" * 19])
+def test_what_can_be_nothings_name_is_refused_as_for_everybody(api: Api, filled: Filled, place: str) -> None:
+    everybody, own = (api.ask("GET", f"{PREFIX}/{place}", headers=bearer(filled.keys[key])) for key in ("admin", "own"))
+    assert (everybody.status_code, own.status_code) == (422, 422)
+    assert own.json()["errors"] == everybody.json()["errors"]
+
+
 def test_a_machine_is_made_only_in_ones_own_plants(api: Api, filled: Filled) -> None:
     headers = bearer(filled.keys["own"])
     refused = api.ask("POST", f"{PREFIX}/machines", json=document(id="fan-3", plant=HIDDEN_PLANT), headers=headers)
