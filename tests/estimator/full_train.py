@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from trains import Complexes, Document, Floats
 
 from estimator.identification import Identification
 from estimator.machine import Bearing, Coupling, Machine, Seal
 from estimator.rotor import assemble_rotor
+from tests.estimator.trains import Complexes, Document, Floats
 
 Force = Callable[[float], Complexes]
 """Force (N,) at a speed [rad/s], in rotation from +x to +y."""

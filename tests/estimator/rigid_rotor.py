@@ -2,9 +2,8 @@
 
 import math
 
-from trains import one_disc_document
-
 from estimator.machine import Machine, parse_machine
+from tests.estimator.trains import one_disc_document
 
 LENGTH, STIFFNESS, MASS = 0.2, 1e5, 5.0
 """Between the bearings [m]; of each bearing [N/m]; of the disc in the middle [kg]. The shaft weighs 6e-5 kg."""

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import scipy.special
 from numpy.typing import NDArray
-from trains import chapter_3_document
 
 from estimator.channel_status import ChannelStatus
 from estimator.coast_down import CoastDown, coast_down
@@ -16,6 +15,7 @@ from estimator.measurement import Measurement
 from estimator.quality import Recorded
 from estimator.response import response
 from estimator.speed_law import SpeedLaw
+from tests.estimator.trains import chapter_3_document
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

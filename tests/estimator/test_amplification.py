@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from models import model_of
-from rigid_rotor import bounce, rigid_rotor
-from trains import Floats, chapter_3, dense_response, few_examples
 
 from estimator.amplification import (
     HALF_POWER,
@@ -20,6 +17,9 @@ from estimator.amplification import (
     separation_margin,
 )
 from estimator.machine import Probe
+from tests.estimator.models import model_of
+from tests.estimator.rigid_rotor import bounce, rigid_rotor
+from tests.estimator.trains import Floats, chapter_3, dense_response, few_examples
 
 
 def one_mass(ratio: Floats, damping: float) -> Floats:

@@ -4,15 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from models import model_of
-from rigid_rotor import MASS, rigid_rotor
-from trains import chapter_3, one_disc_document
 
 from estimator.balance_grade import API_617, RotorBalance, balance_grades, mass_and_centre
 from estimator.machine import parse_machine
 from estimator.rotor import assemble_rotor
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import model_of
+from tests.estimator.rigid_rotor import MASS, rigid_rotor
+from tests.estimator.trains import chapter_3, one_disc_document
 
 FIVE_KILOGRAMS = rigid_rotor(diametral=0.05, polar=0.03)
 SERVICE = rpm_to_rad_per_s(3000.0)

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from models import draws, model_of
-from trains import chapter_3, chapter_3_document, dense_response, few_examples, mirrored
 
 from estimator.balancing import (
     Correction,
@@ -20,6 +18,8 @@ from estimator.balancing import (
 from estimator.condensation import condense
 from estimator.machine import Machine, parse_machine
 from estimator.response import response
+from tests.estimator.models import draws, model_of
+from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, few_examples, mirrored
 
 SPEED = np.array([80.0, 150.0, 240.0])
 ALL = ("D1", "D2", "D3", "D4")

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweeps import linear_law, noisy, single_mass
-from trains import chapter_3
 
 from estimator.beating import find_beats
 from estimator.coast_down import coast_down
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.units import rpm_to_rad_per_s
+from tests.estimator.sweeps import linear_law, noisy, single_mass
+from tests.estimator.trains import chapter_3
 
 MEASURED = Path(__file__).parents[1] / "data" / "rk4_runup_1x.csv"
 

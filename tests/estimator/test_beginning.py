@@ -5,7 +5,6 @@ import sys
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from trains import chapter_3
 
 from estimator import fit as fit_module
 from estimator.elimination import SingularCondensation
@@ -13,6 +12,7 @@ from estimator.identification import Options, identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.simulation import draw_truth, measured_phasors, speed_law
+from tests.estimator.trains import chapter_3
 
 
 @pytest.fixture(scope="module")

@@ -4,13 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
-from rigid_rotor import bounce, conical, rigid_rotor
-from trains import chapter_3, chapter_3_document, mirrored
 
 from estimator.campbell import Campbell, assurance, campbell, modal_assurance
 from estimator.machine import parse_machine
 from estimator.modes import Modes, critical_speeds, eigenvalues
 from estimator.rotor import assemble_rotor
+from tests.estimator.rigid_rotor import bounce, conical, rigid_rotor
+from tests.estimator.trains import chapter_3, chapter_3_document, mirrored
 
 INERTIA = {"diametral": 0.04, "polar": 0.03}
 """The conical modes start above the bounce; the backward one falls through it."""

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.capture import captured, thinned
+from tests.estimator.trains import few_examples
 
 SECOND = 1_000_000_000
 

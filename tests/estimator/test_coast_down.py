@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from sweeps import light_chapter_3, linear_law, single_mass, single_mass_envelope, steady
-from trains import chapter_3
 
 from estimator.coast_down import coast_down
 from estimator.keyphasor import shaft_angle
 from estimator.order_tracking import track_orders
+from tests.estimator.sweeps import light_chapter_3, linear_law, single_mass, single_mass_envelope, steady
+from tests.estimator.trains import chapter_3
 
 FREQUENCY = 150.0
 

@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from trains import (
+
+from estimator.condensation import CondensedTrain, condense
+from estimator.elimination import SingularCondensation
+from estimator.machine import Machine, parse_machine
+from estimator.response import response
+from estimator.rotor import assemble_rotor
+from tests.estimator.trains import (
     Document,
     chapter_3,
     chapter_3_document,
@@ -21,12 +27,6 @@ from trains import (
     one_disc_document,
     truth,
 )
-
-from estimator.condensation import CondensedTrain, condense
-from estimator.elimination import SingularCondensation
-from estimator.machine import Machine, parse_machine
-from estimator.response import response
-from estimator.rotor import assemble_rotor
 
 SPEED = np.array([3.0, 40.0, 121.8, 143.0, 175.5, 250.0, 402.0, 900.0])
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import chapter_3, chapter_3_document, few_examples, truth, without
 
 from estimator.condensation import condense
 from estimator.coordinates import CROSS_SPREAD, KNOWN_SPREAD, UNBALANCE_SPREAD, UNKNOWN_SPREAD, Coordinates
 from estimator.machine import Machine, parse_machine
+from tests.estimator.trains import chapter_3, chapter_3_document, few_examples, truth, without
 
 
 def coordinates(machine: Machine, scale: float = 0.01) -> Coordinates:

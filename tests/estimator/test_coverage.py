@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from rigid_rotor import bounce, rigid_rotor, tilting_stiffness
-from trains import chapter_3
 
 from estimator.coverage import coverage, nominal_critical_speeds
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from tests.estimator.rigid_rotor import bounce, rigid_rotor, tilting_stiffness
+from tests.estimator.trains import chapter_3
 from tests.plant import CHANNELS, machine
 
 

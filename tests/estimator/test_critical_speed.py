@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rigid_rotor import bounce, rigid_rotor, tilting_stiffness
-from trains import chapter_3, chapter_3_document, dense_elements, mirrored
 
 from estimator.critical_speed import critical_speed_table, synchronous_crossings, undamped_critical_speeds
 from estimator.machine import Machine, parse_machine
 from estimator.rotor import assemble_rotor
 from estimator.system_matrices import system_matrices, system_matrices_over_speed
+from tests.estimator.rigid_rotor import bounce, rigid_rotor, tilting_stiffness
+from tests.estimator.trains import chapter_3, chapter_3_document, dense_elements, mirrored
 
 DISC = {"diametral": 0.05, "polar": 0.03}
 """Thick: forward precession overtakes it."""

@@ -4,9 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import rich_model
-from rigid_rotor import MASS, STIFFNESS, rigid_rotor
-from trains import chapter_3
 
 from estimator.critical_speed import critical_speed_table
 from estimator.critical_speed_continuation import HIGHEST_ABOVE_TRIP, corrected, followed_crossings
@@ -15,6 +12,9 @@ from estimator.modal_uncertainty import crossing_slopes, modes_at
 from estimator.modes import Modes
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model
+from tests.estimator.models import rich_model
+from tests.estimator.rigid_rotor import MASS, STIFFNESS, rigid_rotor
+from tests.estimator.trains import chapter_3
 
 
 def drawn(machine: Machine, *, spread: float, seed: int) -> UpdatedModel:

@@ -4,9 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import model_of, rich_model
-from rigid_rotor import MASS, STIFFNESS, rigid_rotor
-from trains import chapter_3
 
 from estimator.amplification import sure_peaks
 from estimator.critical_speed_continuation import followed_crossings
@@ -19,6 +16,9 @@ from estimator.misalignment_force import coupling_forces
 from estimator.second_order import Orders
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model
+from tests.estimator.models import model_of, rich_model
+from tests.estimator.rigid_rotor import MASS, STIFFNESS, rigid_rotor
+from tests.estimator.trains import chapter_3
 
 TOP = 250.0
 """Highest speed of the made-up identifications [rad/s]."""

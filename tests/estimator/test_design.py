@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trains import Floats, chapter_3, chapter_3_document, dense_response, noisy
 
 from estimator.design import helpful_probes, helpful_speeds
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement, joined
+from tests.estimator.trains import Floats, chapter_3, chapter_3_document, dense_response, noisy
 
 NARROW = np.linspace(100.0, 200.0, 60)
 CANDIDATES = np.arange(10.0, 450.0, 20.0)

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.stats
-from models import draws, model_of
-from trains import chapter_3, chapter_3_document, noisy, ross, truth
 
 from estimator.error_propagation import phasor_band, principal_axes, propagated, standard_errors
 from estimator.forced_response import forced_response
@@ -16,6 +14,8 @@ from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.modes import natural_frequencies
 from estimator.updated_model import UpdatedModel, updated_model
+from tests.estimator.models import draws, model_of
+from tests.estimator.trains import chapter_3, chapter_3_document, noisy, ross, truth
 
 SPEED, CLEAN = (one[1::2] for one in ross())
 ISOTROPIC = np.array([[[1.0, 1j]]])

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from trains import ROOT, Complexes, Floats, truth
 
 from estimator.condensation import condense
 from estimator.estimates import Estimate
@@ -23,6 +22,7 @@ from estimator.modes import critical_speeds, eigenvalues, natural_frequencies
 from estimator.response import response
 from estimator.simulation import noise
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from tests.estimator.trains import ROOT, Complexes, Floats, truth
 
 EXAMPLES = sorted((ROOT / "examples").glob("*.yaml"))
 RIG = "thesis-chapter-5-rig"

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import differences, model_of, rich_model
-from trains import chapter_3, dense_response
 
 from estimator.critical_speed import critical_speed_table
 from estimator.forced_response import forced_response
@@ -17,6 +15,8 @@ from estimator.rotor import assemble_rotor
 from estimator.station_response import station_response
 from estimator.system_matrices import system_matrices
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import differences, model_of, rich_model
+from tests.estimator.trains import chapter_3, dense_response
 
 SPEED = np.array([60.0, 140.0, 250.0])
 

@@ -4,8 +4,6 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
-from trains import chapter_3_document
 
 from estimator.coast_down import coast_down
 from estimator.gate import identify_gated
@@ -15,6 +13,8 @@ from estimator.measurement import Measurement
 from estimator.parameters import unknowns
 from estimator.quality import Flag, Recorded
 from estimator.rotor import assemble_rotor
+from tests.estimator.sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
+from tests.estimator.trains import chapter_3_document
 
 ONE = Options(starts=1)
 

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from trains import chapter_3, chapter_3_document, dense_response, noisy
 
 from estimator.gathering import combined
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.simulation import draw_truth, measured_phasors, scattered
+from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, noisy
 
 SPEED = np.linspace(10.0, 300.0, 100)
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from trains import one_disc_document, truth
 
 from estimator.condensation import condense
 from estimator.half_power import Excitation, HalfPowerNotReached, half_power_points, outside, peak_samples
 from estimator.machine import parse_machine
 from estimator.response import response
+from tests.estimator.trains import one_disc_document, truth
 
 Floats = NDArray[np.float64]
 NATURAL = 240.0

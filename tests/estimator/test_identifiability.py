@@ -1,12 +1,12 @@
 """Reasons why parameters stay open, beside the modes of a dense eigenvalue analysis."""
 
 import numpy as np
-from full_train import coupling_nodes, full_response, full_train
-from trains import Floats, chapter_3, chapter_3_document, noisy, one_disc_document
 
 from estimator.identification import identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
+from tests.estimator.full_train import coupling_nodes, full_response, full_train
+from tests.estimator.trains import Floats, chapter_3, chapter_3_document, noisy, one_disc_document
 
 
 def modes(machine: Machine, spin: float) -> tuple[Floats, Floats, Floats]:

@@ -11,7 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from trains import (
+
+from estimator.identification import Estimate, Identification, NotEnoughData, Options, identify
+from estimator.machine import Machine, parse_machine
+from estimator.measurement import Measurement, joined
+from estimator.verdict import accepted
+from tests.estimator.trains import (
     Complexes,
     Document,
     Floats,
@@ -25,11 +30,6 @@ from trains import (
     truth,
     without,
 )
-
-from estimator.identification import Estimate, Identification, NotEnoughData, Options, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement, joined
-from estimator.verdict import accepted
 
 SPEED: Floats = ross()[0][1::2]
 CLEAN: Complexes = ross()[1][1::2]

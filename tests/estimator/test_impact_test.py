@@ -6,8 +6,6 @@ from itertools import permutations
 import numpy as np
 import pytest
 import yaml
-from models import model_of
-from trains import ROOT, chapter_3, one_disc_document
 
 from estimator.impact_test import (
     LARGEST_DEVIATION,
@@ -21,6 +19,8 @@ from estimator.modal_uncertainty import modes_at, natural_frequency_errors
 from estimator.modes import natural_frequencies
 from estimator.rotor import assemble_rotor
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import model_of
+from tests.estimator.trains import ROOT, chapter_3, one_disc_document
 
 
 @pytest.fixture(scope="module")

@@ -4,16 +4,16 @@ import copy
 
 import numpy as np
 import pytest
-from full_train import full_response
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from trains import Floats, chapter_3, chapter_3_document, mirrored, noisy, truth
 
 from estimator.condensation import condense
 from estimator.identification import identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.response import response
+from tests.estimator.full_train import full_response
+from tests.estimator.trains import Floats, chapter_3, chapter_3_document, mirrored, noisy, truth
 
 SPEED: Floats = np.arange(10.0, 300.0, 4.0)
 MEASURED = noisy(full_response(chapter_3(), SPEED), seed=0)

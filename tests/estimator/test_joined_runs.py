@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from full_train import deviations, full_response, true_values, unbalance_force
-from trains import Complexes, Floats, chapter_3, chapter_3_document, noisy, truth
 
 from estimator.identification import Identification, Options, identify
 from estimator.measurement import Measurement, joined
+from tests.estimator.full_train import deviations, full_response, true_values, unbalance_force
+from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, noisy, truth
 
 SPEED: Floats = np.arange(10.0, 300.0, 3.0)
 TRIAL: Complexes = np.array([0.0, 0.004j, -0.003, 0.0])

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import Document, chapter_3, chapter_3_document, few_examples, one_disc_document
 
 from estimator.machine import DocumentError, Machine, field_path, parse_machine
+from tests.estimator.trains import Document, chapter_3, chapter_3_document, few_examples, one_disc_document
 
 NAN, INFINITY = float("nan"), float("inf")
 

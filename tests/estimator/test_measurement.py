@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.machine import Noise
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
+from tests.estimator.trains import few_examples
 
 SPEED = np.array([10.0, 20.0, 30.0])
 PHASOR = np.array([[1e-6 + 1e-6j, 2e-6], [3e-6j, np.nan], [complex(np.nan, np.inf), 5e-6]])

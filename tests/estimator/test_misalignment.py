@@ -1,9 +1,8 @@
 """Where a misalignment shows: which bearings are beside a coupling."""
 
-from trains import chapter_3, chapter_3_document
-
 from estimator.machine import Machine, parse_machine
 from estimator.misalignment import neighbouring_bearings
+from tests.estimator.trains import chapter_3, chapter_3_document
 
 
 def neighbours(machine: Machine) -> tuple[str, ...]:

@@ -5,8 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from models import draws, model_of
-from trains import Complexes, chapter_3, chapter_3_document, dense_elements, mirrored, truth
 
 from estimator.error_propagation import PhasorBand
 from estimator.machine import Machine, parse_machine
@@ -14,6 +12,8 @@ from estimator.misalignment_force import CouplingForce, coupling_forces
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import draws, model_of
+from tests.estimator.trains import Complexes, chapter_3, chapter_3_document, dense_elements, mirrored, truth
 
 ROTOR = assemble_rotor(chapter_3())
 SPEED = np.array([60.0, 121.0, 180.0, 290.0])

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from models import differences, draws, model_of, rich_model
-from trains import chapter_3
 
 from estimator.critical_speed import critical_speed_table
 from estimator.error_propagation import standard_errors
@@ -17,6 +15,8 @@ from estimator.modal_uncertainty import (
 )
 from estimator.modes import critical_speeds, eigenvalues
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import differences, draws, model_of, rich_model
+from tests.estimator.trains import chapter_3
 
 RICH = rich_model()
 

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from rigid_rotor import LENGTH, bounce, conical, rigid_rotor
-from trains import chapter_3, dense_elements, one_disc_document
 
 from estimator.machine import parse_machine
 from estimator.mode_shapes import ModeShape, mode_shapes
 from estimator.modes import eigenvalue_slopes, eigenvalues, modes
 from estimator.rotor import assemble_rotor
 from estimator.system_matrices import system_matrices
+from tests.estimator.rigid_rotor import LENGTH, bounce, conical, rigid_rotor
+from tests.estimator.trains import chapter_3, dense_elements, one_disc_document
 
 INERTIA = {"diametral": 0.04, "polar": 0.03}
 

@@ -2,13 +2,22 @@
 
 import numpy as np
 import pytest
-from trains import Complexes, Document, Floats, chapter_3, chapter_3_document, dense_elements, dense_response, noisy
 
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.model_comparison import Comparison, as_identified, compare_misalignment
 from estimator.rotor import assemble_rotor
+from tests.estimator.trains import (
+    Complexes,
+    Document,
+    Floats,
+    chapter_3,
+    chapter_3_document,
+    dense_elements,
+    dense_response,
+    noisy,
+)
 
 SPEED: Floats = np.arange(4.0, 300.0, 4.0)
 

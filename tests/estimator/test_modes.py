@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import scipy.linalg
 from numpy.typing import NDArray
-from trains import chapter_3, chapter_3_document, dense_elements, mirrored, one_disc_document, truth
 
 from estimator.machine import Machine, parse_machine
 from estimator.modes import critical_speeds, eigenvalues, natural_frequencies
 from estimator.rotor import assemble_rotor
+from tests.estimator.trains import chapter_3, chapter_3_document, dense_elements, mirrored, one_disc_document, truth
 
 PRINTED = np.array([122.0, 143.0, 162.0, 176.0, 283.0, 336.0, 403.0, 432.0])
 

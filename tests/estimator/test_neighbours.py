@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from sweeps import noisy, single_mass, steady
-from trains import few_examples
 
 from estimator.neighbours import local_fit, neighbour_noise, out_of_line, resolved
+from tests.estimator.sweeps import noisy, single_mass, steady
+from tests.estimator.trains import few_examples
 
 SPEED = np.linspace(60.0, 300.0, 300)
 

@@ -4,13 +4,22 @@ import math
 
 import numpy as np
 import pytest
-from full_train import full_response, true_values
-from trains import Complexes, Document, Floats, chapter_3, chapter_3_document, dense_response, noisy, one_disc_document
 
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.noise import outlier_limit
+from tests.estimator.full_train import full_response, true_values
+from tests.estimator.trains import (
+    Complexes,
+    Document,
+    Floats,
+    chapter_3,
+    chapter_3_document,
+    dense_response,
+    noisy,
+    one_disc_document,
+)
 
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 CLEAN: Complexes = full_response(chapter_3(), SPEED)

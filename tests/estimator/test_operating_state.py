@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.operating_state import (
     FEWEST_RUNS,
@@ -25,6 +24,7 @@ from estimator.operating_state import (
 )
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.units import rpm_to_rad_per_s
+from tests.estimator.trains import few_examples
 from tests.plant import machine
 
 SECOND = 1_000_000_000

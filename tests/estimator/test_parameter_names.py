@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from models import rich_document, rich_model
 
 from estimator.condensation import condense
 from estimator.coordinates import Coordinates
@@ -10,6 +9,7 @@ from estimator.derived import model_quantities
 from estimator.estimates import estimates
 from estimator.machine import parse_machine
 from estimator.parameter_names import change_unit, derived_unit, derived_units, in_words, parameter_units, without_number
+from tests.estimator.models import rich_document, rich_model
 
 
 def test_of_a_train_of_everything_parameters_are_named_as_they_are_estimated() -> None:

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from full_train import deviations, full_response, true_values
-from trains import Document, Floats, chapter_3, chapter_3_document, noisy, without
 
 from estimator.condensation import condense
 from estimator.identification import Identification, Options, identify
 from estimator.machine import DocumentError, Machine, parse_machine
 from estimator.measurement import Measurement
+from tests.estimator.full_train import deviations, full_response, true_values
+from tests.estimator.trains import Document, Floats, chapter_3, chapter_3_document, noisy, without
 
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 CLEAN = full_response(chapter_3(), SPEED)

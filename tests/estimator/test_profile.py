@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 import pytest
-from trains import Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed, truth
 
 from estimator.identification import LARGEST_CONDITION, Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import is_direct
+from tests.estimator.trains import Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed, truth
 
 NARROW: Floats = np.linspace(60.0, 110.0, 60)
 

@@ -1,10 +1,10 @@
 """Distance of a run from an earlier one of its kind."""
 
 import numpy as np
-from sweeps import noisy, steady
-from trains import chapter_3
 
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
+from tests.estimator.sweeps import noisy, steady
+from tests.estimator.trains import chapter_3
 
 SPEED = np.linspace(560.0, 60.0, 200)
 OTHER = np.linspace(555.0, 62.0, 240)

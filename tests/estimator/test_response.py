@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from trains import Document, chapter_3, chapter_3_document, few_examples, one_disc_document, ross, truth
 
 from estimator.condensation import condense
 from estimator.machine import Machine, parse_machine
 from estimator.response import response
 from estimator.shaft import shear_coefficient
+from tests.estimator.trains import Document, chapter_3, chapter_3_document, few_examples, one_disc_document, ross, truth
 
 Complexes = NDArray[np.complex128]
 SPEED = np.array([5.0, 60.0, 122.0, 150.0, 176.0, 283.0, 400.0])

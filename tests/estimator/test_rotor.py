@@ -13,11 +13,11 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from trains import Document, chapter_3, chapter_3_document, dense_elements, few_examples, one_disc_document
 
 from estimator.machine import Machine, parse_machine
 from estimator.rotor import DEFAULT_ELEMENTS_PER_SHAFT, assemble_rotor, node_stations
 from estimator.shaft import shear_coefficient
+from tests.estimator.trains import Document, chapter_3, chapter_3_document, dense_elements, few_examples, one_disc_document
 
 Floats = NDArray[np.float64]
 

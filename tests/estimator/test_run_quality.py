@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
 
 from estimator.channel_status import ChannelStatus
 from estimator.machine import Noise, QualityRules
 from estimator.quality import MEANING, Flag, Recorded, assess, own_noise
 from estimator.units import rpm_to_rad_per_s
+from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
 
 NOISE = Noise(relative=0.01, floor=1e-9)
 CHANNELS = ("X", "Y")

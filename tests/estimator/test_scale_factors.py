@@ -5,14 +5,14 @@ import itertools
 
 import numpy as np
 import pytest
-from full_train import deviations, full_response, true_values, two_material_document
-from trains import Document, Floats, chapter_3_document, noisy, truth
 
 from estimator.condensation import condense
 from estimator.identification import Options, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
 from estimator.sensitivity import Sensitivity, sensitivity
+from tests.estimator.full_train import deviations, full_response, true_values, two_material_document
+from tests.estimator.trains import Document, Floats, chapter_3_document, noisy, truth
 
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 SPARSE: Floats = np.array([15.0, 83.0, 170.0, 283.0, 520.0])

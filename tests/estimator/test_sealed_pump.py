@@ -6,8 +6,6 @@ Data from the condensed model; what that does with seals, bows and loads is aske
 import numpy as np
 import pytest
 import yaml
-from full_train import deviations
-from trains import ROOT
 
 from estimator.condensation import condense
 from estimator.identification import Identification, identify
@@ -15,6 +13,8 @@ from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.response import response
 from estimator.simulation import noise, speed_law
+from tests.estimator.full_train import deviations
+from tests.estimator.trains import ROOT
 
 KNOTTED = tuple(f"bearing.B1.{name}" for name in ("kxx", "kyy", "cxx", "cyy"))
 

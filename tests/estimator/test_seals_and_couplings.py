@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from full_train import deviations, full_response, full_train, true_values
-from trains import Complexes, Document, Floats, chapter_3_document, noisy, truth
 
 from estimator.condensation import condense
 from estimator.identification import Options, identify
@@ -16,6 +14,8 @@ from estimator.parameters import unknowns
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.sensitivity import sensitivity
+from tests.estimator.full_train import deviations, full_response, full_train, true_values
+from tests.estimator.trains import Complexes, Document, Floats, chapter_3_document, noisy, truth
 
 SPARSE: Floats = np.array([10.0, 61.0, 122.0, 176.0, 283.0, 431.0])
 SPEED: Floats = np.arange(10.0, 500.0, 3.0)

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.machine import Operation, SpeedRange
 from estimator.segmentation import (
@@ -26,6 +25,7 @@ from estimator.segmentation import (
     finish,
 )
 from estimator.units import rpm_to_rad_per_s
+from tests.estimator.trains import few_examples
 
 SECOND = 1_000_000_000
 LIMITS = SweepLimits.of(SpeedRange(minimum_rpm=300, maximum_rpm=3000))

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import chapter_3, few_examples, one_disc_document, truth
 
 from estimator.condensation import condense
 from estimator.machine import parse_machine
 from estimator.response import response
 from estimator.sensitivity import sensitivity
+from tests.estimator.trains import chapter_3, few_examples, one_disc_document, truth
 
 SPEED = np.array([10.0, 122.0, 145.0, 176.0, 283.0, 402.0])
 DIRECTION = np.array([1.0, 1.0, -1.0, 1.0, -1.0, 1.0])

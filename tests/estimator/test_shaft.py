@@ -16,12 +16,12 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from trains import few_examples, one_disc_document
 
 from estimator.machine import parse_machine
 from estimator.modes import natural_frequencies
 from estimator.rotor import PlaneMatrices, across_planes, both_planes
 from estimator.shaft import plane_element, shear_coefficient
+from tests.estimator.trains import few_examples, one_disc_document
 
 Floats = NDArray[np.float64]
 

@@ -8,8 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from full_train import FullTrain, elements, full_response, full_train, two_material_document
-from trains import Document, Floats, chapter_3_document, noisy, one_disc_document, truth
 
 from estimator.condensation import condense
 from estimator.identification import identify
@@ -17,6 +15,8 @@ from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.response import response
 from estimator.rotor import assemble_rotor
+from tests.estimator.full_train import FullTrain, elements, full_response, full_train, two_material_document
+from tests.estimator.trains import Document, Floats, chapter_3_document, noisy, one_disc_document, truth
 
 SPEED: Floats = np.array([10.0, 61.0, 122.0, 176.0, 283.0, 431.0])
 

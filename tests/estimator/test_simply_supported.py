@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from trains import one_disc_document
 
 from estimator.machine import parse_machine
 from estimator.modes import natural_frequencies
@@ -17,6 +16,7 @@ from estimator.simply_supported import (
     natural_frequency,
     span_for,
 )
+from tests.estimator.trains import one_disc_document
 
 STEEL = 2.1e11
 SHAFT = SimplySupportedShaft(span=1.0, outer_diameter=0.12, young_modulus=STEEL, density=7800.0)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from trains import chapter_3
 
 from estimator.machine import Condition
 from estimator.simulation import YEAR_S, draw_truth, drawn_conditions, under_conditions
+from tests.estimator.trains import chapter_3
 
 MACHINE = chapter_3().model_copy(
     update={"conditions": (Condition(name="oil", unit="degC"), Condition(name="flow", unit="l/min", usual_change=4.0))}

@@ -4,7 +4,6 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 
 from estimator.machine import Noise, parse_machine
 from estimator.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance, finish
@@ -25,6 +24,7 @@ from estimator.simulation import (
     speed_law,
 )
 from estimator.units import rad_per_s_to_rpm
+from tests.estimator.trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 
 MACHINE = chapter_3()
 KINDS = pytest.mark.parametrize("kind", get_args(RunKind))

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from trains import chapter_3
 
 from estimator.condensation import Floats
 from estimator.healthy_variation import SEASON, SHARED, slow_variation
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor
+from tests.estimator.trains import chapter_3
 
 TRAIN = chapter_3()
 KNOWN = unknowns(TRAIN, assemble_rotor(TRAIN))

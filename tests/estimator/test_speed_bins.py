@@ -3,10 +3,10 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.speed_bins import SpeedBins, filled
 from estimator.units import rpm_to_rad_per_s
+from tests.estimator.trains import few_examples
 from tests.plant import machine
 
 SECOND = 1_000_000_000

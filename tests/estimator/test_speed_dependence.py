@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from full_train import deviations, elements, full_response, node_of, true_values
-from trains import Complexes, Document, Floats, chapter_3_document, noisy, perturbed
 
 from estimator.between_run_scatter import DAMPING_SCATTER, STIFFNESS_SCATTER, expected_scatter, sizes
 from estimator.coordinates import knot_weights
@@ -16,6 +14,8 @@ from estimator.identification import Identification, Options, identify
 from estimator.machine import DocumentError, Machine, SpeedDependence, parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import is_direct
+from tests.estimator.full_train import deviations, elements, full_response, node_of, true_values
+from tests.estimator.trains import Complexes, Document, Floats, chapter_3_document, noisy, perturbed
 
 SPEED: Floats = np.arange(10.0, 300.0, 2.0)
 KNOTS = [300.0, 1200.0, 2600.0]

@@ -2,15 +2,6 @@
 
 import numpy as np
 import pytest
-from models import draws, model_of
-from trains import (
-    chapter_3,
-    chapter_3_document,
-    dense_response,
-    mirrored,
-    one_disc_document,
-    truth,
-)
 
 from estimator.condensation import condense
 from estimator.machine import Probe, parse_machine
@@ -19,6 +10,15 @@ from estimator.rotor import assemble_rotor
 from estimator.shaft import plane_element
 from estimator.station_response import StationResponse, displacement_row, station_response
 from estimator.updated_model import UpdatedModel
+from tests.estimator.models import draws, model_of
+from tests.estimator.trains import (
+    chapter_3,
+    chapter_3_document,
+    dense_response,
+    mirrored,
+    one_disc_document,
+    truth,
+)
 
 SPEED = np.array([50.0, 118.0, 160.0, 290.0])
 

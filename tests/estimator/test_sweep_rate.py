@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from sweeps import fast_coast_down, light_chapter_3, linear_law, single_mass, steady
 
 from estimator.coast_down import coast_down
 from estimator.condensation import condense
@@ -11,6 +10,7 @@ from estimator.machine import Machine
 from estimator.speed_law import SpeedLaw
 from estimator.sweep_rate import sweep_transient
 from estimator.updated_model import UpdatedModel
+from tests.estimator.sweeps import fast_coast_down, light_chapter_3, linear_law, single_mass, steady
 
 
 def nominal(machine: Machine) -> UpdatedModel:

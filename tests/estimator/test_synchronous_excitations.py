@@ -5,7 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from full_train import (
+
+from estimator.condensation import condense
+from estimator.identification import Identification, Options, identify
+from estimator.machine import Machine, parse_machine
+from estimator.measurement import Measurement, joined
+from estimator.response import response
+from estimator.rotor import assemble_rotor
+from tests.estimator.full_train import (
     Force,
     coupling_nodes,
     deviations,
@@ -14,14 +21,7 @@ from full_train import (
     true_values,
     unbalance_force,
 )
-from trains import Complexes, Floats, chapter_3, chapter_3_document, noisy
-
-from estimator.condensation import condense
-from estimator.identification import Identification, Options, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement, joined
-from estimator.response import response
-from estimator.rotor import assemble_rotor
+from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, noisy
 
 SPEED: Floats = np.arange(10.0, 300.0, 3.0)
 BOW = {"shaft.S1.bow": 2e-3 * np.exp(0.4j), "shaft.S2.bow": 1.2e-3 * np.exp(-2.0j)}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from trains import few_examples
 
 from estimator.whirl import orbit, whirl, whirl_name
+from tests.estimator.trains import few_examples
 
 part = st.floats(-1.0, 1.0).filter(lambda value: abs(value) > 1e-3)
 
