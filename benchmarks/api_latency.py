@@ -94,8 +94,8 @@ def fill(file: Path, *, seed: int) -> None:
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * WEEK // 20)
         for number in range(FIVE_YEARS):
             outcome = identification({name: 1.0 + 0.01 * rng.standard_normal() for name in PARAMETERS})
-            when = {"run_id": LONG + number, "measured_at": START + number * WEEK}
-            store_identification(session, outcome, machine_id="weekly", **when)
+            moment = START + number * WEEK
+            store_identification(session, outcome, machine_id="weekly", run_id=LONG + number, measured_at=moment)
         for number in range(ALERTS):
             one = alerts.add(
                 session,

@@ -145,7 +145,7 @@ def run(folder: Path, transitions: int, seed: int) -> str:
                     deliveries.subscribe(session, kind="webhook", name=f"{kind} {one}", target=target, secret="whsec_c2VjcmV0")
         network: zenoh.Session = stack.enter_context(open_session(listen=["tcp/127.0.0.1:0"], connect=[]))
         url = stack.enter_context(served(database))
-        settings = Settings(delivery_networks=["127.0.0.0/8"])  # type: ignore[list-item]  # pydantic converts
+        settings = Settings(delivery_networks=["127.0.0.0/8"])  # pydantic converts
         dispatcher = Dispatcher(database, network, settings)
         dispatcher.start()
         stack.callback(dispatcher.stop)

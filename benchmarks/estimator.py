@@ -13,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 import scipy.optimize
@@ -146,6 +147,10 @@ def outlying(seeds: int) -> list[str]:
     return lines
 
 
+def _identified(machine: Machine, train: Train) -> Identification:
+    return identify(machine, train.measured(0))
+
+
 def speed(repeats: int) -> list[str]:
     """Time of one identification, and how it grows with the number of speeds."""
     lines = []
@@ -154,16 +159,16 @@ def speed(repeats: int) -> list[str]:
         ("three shafts, 290 x 12, 78", three_shafts(), 1.0),
     ):
         rng = np.random.default_rng(7)
-        right = _median_time(lambda t=train: identify(t.machine, t.measured(0)), repeats)
+        right = _median_time(partial(_identified, train.machine, train), repeats)
         wrong = [parse_machine(off(train.document, rng, 0.2)) for _ in range(repeats)]
-        seconds = [_median_time(lambda m=machine, t=train: identify(m, t.measured(0)), 1) for machine in wrong]
+        seconds = [_median_time(partial(_identified, machine, train), 1) for machine in wrong]
         lines.append(_row(f"{name} unknowns [s], nominal values right", f"<= {asked:g}", f"{right:.3f}"))
         lines.append(_row("  nominal values off by ±20 %, median", f"<= {asked:g}", f"{np.median(seconds):.3f}"))
     counts = (500, 1000, 2000, 5000)
     times = []
     for count in counts:
         train = dense_speeds(count)
-        times.append(_median_time(lambda t=train: identify(t.machine, t.measured(0)), 3))
+        times.append(_median_time(partial(_identified, train.machine, train), 3))
     slope = np.polyfit(np.log(counts), np.log(times), 1)[0]
     lines.append(_row(f"power of the number of speeds, {counts[0]}-{counts[-1]}", "1", f"{slope:.2f}"))
     lines.append(_row(f"  {counts[-1]} speeds [s]", "", f"{times[-1]:.2f}"))

@@ -10,6 +10,7 @@ import argparse
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from storage import machines
@@ -29,47 +30,37 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
     """Their names, and what to call."""
     for order in every_order():
         name = "killed " + ", ".join(order)
-        yield name, lambda folder, order=order: scenarios.killed_in_turn(folder, order, samples=1000)
+        yield name, partial(scenarios.killed_in_turn, order=order, samples=1000)
     for part in PARTS:
         name = f"frozen for 15 s: {part}"
-        yield name, lambda folder, part=part: scenarios.frozen(folder, part, seconds=15.0, samples=2500)
-    yield "wire held for 15 s, then broken", lambda folder: scenarios.parted(folder, seconds=15.0, samples=2500)
+        yield name, partial(scenarios.frozen, part=part, seconds=15.0, samples=2500)
+    yield "wire held for 15 s, then broken", partial(scenarios.parted, seconds=15.0, samples=2500)
     for seed in range(CLOCKS * rounds):
-        yield f"clock that wanders, seed {seed}", lambda folder, seed=seed: _wandering_clock(folder, seed=seed)
+        yield f"clock that wanders, seed {seed}", partial(_wandering_clock, seed=seed)
     yield "store locked for 30 s, read-only for 30 s", _file_in_the_way
     yield "store on a full disk for 30 s", _full_disk
     yield "store's server stopped for 60 s", _server_away
-    yield (
-        f"router started again {ROUTER_RESTARTS} times",
-        lambda folder: parting.router_restarted(folder, times=ROUTER_RESTARTS, seed=0),
-    )
-    yield f"parted for {PARTITION_S:.0f} s", lambda folder: parting.parted(folder, times=PARTITIONS, seconds=PARTITION_S)
-    yield (
-        "plant parted from centre for an hour",
-        lambda folder: parting.plant_parted_from_centre(folder, samples=parting.HOUR_SAMPLES, seconds=parting.HOUR_S),
-    )
+    yield f"router started again {ROUTER_RESTARTS} times", partial(parting.router_restarted, times=ROUTER_RESTARTS, seed=0)
+    yield f"parted for {PARTITION_S:.0f} s", partial(parting.parted, times=PARTITIONS, seconds=PARTITION_S)
+    hour = partial(parting.plant_parted_from_centre, samples=parting.HOUR_SAMPLES, seconds=parting.HOUR_S)
+    yield "plant parted from centre for an hour", hour
     for seed in range(rounds):
         name = f"parted in the middle of runs, seed {seed}"
-        yield name, lambda folder, seed=seed: gaps.runs_with_gaps(folder, gaps=6, seconds=1.5, seed=seed)
+        yield name, partial(gaps.runs_with_gaps, gaps=6, seconds=1.5, seed=seed)
         name = f"disorder, seed {seed}"
-        yield name, lambda folder, seed=seed: disorder.spoiled_stream(folder, rate=10.0, sweeps=4, seed=seed)
+        yield name, partial(disorder.spoiled_stream, rate=10.0, sweeps=4, seed=seed)
         name = f"roles killed on PostgreSQL, seed {seed}"
-        yield name, lambda folder, seed=seed: roles_on_postgresql(folder, seed=seed, kills=kills)
+        yield name, partial(roles_on_postgresql, seed=seed, kills=kills)
         name = f"roles killed, one process, seed {seed}"
-        yield (
-            name,
-            lambda folder, seed=seed: roles.killed_at_random(
-                folder, database=f"sqlite:///{folder / 'rundown.db'}", names=roles.ALONE, seed=seed, kills=kills
-            ),
-        )
+        yield name, partial(_alone_on_sqlite, seed=seed, kills=kills)
         name = f"killed at random eight times, seed {seed}"
-        yield name, lambda folder, seed=seed: scenarios.killed_at_random(folder, seed=seed, kills=8, samples=3000)
+        yield name, partial(scenarios.killed_at_random, seed=seed, kills=8, samples=3000)
         name = f"mangled, with a log, seed {seed}"
-        yield name, lambda folder, seed=seed: scenarios.mangled_with_log(folder, seed=seed, samples=10_000)
+        yield name, partial(scenarios.mangled_with_log, seed=seed, samples=10_000)
         name = f"mangled, without a log, seed {seed}"
-        yield name, lambda folder, seed=seed: scenarios.mangled_without_log(folder, seed=seed, samples=10_000)
+        yield name, partial(scenarios.mangled_without_log, seed=seed, samples=10_000)
         name = f"alerts told through 20 kills, seed {seed}"
-        yield name, lambda folder, seed=seed: telling.told_through_kills(folder, seed=seed, kills=20)
+        yield name, partial(telling.told_through_kills, seed=seed, kills=20)
 
 
 def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:
@@ -83,7 +74,7 @@ def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:
 
 
 def _file_in_the_way(folder: Path) -> None:
-    hindrances = {"locked": storage_faults.locked, "read-only": storage_faults.read_only}
+    hindrances: dict[str, storage_faults.Hindrance] = {"locked": storage_faults.locked, "read-only": storage_faults.read_only}
     print(storage_faults.hindered(folder, hindrances, seconds=30.0, samples=9000))
 
 
@@ -97,6 +88,11 @@ def _server_away(folder: Path) -> None:
     with storage_faults.own_server() as (server, database):
         away = {"stopped": storage_faults.stopped(server)}
         print(storage_faults.hindered(folder, away, seconds=60.0, samples=8000, database=database))
+
+
+def _alone_on_sqlite(folder: Path, *, seed: int, kills: int) -> roles.Killed:
+    database = f"sqlite:///{folder / 'rundown.db'}"
+    return roles.killed_at_random(folder, database=database, names=roles.ALONE, seed=seed, kills=kills)
 
 
 def roles_on_postgresql(folder: Path, *, seed: int, kills: int) -> roles.Killed:

@@ -51,7 +51,8 @@ def limits() -> OperatingLimits:
 
 def follow(step: float, noise: float, *, of_reading: bool, seed: int) -> list[Event]:
     rng = np.random.default_rng(seed)
-    state, events = OperatingState(), []
+    state = OperatingState()
+    events: list[Event] = []
     told = limits()
     for second, rpm in cycle(step):
         size = noise * (rpm if of_reading else HIGHEST * (rpm > 0))

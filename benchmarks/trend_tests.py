@@ -53,7 +53,7 @@ class Drawn:
         """One identification, changed by parts of the parameters' sizes."""
         by_chance = self.scatter * self.rng.standard_normal(self.size.size)
         by_chance += self.root @ self.rng.standard_normal(self.size.size)
-        covariance = self.errors * np.outer(self.size, self.size)
+        covariance = np.asarray(self.errors * np.outer(self.size, self.size), dtype=float)
         return Point(self.names, self.centre + self.size * (moved + by_chance), covariance)
 
 
