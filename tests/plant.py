@@ -9,13 +9,15 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import zenoh
 from hypothesis import HealthCheck, settings
 from sqlalchemy.orm import Session
 
 from estimator.channel_effects import ChannelEffects
 from estimator.channel_status import ChannelStatus
 from estimator.condensation import condense
-from estimator.identification import Estimate, Identification
+from estimator.estimates import Estimate
+from estimator.identification import Identification
 from estimator.machine import Machine, Noise, parse_machine
 from estimator.parameters import is_direct
 from estimator.units import rpm_to_rad_per_s
@@ -108,7 +110,7 @@ def batch(
 
 def sweep_rpm(first: float, last: float, count: int = 40) -> list[float]:
     """Speeds of a steady sweep [r/min]."""
-    return np.linspace(first, last, count).tolist()
+    return list(map(float, np.linspace(first, last, count)))
 
 
 def arrived(one: SampleBatch, *, received_at: int = START + 86_400 * SECOND) -> Arrived:
@@ -268,6 +270,11 @@ def free_endpoint() -> str:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def listened_to(publisher: zenoh.Publisher) -> bool:
+    """Whether anybody subscribes to what it publishes."""
+    return bool(publisher.matching_status.matching)  # type: ignore[attr-defined]  # zenoh's stub says that it is a bool
 
 
 def wait_until(holds: Callable[[], bool], *, seconds: float = 30.0) -> None:

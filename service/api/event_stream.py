@@ -8,7 +8,7 @@ import asyncio
 import logging
 import threading
 from collections import OrderedDict
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Annotated, cast
 
@@ -175,7 +175,7 @@ async def stream(
     *,
     sees: Callable[[AlertEvent], bool] = _everything,
     still: Callable[[], Awaitable[bool]] = _anybody_still,
-) -> AsyncIterator[bytes]:
+) -> AsyncGenerator[bytes]:
     """Events behind `after` that the client sees, or from now on, for ever. It begins with the id behind which it begins.
 
     An `after` that no event has reached yet is of another store, such as the one before a restore: it begins from now on.

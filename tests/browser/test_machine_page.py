@@ -2,6 +2,7 @@
 
 import math
 import re
+from typing import Any
 
 import pytest
 from playwright.sync_api import Route, expect
@@ -80,7 +81,7 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     quiet = {"value": 0.0, "limit": 5.0, "passed": False, "began": None}
     passed = {"value": 9.0, "limit": 5.0, "passed": True, "began": series["measured_at"][-2]}
     drift = {"per_week": -8.9, "lower": -12.0, "upper": -5.0, "probability": 1e-4, "alert": None, "danger": None}
-    tests = [
+    tests: list[dict[str, Any]] = [
         {"name": f"{name}.real", "step_up": quiet, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
         {"name": f"{name}.imaginary", "step_up": passed, "step_down": quiet, "creep": quiet, "drift": None},
     ]

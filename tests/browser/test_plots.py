@@ -1,6 +1,7 @@
 """Plots in a real browser: they are read out, zoomed and picked from, by mouse, keys and fingers."""
 
 import re
+from functools import partial
 
 import pytest
 from playwright.sync_api import Locator, Route, expect
@@ -318,6 +319,10 @@ def test_correlations_are_read_out_by_keys(seen: Seen, service: Service) -> None
     assert seen.errors == []
 
 
+def says_rpm(canvas: Locator) -> bool:
+    return "rpm" in canvas.evaluate("(canvas) => written.get(canvas) ?? []")
+
+
 @pytest.mark.parametrize(("tab", "plots"), [("response", 3), ("model", 5)])
 def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> None:
     seen.page.add_init_script("""window.written = new Map();
@@ -328,7 +333,6 @@ def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> Non
     };""")
     seen.open(f"machines/{MACHINE}/{tab}")
     wait_drawn(seen.page, plots) if tab == "response" else expect(seen.page.locator(".plot canvas")).to_have_count(plots)
-    written = "(canvas) => written.get(canvas) ?? []"
     for canvas in seen.page.locator(".plot canvas").all():
-        until(lambda canvas=canvas: "rpm" in canvas.evaluate(written), within_s=5, what="the axis says rpm")
+        until(partial(says_rpm, canvas), within_s=5, what="the axis says rpm")
     assert seen.errors == []

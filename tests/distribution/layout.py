@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from contextlib import AbstractContextManager
+from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -54,7 +55,7 @@ class Layout:
         for name in names:
             self.start(name)
         for name in names:
-            until(lambda name=name: self._ready(name), within_s=30, what=f"{name} is ready")
+            until(partial(self._ready, name), within_s=30, what=f"{name} is ready")
 
     def create_machine(self, name: str, body: dict[str, Any] | None = None) -> None:
         """Make a machine known, by default the one that the source measures."""

@@ -127,7 +127,7 @@ class Service:
     def idle(self) -> bool:
         """Whether no identification is waiting or running."""
         jobs = self.get("/health")["jobs"]
-        return jobs.get("queued", 0) == 0 and jobs.get("running", 0) == 0
+        return bool(jobs.get("queued", 0) == 0 and jobs.get("running", 0) == 0)
 
 
 def example(name: str) -> dict[str, Any]:

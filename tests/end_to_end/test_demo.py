@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import httpx
 import psutil
@@ -87,7 +88,7 @@ def test_exit_status_tells_whether_the_story_came_out_right(monkeypatch: pytest.
     ],
 )
 def test_a_story_told_wrong_is_not_right(change: dict[str, object]) -> None:
-    good = {
+    good: dict[str, Any] = {
         "machine": "motor-pump",
         "story": "misalignment",
         "identifications": 24,

@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -37,7 +38,7 @@ def test_misalignment_is_found_and_only_there(service: Service, tmp_path: Path) 
         with process(tmp_path / "simulate.log", *simulation(service, truth, *machines, rate=250)) as simulator:
             simulator.wait(120)
         for machine in (DRIFTING, HEALTHY):
-            until(lambda m=machine: all_identified(service, m, 2 * CYCLES), within_s=150, what=f"{machine} identified")
+            until(partial(all_identified, service, machine, 2 * CYCLES), within_s=150, what=f"{machine} identified")
         check_runs_and_samples(service)
         check_alerts(service)
         check_trend_follows_truth(service, truth)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.identification import Identification
-from estimator.machine import Bearing, Coupling, Machine, Seal
+from estimator.machine import Bearing, Coupling, Disc, Half, Machine, Seal
 from estimator.rotor import assemble_rotor
 from tests.estimator.trains import Complexes, Document, Floats
 
@@ -61,10 +61,10 @@ def bodies(machine: Machine) -> tuple[Floats, Floats]:
     size = assemble_rotor(machine).size
     mass, gyroscopic = np.zeros((size, size)), np.zeros((size, size))
     rigid = [(node_of(machine, disc.shaft, disc.station), disc) for disc in machine.discs]
-    places = [*rigid]
+    places: list[tuple[int, Disc | Half]] = [*rigid]
     for coupling in machine.couplings:
         halves = zip(coupling_nodes(machine, coupling), (coupling.driver_half, coupling.driven_half), strict=True)
-        places += [(x, half) for x, half in halves if half is not None]  # type: ignore[misc]
+        places += [(x, half) for x, half in halves if half is not None]
     for x, body in places:
         inertia = (body.mass, body.mass, body.diametral_inertia, body.diametral_inertia)
         mass[range(x, x + 4), range(x, x + 4)] += inertia
@@ -196,11 +196,11 @@ def full_response(
 
 def true_values(machine: Machine) -> dict[str, complex]:
     """By parameter name, the document's own coefficients and unbalances, where it gives them."""
-    names = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy", "mxx", "myy", "k_phix", "k_phiy")
-    names += ("k_phixy", "k_phiyx", "c_phix", "c_phiy", "kx_phiy", "ky_phix")
+    names = ["kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy", "mxx", "myy", "k_phix", "k_phiy"]
+    names += ["k_phixy", "k_phiyx", "c_phix", "c_phiy", "kx_phiy", "ky_phix"]
     found: dict[str, complex] = {}
     for kind, parts in (("bearing", machine.bearings), ("seal", machine.seals), ("coupling", machine.couplings)):
-        for part in parts:  # type: ignore[attr-defined]
+        for part in parts:
             found |= {f"{kind}.{part.id}.{n}": getattr(part, n) for n in names if getattr(part, n, None) is not None}
     for disc in machine.discs:
         if disc.unbalance is not None:

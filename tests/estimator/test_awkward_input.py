@@ -129,6 +129,7 @@ def test_the_size_of_the_response_does_not_matter(size: float) -> None:
     assert found.accepted
     assert found.chi_square == pytest.approx(expected.chi_square, rel=1e-3)
     one, other = found.estimate("disc.D1.unbalance"), expected.estimate("disc.D1.unbalance")
+    assert other.value is not None
     assert one.value == pytest.approx(size * other.value, rel=1e-3)
 
 

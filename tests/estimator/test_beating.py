@@ -8,6 +8,7 @@ import pytest
 
 from estimator.beating import find_beats
 from estimator.coast_down import coast_down
+from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import linear_law, noisy, single_mass
@@ -57,7 +58,7 @@ def test_steady_state_runs_do_not_beat() -> None:
     found = 0
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        kind = "run-up" if seed % 2 else "run-down"
+        kind: RunKind = "run-up" if seed % 2 else "run-down"
         _, speed = speed_law(machine, kind, duration=600.0, samples=(60, 150, 300)[seed % 3])
         phasor = measured_phasors(machine, draw_truth(machine, rng), speed, rng)
         found += sum(beat is not None for beat in find_beats(speed, phasor, np.isfinite(phasor)))

@@ -110,11 +110,11 @@ def test_runs_without_a_condition_and_conditions_without_runs_are_left_out() -> 
     table = rng.normal([55.0, 70.0], [5.0, 15.0], (6, 2))
     values, own = rng.normal(0.0, 0.02, (6, 3)), 1e-4 * np.eye(3)
     whole = measured(table, "oil", "load")
-    seldom = [one | ({"load": None} if run > 2 else {}) for run, one in enumerate(whole)]
+    seldom = [{**one, "load": None if run > 2 else one["load"]} for run, one in enumerate(whole)]
     found = adjustment(points(values, own), seldom, [OIL, LOAD])
     assert found.conditions == ("oil",)
     assert found.slope == pytest.approx(adjustment(points(values, own), whole, [OIL]).slope)
-    once = [one | ({"load": None} if run == 0 else {}) for run, one in enumerate(whole)]
+    once = [{**one, "load": None if run == 0 else one["load"]} for run, one in enumerate(whole)]
     found = adjustment(points(values, own), once, [OIL, LOAD])
     assert found.slope == pytest.approx(adjustment(points(values[1:], own), whole[1:], [OIL, LOAD]).slope)
 

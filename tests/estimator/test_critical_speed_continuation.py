@@ -110,6 +110,7 @@ def test_a_guess_without_a_crossing_is_not_corrected() -> None:
     model = expected_model(machine)
     rng = np.random.default_rng(3)
     size = model.matrices(1.0).mass.shape[0]
-    guess = Modes(np.array([1j]), rng.standard_normal((size, 1)) + 0j, rng.standard_normal((size, 1)) + 0j)
+    right, left = rng.standard_normal((2, size, 1)).astype(complex)
+    guess = Modes(np.array([1j]), right, left)
     found = corrected(model.matrices, guess, direction=1)
     assert found is None or found.eigenvalue[0].imag > 1000.0

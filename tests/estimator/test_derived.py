@@ -26,7 +26,6 @@ TOP = 250.0
 
 def outcome(model: UpdatedModel) -> Identification:
     """An identification that leads to a model."""
-    numbers = {"chi_square": 1.0, "degrees_of_freedom": 1, "condition_number": 1.0, "starts": 1, "iterations": 1, "samples": 1}
     return Identification(
         estimates=(),
         coordinates=model.coordinates,
@@ -38,7 +37,12 @@ def outcome(model: UpdatedModel) -> Identification:
         speed_maximum=TOP,
         noise=Noise(),
         outliers={},
-        **numbers,
+        chi_square=1.0,
+        degrees_of_freedom=1,
+        condition_number=1.0,
+        starts=1,
+        iterations=1,
+        samples=1,
     )
 
 

@@ -17,7 +17,8 @@ from estimator.updated_model import UpdatedModel, updated_model
 from tests.estimator.models import draws, model_of
 from tests.estimator.trains import chapter_3, chapter_3_document, noisy, ross, truth
 
-SPEED, CLEAN = (one[1::2] for one in ross())
+SPEED, CLEAN = ross()
+SPEED, CLEAN = SPEED[1::2], CLEAN[1::2]
 ISOTROPIC = np.array([[[1.0, 1j]]])
 """Derivatives of one phasor by two independent parts."""
 

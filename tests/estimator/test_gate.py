@@ -21,7 +21,7 @@ ONE = Options(starts=1)
 
 def held(found: Identification, machine: Machine) -> float:
     """Part of the coefficients' 95 % intervals that hold the truth."""
-    truth = {}
+    truth: dict[str, float] = {}
     for kind, parts in (("bearing", machine.bearings), ("coupling", machine.couplings)):
         for part in parts:
             truth |= {f"{kind}.{part.id}.{name}": value for name, value in part.model_dump().items()}

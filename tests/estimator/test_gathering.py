@@ -35,7 +35,9 @@ def test_average_of_scattered_runs_is_accepted_and_covers_the_truth() -> None:
     assert together.accepted
     assert together.samples == 400
     inside = [
-        one.lower <= truth[one.name] <= one.upper for one in together.estimates if one.name in truth and one.lower is not None
+        one.lower <= truth[one.name] <= one.upper
+        for one in together.estimates
+        if one.name in truth and one.lower is not None and one.upper is not None
     ]
     assert np.mean(inside) > 0.88
     own = results[0].estimate("bearing.B1.kxx").standard_error or math.nan

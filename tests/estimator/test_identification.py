@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.identification import Estimate, Identification, NotEnoughData, Options, identify
+from estimator.estimates import Estimate
+from estimator.identification import Identification, NotEnoughData, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement, joined
 from estimator.verdict import accepted

@@ -2,6 +2,7 @@
 
 import math
 from itertools import permutations
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -80,7 +81,8 @@ def test_pairs_are_the_best_of_all() -> None:
 
 def test_a_hammer_along_one_axis_shows_modes_of_that_axis() -> None:
     model = anisotropic()
-    for direction, expected in (("x", 100.0), ("y", 200.0)):
+    axes: list[tuple[Literal["x", "y"], float]] = [("x", 100.0), ("y", 200.0)]
+    for direction, expected in axes:
         near = MeasuredFrequency(math.sqrt(100.0 * 200.0), direction=direction)
         assert compare_impact_test(model, [near]).compared == ()
         (found,) = compare_impact_test(model, [MeasuredFrequency(0.9 * expected, direction=direction)]).compared
@@ -114,7 +116,7 @@ def test_nothing_known_of_errors_gives_none() -> None:
 
 def test_no_measurement_no_comparison() -> None:
     found = compare_impact_test(model_of(chapter_3()), [])
-    assert found.compared == found.unmatched == found.unseen == ()
+    assert (found.compared, found.unmatched, found.unseen) == ((), (), ())
     assert found.rms_deviation is None
 
 

@@ -42,7 +42,7 @@ def ramp_instants(speed: float, acceleration: float, count: int, *, first: float
 
 
 def test_edges_on_straight_flanks_are_exact() -> None:
-    instants = 0.0137 + 0.0413 * np.arange(20)
+    instants = 0.0137 + 0.0413 * np.arange(20.0)
     time = np.arange(8500) / 10_000.0
     signal = trapezoids(time, instants)
     threshold = threshold_of(signal)
@@ -58,7 +58,7 @@ def test_edges_on_straight_flanks_are_exact() -> None:
 
 
 def test_noise_inside_the_hysteresis_makes_no_second_edge() -> None:
-    instants = 0.0137 + 0.0413 * np.arange(20)
+    instants = 0.0137 + 0.0413 * np.arange(20.0)
     time = np.arange(85_000) / 100_000.0
     noise = np.random.default_rng(1).uniform(-0.9, 0.9, time.size)
     signal = trapezoids(time, instants) + noise
@@ -105,7 +105,7 @@ def test_there_is_no_angle_outside_the_edges() -> None:
 @given(st.lists(st.floats(0.8, 1.25), min_size=4, max_size=20))
 def test_the_angle_never_goes_back(intervals: list[float]) -> None:
     time = np.concatenate([[0.0], np.cumsum(intervals)])
-    knots = TURN * np.arange(time.size)
+    knots = TURN * np.arange(time.size, dtype=float)
     whole = ShaftAngle(time, knots, 0.0, (), ())
     fine = np.linspace(0.0, time[-1], 500)
     assert np.all(np.diff(whole.at(fine)) >= 0.0)
@@ -215,7 +215,7 @@ def test_one_mark_is_not_taken_for_several(seed: int) -> None:
 
 
 def test_samples_that_are_no_numbers_cost_the_pulses_they_fall_on() -> None:
-    instants = 0.0137 + 0.0413 * np.arange(20)
+    instants = 0.0137 + 0.0413 * np.arange(20.0)
     time = np.arange(8500) / 10_000.0
     signal = trapezoids(time, instants)
     at = round(instants[7] * 10_000.0)
@@ -234,7 +234,7 @@ def test_random_pulses_never_pass_for_a_turning_shaft(seed: int) -> None:
 
 def test_several_pulses_per_turn_give_the_same_speed() -> None:
     time = np.arange(20_000) / 10_000.0
-    instants = 0.01 + TURN / 60.0 / 3.0 * np.arange(55)
+    instants = 0.01 + TURN / 60.0 / 3.0 * np.arange(55.0)
     angle = read_keyphasor(trapezoids(time, instants), sampling_rate=10_000.0, pulses_per_turn=3)
     assert angle.speed(np.array([0.5, 1.0, 1.5])) == pytest.approx(np.full(3, 60.0), rel=1e-9)
     assert angle.at(instants[:4]) == pytest.approx(TURN / 3.0 * np.arange(4), abs=1e-8)

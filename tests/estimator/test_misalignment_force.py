@@ -41,7 +41,8 @@ def by_the_thesis(machine: Machine, speed: float) -> Complexes:
     unbalances = [
         one.unbalance.magnitude * np.exp(1j * math.radians(one.unbalance.angle_deg)) for one in machine.discs if one.unbalance
     ]
-    q = displacement(machine, *dense_elements(machine), np.array(unbalances), speed)
+    stiffness, damping = dense_elements(machine)
+    q = displacement(machine, stiffness, damping, np.array(unbalances), speed)
     first, second = 4 * rotor.end_node(coupling.driver), 4 * rotor.first_node[coupling.driven]
     x, y, theta_x, theta_y = q[first : first + 4] - q[second : second + 4]
     k, c = ({name: getattr(coupling, f"{kind}{name}") for name in ("xx", "xy", "yx", "yy")} for kind in "kc")
@@ -105,11 +106,11 @@ def test_bands_are_those_of_monte_carlo() -> None:
     second = 4 * rotor.first_node["S2"]
     drawn = []
     for coefficients, unbalances in draws(model, 2000):
-        parts = [(left[:, which] * coefficients[which]) @ right[:, which].T for which in (~viscous, viscous)]
+        stiffness, damping = ((left[:, which] * coefficients[which]) @ right[:, which].T for which in (~viscous, viscous))
         push = [(left[:, which & own] * coefficients[which & own]) @ right[:, which & own].T for which in (~viscous, viscous)]
         row = []
         for omega in speed:
-            q = displacement(machine, *parts, unbalances, float(omega))
+            q = displacement(machine, stiffness, damping, unbalances, float(omega))
             row.append(-((push[0] + 1j * omega * push[1]) @ q)[second : second + 4])
         drawn.append(row)
     cloud = np.array(drawn)  # (draws, S, 4)

@@ -26,7 +26,7 @@ def pencil(machine: Machine, spin: float) -> NDArray[np.complex128]:
     stiffness, damping = dense_elements(machine)
     size = rotor.size
     a = np.block([[np.zeros((size, size)), np.eye(size)], [-rotor.stiffness - stiffness, -damping - spin * rotor.gyroscopic]])
-    roots = scipy.linalg.eigvals(a, scipy.linalg.block_diag(np.eye(size), rotor.mass))
+    roots = np.asarray(scipy.linalg.eigvals(a, scipy.linalg.block_diag(np.eye(size), rotor.mass)), dtype=complex)
     roots = roots[roots.imag > 1e-6 * np.abs(roots)]
     return np.asarray(roots[np.argsort(roots.imag)])
 

@@ -160,7 +160,7 @@ def coverage(found: Identification) -> float:
 def correlated(shape: tuple[int, int], correlation: float, seed: int) -> Complexes:
     """Circular errors of rms 1 that are a first-order autoregression from sample to sample."""
     rng = np.random.default_rng(seed)
-    fresh = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / math.sqrt(2)
+    fresh = np.asarray((rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / math.sqrt(2), dtype=complex)
     errors = fresh.copy()
     for i in range(1, shape[0]):
         errors[i] = correlation * errors[i - 1] + math.sqrt(1 - correlation**2) * fresh[i]

@@ -35,13 +35,14 @@ WHOLE = ["stopped", "slow roll", "run-up", "at speed", "run-down", "slow roll", 
 
 def ramp(first: float, last: float, seconds: int) -> list[float]:
     """A steady change, a sample a second, both ends among them."""
-    return np.linspace(first, last, seconds + 1).tolist()
+    return list(map(float, np.linspace(first, last, seconds + 1)))
 
 
 def follow(
     rpm: Sequence[float], limits: OperatingLimits = LIMITS, state: OperatingState | None = None, *, start: int = 0
 ) -> tuple[OperatingState, list[Event]]:
-    state, events = state or OperatingState(), []
+    state = state or OperatingState()
+    events: list[Event] = []
     for i, speed in enumerate(rpm, start=start):
         state, new = advance(state, limits, time=i * SECOND, speed=rpm_to_rad_per_s(speed), direction=1)
         events += new

@@ -12,7 +12,7 @@ from estimator.measurement import Measurement
 from estimator.orbit import ExpectedOrbits, Finding, orbit_findings, station_orbits
 from estimator.probe_axes import probe_stations
 from estimator.simulation import draw_truth, measured_phasors, speed_law
-from tests.estimator.trains import ROOT, Complexes, Document, chapter_3, chapter_3_document, one_disc_document
+from tests.estimator.trains import ROOT, Complexes, Document, Floats, chapter_3, chapter_3_document, one_disc_document
 
 TRAINS = ("motor-pump", "thesis-chapter-3", "thesis-chapter-5-rig", "turbine-compressor-generator")
 BLIND = {"sealed-pump": [("C2L", "C2R")]}
@@ -82,9 +82,9 @@ def one_disc(*, probes: list[dict[str, Any]] | None = None, **changes: Any) -> M
     return parse_machine({**document, **changes})
 
 
-def measured(machine: Machine, speed: Complexes) -> Measurement:
+def measured(machine: Machine, speed: Floats) -> Measurement:
     rng = np.random.default_rng(2)
-    return Measurement.of(speed=speed.real, phasor=measured_phasors(machine, draw_truth(machine, rng), speed.real, rng))
+    return Measurement.of(speed=speed, phasor=measured_phasors(machine, draw_truth(machine, rng), speed, rng))
 
 
 def test_one_pair_alone_cannot_tell_a_swap_from_the_sense_of_rotation() -> None:
@@ -112,8 +112,8 @@ def test_what_cannot_be_seen_is_said(probes: list[dict[str, Any]] | None, speed:
 def test_orbits_below_the_noise_say_nothing() -> None:
     machine = one_disc()
     rng = np.random.default_rng(4)
-    phasor = 1e-6 * (rng.standard_normal((60, 2)) + 1j * rng.standard_normal((60, 2)))
-    (one,) = orbit_findings(machine, Measurement.of(speed=np.linspace(15, 200, 60), phasor=phasor))
+    errors: Complexes = rng.standard_normal((60, 2)) + 1j * rng.standard_normal((60, 2))
+    (one,) = orbit_findings(machine, Measurement.of(speed=np.linspace(15, 200, 60), phasor=1e-6 * errors))
     assert "too small for the noise" in one.words
 
 
@@ -195,7 +195,7 @@ def test_an_unusable_channel_leaves_no_orbit() -> None:
 
 def test_nothing_measured_is_no_orbit_and_no_finding() -> None:
     machine = chapter_3()
-    still = Measurement.of(speed=np.linspace(10, 90, 20), phasor=np.zeros((20, 8)))
+    still = Measurement.of(speed=np.linspace(10, 90, 20), phasor=np.zeros((20, 8), dtype=complex))
     assert {one.code for one in orbit_findings(machine, still)} == {"orbit_sense_undetectable"}
     assert all(one.sense(0) == "undecided" for one in station_orbits(machine, still))
     none = still.pick(np.zeros(20, dtype=bool))

@@ -1,6 +1,7 @@
 """The scatter that blocks claim against their true errors: lines beside the order, coloured noise, a converter's steps."""
 
 import math
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from estimator.phasor_scatter import quantisation_error
 
 RATE, SPEED = 1000.0, 2.0 * math.pi * 41.3
 TIME = np.arange(1100) / RATE
-ANGLE = shaft_angle(2.0 * math.pi / SPEED * np.arange(60))
+ANGLE = shaft_angle(2.0 * math.pi / SPEED * np.arange(60.0))
 RUNS = 200
 
 
@@ -53,7 +54,7 @@ def test_harmonics_are_not_claimed() -> None:
 
 
 @pytest.mark.parametrize(("kind", "corner"), [("lowpass", 80.0), ("highpass", 150.0), ("lowpass", 20.0)])
-def test_noise_that_is_not_white_is_weighed_where_the_order_is(kind: str, corner: float) -> None:
+def test_noise_that_is_not_white_is_weighed_where_the_order_is(kind: Literal["lowpass", "highpass"], corner: float) -> None:
     rng = np.random.default_rng(2)
     sections = scipy.signal.butter(2, corner, kind, fs=RATE, output="sos")
     noise = scipy.signal.sosfilt(sections, 0.3 * rng.normal(size=(RUNS, TIME.size + 500)), axis=1)[:, 500:]

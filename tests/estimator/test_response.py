@@ -111,7 +111,8 @@ def test_response_is_linear_in_real_multiples_and_sums_of_unbalances(
     def at(unbalances: Complexes) -> Complexes:
         return response(train, coefficients=coefficients, excitations=unbalances)
 
-    first, second = np.array(one), np.array(other)
+    first: Complexes = np.array(one)
+    second: Complexes = np.array(other)
     scale = np.abs(at(np.full(4, 1e-2 + 0j))).max()
     assert np.abs(at(first + factor * second) - at(first) - factor * at(second)).max() < 1e-9 * scale
     assert not np.any(at(np.zeros(4, dtype=complex)))

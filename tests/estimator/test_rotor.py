@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from estimator.machine import Machine, parse_machine
+from estimator.machine import Bearing, Disc, Machine, Probe, parse_machine
 from estimator.rotor import DEFAULT_ELEMENTS_PER_SHAFT, assemble_rotor, node_stations
 from estimator.shaft import shear_coefficient
 from tests.estimator.trains import Document, chapter_3, chapter_3_document, dense_elements, few_examples, one_disc_document
@@ -49,7 +49,8 @@ def test_every_part_and_section_end_has_a_node_and_no_element_is_too_long(
     steps = np.diff(found)
     assert np.all(steps > 1e-9)
     assert np.all(steps <= (longest or length / DEFAULT_ELEMENTS_PER_SHAFT) * (1 + 1e-5))
-    wanted = [*np.cumsum(ends), *(part.station for part in (*machine.bearings, *machine.discs, *machine.probes))]
+    parts: list[Bearing | Disc | Probe] = [*machine.bearings, *machine.discs, *machine.probes]
+    wanted = [*np.cumsum(ends), *(part.station for part in parts)]
     rotor = assemble_rotor(machine)
     for station in wanted:
         assert np.min(np.abs(found - station)) <= 1e-9

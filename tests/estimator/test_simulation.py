@@ -66,7 +66,8 @@ def test_a_coast_down_slows_down_less_and_less() -> None:
 @KINDS
 def test_a_sweep_is_seen_as_one_run(kind: RunKind) -> None:
     seconds, speed = speed_law(MACHINE, kind, duration=300.0, samples=200)
-    limits, state, events = SweepLimits.of(MACHINE.speed_range), SweepState(), []
+    limits, state = SweepLimits.of(MACHINE.speed_range), SweepState()
+    events: list[RunStarted | RunEnded] = []
     for second, value in zip(seconds, speed, strict=True):
         state, new = advance(state, limits, time=round(second * 1e9), speed=value, direction=1)
         events += new

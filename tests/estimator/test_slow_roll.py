@@ -38,7 +38,7 @@ def slow(vector: Complexes, *, noise: float = 1e-7, samples: int = 60, growth: f
 
 def drawn(seed: int = 5, size: float = 1e-5) -> Complexes:
     rng = np.random.default_rng(seed)
-    return size * np.exp(2j * np.pi * rng.random(CHANNELS))
+    return np.asarray(size * np.exp(2j * np.pi * rng.random(CHANNELS)))
 
 
 @pytest.mark.parametrize("growth", [0.0, 3e-8, 1e-7, 3e-7])

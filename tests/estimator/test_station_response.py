@@ -12,6 +12,7 @@ from estimator.station_response import StationResponse, displacement_row, statio
 from estimator.updated_model import UpdatedModel
 from tests.estimator.models import draws, model_of
 from tests.estimator.trains import (
+    Document,
     chapter_3,
     chapter_3_document,
     dense_response,
@@ -74,14 +75,14 @@ def test_an_angle_projects_x_and_y() -> None:
     assert opposite == pytest.approx(-between, rel=1e-12)
 
 
-def unit_response(document: dict, disc: int, seen: tuple[str, float], speed: float) -> np.ndarray:
+def unit_response(document: Document, disc: int, seen: tuple[str, float], speed: float) -> complex:
     """x at a place, per unbalance on one disc, at one speed."""
     machine = parse_machine(document)
     coefficients, unbalances = truth(machine)
     only_one = np.where(np.arange(unbalances.size) == disc, 1.0 + 0j, 0j)
     covariance = model_of(machine).covariance
     only = UpdatedModel.of(machine, coefficients=coefficients, unbalances=only_one, covariance=covariance)
-    return station_response(only, speed=np.array([speed]), places=[place(*seen, 0.0)]).response.value[0, 0]
+    return complex(station_response(only, speed=np.array([speed]), places=[place(*seen, 0.0)]).response.value[0, 0])
 
 
 @pytest.mark.parametrize("speed", [70.0, 150.0, 260.0])

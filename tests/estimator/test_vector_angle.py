@@ -24,7 +24,7 @@ def test_intervals_hold_the_truth(distance: float) -> None:
     """distance: of the truth from zero, in standard errors."""
     rng = np.random.default_rng(20)
     count = 40_000
-    truth = distance * np.exp(1j * np.radians(rng.uniform(0, 360, count)))
+    truth = np.asarray(distance * np.exp(1j * np.radians(rng.uniform(0, 360, count))), dtype=complex)
     found = truth + rng.standard_normal(count) + 1j * rng.standard_normal(count)
     off = np.abs((angle_deg(found) - angle_deg(truth) + 180) % 360 - 180)
     held = np.mean(off <= angle_half_width_deg(found, np.abs(found) + Z95))

@@ -165,8 +165,8 @@ def dense_elements(machine: Machine) -> tuple[Floats, Floats]:
     stiffness, damping = np.zeros((rotor.size, rotor.size)), np.zeros((rotor.size, rotor.size))
     for bearing in machine.bearings:
         x = 4 * rotor.node(bearing.shaft, bearing.station)
-        stiffness[x : x + 2, x : x + 2] += [[bearing.kxx, bearing.kxy], [bearing.kyx, bearing.kyy]]
-        damping[x : x + 2, x : x + 2] += [[bearing.cxx, bearing.cxy], [bearing.cyx, bearing.cyy]]
+        stiffness[x : x + 2, x : x + 2] += np.array([[bearing.kxx, bearing.kxy], [bearing.kyx, bearing.kyy]], dtype=float)
+        damping[x : x + 2, x : x + 2] += np.array([[bearing.cxx, bearing.cxy], [bearing.cyx, bearing.cyy]], dtype=float)
     for coupling in machine.couplings:
         ends = (4 * rotor.node(coupling.driver, machine.shaft(coupling.driver).length), 4 * rotor.node(coupling.driven, 0.0))
         k = np.zeros((4, 4))

@@ -75,7 +75,7 @@ class Chain:
 
     def __exit__(self, *_: object) -> None:
         for part in list(self._running):
-            context, _ = self._running.pop(part)
+            context = self._running.pop(part)[0]
             context.__exit__(*sys.exc_info())
         self.service.client.close()
         self._around.close()

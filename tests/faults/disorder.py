@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.identification import Estimate, Options
+from estimator.estimates import Estimate
+from estimator.identification import Options
 from estimator.machine import Machine
+from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.collection import Collector
 from service.journal import Arrived, Journal
@@ -57,11 +59,11 @@ class Stored:
 def story(machine: Machine, *, rate: float, sweeps: int, seed: int) -> list[SampleBatch]:
     """Messages of a machine that runs down and up in turn, with holds between."""
     rng = np.random.default_rng(seed)
-    kinds = ["run-down", "run-up"] * sweeps
+    kinds: list[RunKind] = ["run-down", "run-up"] * sweeps
     held = round(HOLD_S * rate)
     speeds: list[np.ndarray] = []
     for kind in kinds[:sweeps]:
-        _, speed = speed_law(machine, kind, duration=SWEEP_S, samples=round(SWEEP_S * rate))  # type: ignore[arg-type]
+        _, speed = speed_law(machine, kind, duration=SWEEP_S, samples=round(SWEEP_S * rate))
         speeds += [np.full(held, speed[0]), speed]
     speed = np.concatenate([*speeds, np.full(held, speeds[-1][-1])])
     speed = speed[: speed.size // SIZE * SIZE]

@@ -44,7 +44,8 @@ RECEIVED_AT = START + 86_400 * 10**9 * 365
 
 NUMBERS = (float("nan"), float("inf"), float("-inf"), 1e308, -1e308, 1e-320, -0.0, -1.0, 0.0, 1e5, 2.0**63)
 WHOLE = (0, -1, 1, 2**31, 2**53, 2**62, 2**63 - 1, 2**63, 2**64, -(2**63), 10**30)
-ANYTHING = (None, True, "", "x", "\x00", "ß" * 70, [], [[]], [None], {}, {"a": []}, 0, -1, 1e308, 2**64, [[[1.0]]], "9" * 400)
+ANYTHING: list[object] = [None, True, "", "x", "\x00", "ß" * 70, [], [[]], [None], {}, {"a": []}, 0, -1, 1e308, 2**64]
+ANYTHING += [[[[1.0]]], "9" * 400]
 UNITS = {
     "amplitude_unit": ("um", "mil", "mm", "m", "V", "furlong", ""),
     "speed_unit": ("rpm", "Hz", "rad/s", "knots"),

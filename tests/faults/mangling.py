@@ -6,7 +6,7 @@ import zenoh
 
 from service.source import Source
 from service.source_log import Entry
-from tests.plant import KEY
+from tests.plant import KEY, listened_to
 
 TWICE, SWAPPED, FLIPPED, DROPPED = 0.10, 0.10, 0.05, 0.05
 """Parts of the messages that come twice, come after their successor, have one bit flipped, do not come."""
@@ -27,7 +27,7 @@ class Mangler:
     @property
     def heard(self) -> bool:
         """Whether anybody listens."""
-        return bool(self._publisher.matching_status.matching)
+        return listened_to(self._publisher)
 
     def send(self, entry: Entry) -> None:
         """Deliver a message, or not, or otherwise."""

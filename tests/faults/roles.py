@@ -20,9 +20,9 @@ from storage.database import Database
 from storage.tables import JobRow, SampleBlockRow, SourceRow
 from tests.distribution.layout import Layout
 from tests.end_to_end.processes import until
-from tests.faults.measured import START, STEP, expected, measured
+from tests.faults.measured import STEP, expected, measured
 from tests.identification import chapter_3, close_run, counts
-from tests.plant import CHANNELS, KEY, assert_same_samples, document
+from tests.plant import CHANNELS, KEY, START, assert_same_samples, document
 
 ROLES = ("api1", "ingest1", "ingest2", "identify1")
 ALONE = ("all1",)

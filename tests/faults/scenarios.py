@@ -33,7 +33,8 @@ def frozen_parted_killed(folder: Path, *, samples: int) -> None:
         for part in ("service", "edge", "router"):
             chain.kill(part)
             time.sleep(0.3)
-        for part in ("edge", "service", "router"):
+        again: tuple[Part, ...] = ("edge", "service", "router")
+        for part in again:
             chain.start(part)
         chain.check_exact()
 

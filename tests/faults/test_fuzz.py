@@ -27,7 +27,7 @@ from tests.end_to_end.processes import Service, until
 from tests.faults import disorder, fuzzing
 from tests.faults.measured import measured
 from tests.identification import chapter_3
-from tests.plant import KEY, START, arrived, batch, document
+from tests.plant import KEY, START, arrived, batch, document, listened_to
 
 CASES = 3_000
 HUGE = 64 << 20
@@ -56,7 +56,7 @@ def test_messages_of_64_mb_are_told_and_let_go(tmp_path: Path) -> None:
         assert service.client.post("/machines", json=document()).status_code == 201
         assert wait_connected(stream, [service.endpoint], give_up=patiently)
         publisher = stream.declare_publisher(KEY.samples, congestion_control=zenoh.CongestionControl.BLOCK)
-        until(lambda: bool(publisher.matching_status.matching), within_s=20, what="the service listens")
+        until(lambda: listened_to(publisher), within_s=20, what="the service listens")
 
         def rejected() -> int:
             return int(service.get("/quarantine")["counts"].get("too_large", 0))
@@ -96,9 +96,9 @@ def test_messages_in_another_unit_than_they_say_are_in_no_fit(new_database: NewD
     assert len(flipped) > 20
     assert sum(found.outliers.values()) >= np.count_nonzero(quality.usable[flipped]) > 0
     assert found.accepted, found.verdict
-    for one, expected in zip(found.estimates, clean.estimates, strict=True):
-        if one.value is not None and expected.value is not None and expected.standard_error is not None:
-            assert abs(one.value - expected.value) < expected.standard_error, one.name
+    for estimate, expected in zip(found.estimates, clean.estimates, strict=True):
+        if estimate.value is not None and expected.value is not None and expected.standard_error is not None:
+            assert abs(estimate.value - expected.value) < expected.standard_error, estimate.name
 
 
 def identified(database: Database, messages: list[SampleBatch]) -> tuple[Samples, Identification, Quality]:

@@ -192,5 +192,5 @@ def test_a_run_that_an_older_release_had_open_goes_on(plant: Database, journal: 
         sweep |= {key: row.state["operating"]["sweep"][key] for key in ("low_speed", "low_time", "high_speed", "high_time")}
         row.state = {"sweep": sweep, "revision": 1, "seen": row.state["seen"]}
     send(Journal(plant, Collector()), [*DOWN[40:], *STANDSTILL], first=40)
-    row, held = only(plant)
-    assert (row.kind, row.state, len(held)) == ("run-down", runs.CLOSED, 80)
+    run, held = only(plant)
+    assert (run.kind, run.state, len(held)) == ("run-down", runs.CLOSED, 80)

@@ -180,8 +180,10 @@ def test_a_stream_that_breaks_before_its_first_event_goes_on_where_it_began(monk
 
 def test_the_example_prints_the_fleet(url: str) -> None:
     program = ROOT / "examples" / "clients" / "overview.py"
-    how = {"capture_output": True, "text": True, "timeout": 60, "cwd": ROOT, "env": {"PYTHONPATH": str(ROOT)}}
-    ran = subprocess.run([sys.executable, program, url], check=False, **how)
+    command = [sys.executable, str(program), url]
+    ran = subprocess.run(
+        command, check=False, capture_output=True, text=True, timeout=60, cwd=ROOT, env={"PYTHONPATH": str(ROOT)}
+    )
     assert ran.returncode == 0, ran.stderr
     assert "pump-7: unknown" in ran.stdout
     assert "alert: Coupling C1 is going out of alignment" in ran.stdout

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from service.durable_log import DurableLog
 from service.source import Source
 from service.source_log import Entry, LogDamaged, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
 from service.wire import decode_batch
-from tests.plant import KEY, SECOND, START, batch, wait_until
+from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
 
 def opened(path: Path, **bounds: int) -> DurableLog:
@@ -241,12 +242,12 @@ def test_killed_at_any_instant_nothing_sent_is_missing_and_no_number_comes_twice
 
 
 def test_a_source_with_it_goes_on_after_a_restart(path: Path, router: zenoh.Session, client: zenoh.Session) -> None:
-    heard = []
+    heard: list[zenoh.Sample] = []
     subscriber = router.declare_subscriber(KEY.samples, heard.append)
     epochs = []
     for _ in range(2):
         with Source(client, KEY, name="edge", log=opened(path)) as source:
-            wait_until(lambda source=source: bool(source._publisher.matching_status.matching))
+            wait_until(partial(listened_to, source._publisher))
             first = source.sequence
             source.publish(batch([900.0] * 5, start=START + first * SECOND), position=str(first + 5))
             epochs.append(source.epoch)

@@ -242,8 +242,9 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
 
 @pytest.mark.parametrize("name", ["raw_days", "run_days"])
 def test_less_than_a_day_is_refused(name: str) -> None:
+    half_a_day: dict[str, Any] = {name: 0.5}
     with pytest.raises(ValidationError, match="is less than a day"):
-        Settings(**{name: 0.5})
+        Settings(**half_a_day)
 
 
 # --- room -----------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from service.inbox import Inbox, Message
 from service.memory import give_back
 from service.wire import LARGEST_MESSAGE
 from storage.quarantine import KEPT_BYTES
-from tests.plant import wait_until
+from tests.plant import listened_to, wait_until
 
 KEY = "inbox/test"
 SIZE = 4_000
@@ -121,7 +121,7 @@ def test_what_waits_costs_little_more_than_its_own_size(router: zenoh.Session, c
     inbox, process = Inbox(), psutil.Process()
     inbox.start(router, KEY)
     publisher = client.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
-    wait_until(lambda: bool(publisher.matching_status.matching))
+    wait_until(lambda: listened_to(publisher))
     gc.collect()
     give_back()
     before = process.memory_info().rss

@@ -6,6 +6,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import pytest
@@ -23,7 +24,7 @@ from storage import machines, quarantine, runs
 from storage import samples as sample_store
 from storage.database import Database
 from storage.tables import SourceRow
-from tests.plant import KEY, SECOND, START, batch, machine, sweep_rpm, wait_until
+from tests.plant import KEY, SECOND, START, batch, listened_to, machine, sweep_rpm, wait_until
 from tests.refusing import refuse
 
 SAMPLES = "rundown/v1/plant-1/pump-7/samples"
@@ -100,7 +101,7 @@ def edge(client: zenoh.Session) -> Iterator[Edge]:
 def heard(client: zenoh.Session) -> bool:
     """Whether what the client publishes goes out. Once it does it goes on doing so, also from one service to the next."""
     publisher = client.declare_publisher(SAMPLES)
-    matching = bool(publisher.matching_status.matching)
+    matching = listened_to(publisher)
     publisher.undeclare()
     return matching
 
@@ -225,10 +226,14 @@ def test_the_last_messages_are_fetched_from_a_source_that_fell_quiet(
 @pytest.mark.usefixtures("ingest")
 def test_a_restarted_source_is_another_one(plant: Database, client: zenoh.Session) -> None:
     wait_until(lambda: heard(client))
-    for start in (0, 100):
+
+    def has_received(count: int) -> bool:
+        return received(plant) == count
+
+    for start, expected in ((0, 5), (100, 10)):
         with Source(client, KEY, name="edge") as source:
             source.publish(batch([900.0] * 5, start=START + start * SECOND))
-            wait_until(lambda start=start: received(plant) == 5 * (1 + start // 100))
+            wait_until(partial(has_received, expected))
     assert [(row.next_sequence, row.lost) for row in rows(plant)] == [(5, 0), (5, 0)]
 
 
@@ -492,13 +497,17 @@ def test_a_log_that_does_not_answer_holds_up_nobody_else(
     release = threading.Event()
     queryable = client.declare_queryable(mute.log, lambda _query: release.wait(60.0))
     token = client.liveliness().declare_token(mute.live)
+
+    def has_received(count: int) -> bool:
+        return received(plant) >= count
+
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         put_batch(client, 0, 5, machine="pump-8")
         put_batch(client, 10, 15, machine="pump-8")  # a hole that nobody will answer for
         for number in range(20):
             put_batch(client, 5 * number, 5 * number + 5)
-            wait_until(lambda number=number: received(plant) >= 5 * number + 10, seconds=2.0)
+            wait_until(partial(has_received, 5 * number + 10), seconds=2.0)
         release.set()
         token.undeclare()
         queryable.undeclare()

@@ -71,7 +71,7 @@ def source(database: Database, key: SourceKey = MONITOR) -> SourceRow:
 
 def times(database: Database) -> list[int]:
     with database.reading() as session:
-        return sample_store.latest(session, KEY.machine, revision=1, count=10_000).time.tolist()
+        return list(map(int, sample_store.latest(session, KEY.machine, revision=1, count=10_000).time))
 
 
 def file_identification(session: Session, job_id: int, run: RunRow, *, scope: str) -> None:

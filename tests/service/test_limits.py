@@ -80,9 +80,8 @@ def test_a_larger_change_is_never_less_severe(
     of = limits(bearing=PATIENT)
 
     def rank(by: float) -> int:
-        values = {"sigma": sigma, "per_cent": per_cent}
-        larger = {name: None if value is None else by * value for name, value in values.items()}
-        return int(severity_of(of, "bearing", **larger, present=present) or 0)
+        larger = [None if value is None else by * value for value in (sigma, per_cent)]
+        return int(severity_of(of, "bearing", sigma=larger[0], per_cent=larger[1], present=present) or 0)
 
     assert rank(grown) >= rank(1.0)
 

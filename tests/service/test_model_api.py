@@ -53,8 +53,14 @@ def values(*, stiffer: float = 1.0) -> tuple[tuple[str, ...], np.ndarray, np.nda
 
 def outcome(**how: Any) -> Any:
     names, point, covariance = values(**how)
-    known = {"noise": NOISE, "speed_minimum": rpm_to_rad_per_s(400.0), "speed_maximum": rpm_to_rad_per_s(2900.0)}
-    return identification(coordinates=names, point=point, covariance=covariance, **known)
+    return identification(
+        coordinates=names,
+        point=point,
+        covariance=covariance,
+        noise=NOISE,
+        speed_minimum=rpm_to_rad_per_s(400.0),
+        speed_maximum=rpm_to_rad_per_s(2900.0),
+    )
 
 
 @pytest.fixture(scope="module")

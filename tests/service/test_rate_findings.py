@@ -37,7 +37,7 @@ def test_the_fastest_parameter_speaks_for_its_element() -> None:
 
 def test_a_certain_drift_below_the_limit_is_none() -> None:
     assert found((0.004, 0.0, 0.0, 0.0)) == ()
-    wary = {"rate_of_change": {"alert": {"rate_per_cent_per_week": 0.3}}}
+    wary: dict[str, Any] = {"rate_of_change": {"alert": {"rate_per_cent_per_week": 0.3}}}
     assert [one.element for one in found((0.004, 0.0, 0.0, 0.0), **wary)] == ["bearing.B2"]
 
 

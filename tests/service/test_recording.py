@@ -214,7 +214,7 @@ def test_columns_may_be_operating_conditions(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
-    tables = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x")}
+    tables: dict[str, Any] = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x")}
     whole = batch(
         sweep_rpm(2990.0, 2900.0, 10),
         sequence=5,

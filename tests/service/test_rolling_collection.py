@@ -32,7 +32,7 @@ def wander(count: int, seed: int = 0, *, low: float = 400.0, high: float = 2900.
     second = np.arange(count)
     wave = sum(np.sin(2 * np.pi * second / period + phase) for period, phase in zip((311, 173, 97), phases, strict=True))
     shape = (np.asarray(wave) - np.min(wave)) / (np.max(wave) - np.min(wave))
-    return (low + (high - low) * shape).tolist()
+    return list(map(float, low + (high - low) * shape))
 
 
 def send(journal: Journal, rpm: list[float], first: int, last: int, **changes: Any) -> None:

@@ -8,8 +8,8 @@ from sqlalchemy.orm import Session
 from service import watching
 from service.watching import judge
 from storage import alerts, diagnoses
+from storage.alerts import ListedAlert
 from storage.database import Database
-from storage.tables import AlertRow
 from tests.plant import KEY, SECOND, START, identification, store_identification
 
 BASELINE = 5
@@ -47,7 +47,7 @@ class Weeks:
             )
             judge(self.session, row, baseline_runs=BASELINE)
 
-    def alerts(self) -> list[AlertRow]:
+    def alerts(self) -> list[ListedAlert]:
         return list(alerts.find(self.session, machine_id=KEY.machine, only_open=False, limit=100))
 
     def open(self) -> list[str]:

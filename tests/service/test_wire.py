@@ -1,6 +1,7 @@
 """The message on the wire: what a source means arrives as SI, under the key that names it."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -106,7 +107,8 @@ def test_only_good_values_are_used(status: str) -> None:
 
 @pytest.mark.parametrize("field", ["amplitude", "phase"])
 def test_a_value_that_is_not_there_is_no_fault(field: str) -> None:
-    found, taken, faults = converted(batch(**{field: [[1.0, None, 1.0, 1.0]]}))
+    changes: dict[str, Any] = {field: [[1.0, None, 1.0, 1.0]]}
+    found, taken, faults = converted(batch(**changes))
     assert found.usable.tolist() == [[True, False, True, True]]
     assert taken.all()
     assert faults == []

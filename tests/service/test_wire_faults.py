@@ -29,7 +29,8 @@ def only_fault(one: SampleBatch, **document: Any) -> tuple[Fault, Converted]:
     ("field", "value"), [("amplitude", NAN), ("amplitude", INFINITY), ("phase", NAN), ("phase", -INFINITY)]
 )
 def test_a_value_that_is_not_finite_makes_its_channel_unusable(field: str, value: float) -> None:
-    sent = decoded(encode_batch(batch([900.0, 910.0], **{field: [[1.0] * 4, [1.0, value, 1.0, 1.0]]})))
+    changes: dict[str, Any] = {field: [[1.0] * 4, [1.0, value, 1.0, 1.0]]}
+    sent = decoded(encode_batch(batch([900.0, 910.0], **changes)))
     fault, (found, taken, _) = only_fault(sent)
     assert (fault.index, fault.reason) == (1, "not_finite")
     assert "B2Y" in fault.detail

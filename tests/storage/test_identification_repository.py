@@ -56,8 +56,9 @@ def test_identifications_in_a_time_range_newest_first(plant: Database) -> None:
             store_identification(session, identification(), run_id=run_id, measured_at=START + moment)
     with plant.reading() as session:
 
-        def found(**limits: int) -> list[int]:
-            return [row.measured_at - START for row in identifications.of_machine(session, "pump-7", **limits)]
+        def found(first: int | None = None, last: int | None = None, limit: int | None = None) -> list[int]:
+            rows = identifications.of_machine(session, "pump-7", first=first, last=last, limit=limit)
+            return [row.measured_at - START for row in rows]
 
         assert found() == [20, 10, 0]
         assert found(first=START + 10, last=START + 10) == [10]

@@ -69,8 +69,9 @@ def test_runs_of_a_machine_in_a_time_range_newest_first(plant: Database) -> None
             closed_run(session, samples(2, start=START + start))
     with plant.reading() as session:
 
-        def found(**limits: int) -> list[int]:
-            return [row.time_first - START for row in runs.of_machine(session, "pump-7", **limits)]
+        def found(first: int | None = None, last: int | None = None, limit: int | None = None) -> list[int]:
+            rows = runs.of_machine(session, "pump-7", first=first, last=last, limit=limit)
+            return [row.time_first - START for row in rows]
 
         assert found() == [20, 10, 0]
         assert found(first=START + 10) == [20, 10]

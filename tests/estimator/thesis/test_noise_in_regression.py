@@ -118,7 +118,7 @@ def fit_errors(outcome: Identification) -> Floats:
         values.append(one.value)
         if one.imaginary is not None:
             values.append(one.imaginary)
-    return np.abs(np.array(values) / TRUTH - 1)
+    return np.asarray(np.abs(np.array(values) / TRUTH - 1))
 
 
 def test_the_fit_keeps_what_chapter_4_promises() -> None:

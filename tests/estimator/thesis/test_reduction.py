@@ -82,7 +82,7 @@ def test_high_frequency_condensation_follows_its_formula() -> None:
     """At rest the dynamic transformation is Guyan's, so the whole can be written out with plain partitions."""
     transformation = high_frequency_transformation(TRAIN, speed=np.array([0.0]))[0]
     masters = dynamic_masters(TRAIN)
-    slaves = [k for k in range(TRAIN.size) if k not in masters]
+    slaves = np.array([k for k in range(TRAIN.size) if k not in masters])
     guyan = np.zeros((48, 24))
     guyan[masters] = np.eye(24)
     guyan[slaves] = -np.linalg.inv(TRAIN.stiffness[np.ix_(slaves, slaves)]) @ TRAIN.stiffness[np.ix_(slaves, masters)]

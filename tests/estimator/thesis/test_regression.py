@@ -1,18 +1,20 @@
 """Least squares with column scaling: exact solutions, condition numbers, what scaling does and does not change."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimator.thesis.regression import Regression, condition_number, real_rows, solve
+from estimator.thesis.regression import Complexes, Floats, Method, Regression, Scaling, condition_number, real_rows, solve
 
-SCALINGS = ("none", "thesis", "norm")
+SCALINGS: tuple[Scaling, ...] = ("none", "thesis", "norm")
 
 
 def problem(
     seed: int, *, rows: int = 20, columns: int = 6, spread: float = 3.0, noise: float = 0.0
-) -> tuple[Regression, object]:
+) -> tuple[Regression, Floats]:
     """A random regression with columns of very different size, and the values that solve it."""
     rows, columns = 20, 6
     rng = np.random.default_rng(seed)
@@ -32,7 +34,7 @@ def test_real_rows_hold_real_parts_then_imaginary_parts() -> None:
 
 def test_real_rows_solve_complex_equations_for_real_unknowns() -> None:
     rng = np.random.default_rng(3)
-    matrix = rng.standard_normal((5, 8)) + 1j * rng.standard_normal((5, 8))
+    matrix: Complexes = rng.standard_normal((5, 8)) + 1j * rng.standard_normal((5, 8))
     values = rng.standard_normal(8)
     found = solve(Regression(real_rows(matrix), real_rows(matrix @ values), tuple("abcdefgh"), np.ones(8)))
     assert found.values == pytest.approx(values, rel=1e-10)
@@ -67,9 +69,9 @@ def test_condition_numbers_before_and_after_scaling_of_orthogonal_columns() -> N
 
 @given(seed=st.integers(0, 10_000), scaling=st.sampled_from(SCALINGS))
 @settings(max_examples=40, deadline=None)
-def test_scaling_does_not_change_the_exact_solution(seed: int, scaling: str) -> None:
+def test_scaling_does_not_change_the_exact_solution(seed: int, scaling: Scaling) -> None:
     regression, values = problem(seed)
-    found = solve(regression, scaling=scaling)  # type: ignore[arg-type]
+    found = solve(regression, scaling=scaling)
     # Rounding grows with the condition number, relative to the largest contribution of any unknown.
     contribution = np.abs(regression.matrix).max(axis=0)
     error = np.abs(found.values - values) * contribution
@@ -91,8 +93,8 @@ def test_scaling_matters_for_a_pseudo_inverse_and_not_for_an_inverse() -> None:
     regression = Regression(matrix, matrix @ values, tuple("abcdef"), np.ones(6))
     assert solve(regression, scaling="none").condition_number_after > 1e9
 
-    def error(scaling: str, method: str) -> float:
-        return float(np.max(np.abs(solve(regression, scaling=scaling, method=method).values / values - 1.0)))  # type: ignore[arg-type]
+    def error(scaling: Scaling, method: Method) -> float:
+        return float(np.max(np.abs(solve(regression, scaling=scaling, method=method).values / values - 1.0)))
 
     assert error("none", "inverse") < 1e-3
     assert error("none", "pseudo-inverse") > 0.5
@@ -151,7 +153,7 @@ def test_regularised_inverse_is_refused() -> None:
         ({"target": np.array([1.0, np.nan])}, "finite"),
     ],
 )
-def test_wrong_regressions_are_refused(change: dict[str, object], message: str) -> None:
-    parts = {"matrix": np.eye(2), "target": np.ones(2), "names": ("a", "b"), "thesis_scale": np.ones(2)}
+def test_wrong_regressions_are_refused(change: dict[str, Any], message: str) -> None:
+    parts: dict[str, Any] = {"matrix": np.eye(2), "target": np.ones(2), "names": ("a", "b"), "thesis_scale": np.ones(2)}
     with pytest.raises(ValueError, match=message):
-        Regression(**{**parts, **change})  # type: ignore[arg-type]
+        Regression(**{**parts, **change})

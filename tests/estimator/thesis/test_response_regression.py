@@ -37,7 +37,7 @@ def errors(model: ReducedModel, displacement: np.ndarray) -> Floats:
         mean_speed=float(model.speed.mean()),
         damping_scaled=True,
     )
-    return np.abs(solve(regression, scaling="norm").values / TRUTH - 1.0)
+    return np.asarray(np.abs(solve(regression, scaling="norm").values / TRUTH - 1.0))
 
 
 @pytest.mark.parametrize("case", [ONE_WAY_A, ONE_WAY_B, ONE_WAY_C, BOTH_WAYS_C])

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.condensation import CondensedTrain
+from estimator.condensation import Complexes, CondensedTrain
 from estimator.response import response
 from estimator.thesis.noise import multiplicative_noise
-from estimator.thesis.regression import solve
+from estimator.thesis.regression import Scaling, solve
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import condensed, names, printed_train
 
@@ -29,13 +29,13 @@ def train_of(case: str) -> CondensedTrain:
     return condensed(TRAIN, speed=np.array([*forward, *backward], dtype=float), direction=np.array(direction))
 
 
-def response_of(train: CondensedTrain) -> np.ndarray:
+def response_of(train: CondensedTrain) -> Complexes:
     return response(train, coefficients=TRAIN.coefficients, excitations=TRAIN.unbalances)
 
 
-def noisy_error(case: str, percent: float, seed: int, **sharing: str) -> np.ndarray:
+def noisy_error(case: str, percent: float, seed: int) -> np.ndarray:
     train = train_of(case)
-    noisy = multiplicative_noise(response_of(train), percent=percent, rng=np.random.default_rng(seed), **sharing)
+    noisy = multiplicative_noise(response_of(train), percent=percent, rng=np.random.default_rng(seed))
     return np.abs(solve(rigid_regression(train, noisy)).values / TRAIN.values - 1.0)
 
 
@@ -62,10 +62,10 @@ def test_scaling_lowers_the_condition_number(case: str) -> None:
 
 
 @pytest.mark.parametrize("scaling", ["none", "thesis", "norm"])
-def test_inverse_of_eq_2_16_does_not_need_scaling(scaling: str) -> None:
+def test_inverse_of_eq_2_16_does_not_need_scaling(scaling: Scaling) -> None:
     """Although the condition number of AᵀA is beyond double precision before scaling."""
     train = train_of("I-A")
-    found = solve(rigid_regression(train, response_of(train)), scaling=scaling, method="inverse")  # type: ignore[arg-type]
+    found = solve(rigid_regression(train, response_of(train)), scaling=scaling, method="inverse")
     assert found.condition_number_before**2 > 1e18
     assert found.values == pytest.approx(TRAIN.values, rel=1e-5)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.condensation import Complexes, CondensedTrain
 from estimator.response import response
 from estimator.sensitivity import sensitivity
 from estimator.thesis.misalignment_force import misalignment_force
@@ -22,11 +23,11 @@ TRAIN = printed_train()
 PRINTED_FREQUENCIES = [161, 209, 290, 353, 359, 652, 1170, 1558]
 
 
-def at(speed: list[float], direction: float = 1.0):  # type: ignore[no-untyped-def]
+def at(speed: list[float], direction: float = 1.0) -> CondensedTrain:
     return condensed(TRAIN, speed=np.array(speed), direction=np.full(len(speed), direction))
 
 
-def response_of(train):  # type: ignore[no-untyped-def]
+def response_of(train: CondensedTrain) -> Complexes:
     return response(train, coefficients=TRAIN.coefficients, excitations=TRAIN.unbalances)
 
 

@@ -1,17 +1,18 @@
 """Noise of Eq. 2.19-2.20 and circular complex noise."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
-from estimator.thesis.noise import complex_noise, multiplicative_noise, multiplicative_rms
+from estimator.thesis.noise import Complexes, Sharing, complex_noise, multiplicative_noise, multiplicative_rms
 
-RESPONSE = np.exp(1j * np.linspace(0, 6, 4000)).reshape(500, 8) * 1e-4
+RESPONSE: Complexes = np.exp(1j * np.linspace(0, 6, 4000)).reshape(500, 8) * 1e-4
 
 
-def relative(noisy: np.ndarray) -> np.ndarray:
-    return noisy / RESPONSE - 1.0
+def relative(noisy: Complexes) -> Complexes:
+    return np.asarray(noisy / RESPONSE - 1.0)
 
 
 def test_multiplicative_noise_is_real_and_within_half_of_its_percentage() -> None:
@@ -28,8 +29,8 @@ def test_five_percent_is_1_44_percent_rms() -> None:
 
 
 @pytest.mark.parametrize(("sharing", "different"), [("none", 4000), ("channel", 8), ("speed", 500), ("all", 1)])
-def test_sharing_says_how_many_numbers_are_drawn(sharing: str, different: int) -> None:
-    noisy = multiplicative_noise(RESPONSE, percent=5.0, rng=np.random.default_rng(1), sharing=sharing)  # type: ignore[arg-type]
+def test_sharing_says_how_many_numbers_are_drawn(sharing: Sharing, different: int) -> None:
+    noisy = multiplicative_noise(RESPONSE, percent=5.0, rng=np.random.default_rng(1), sharing=sharing)
     error = relative(noisy).real
     assert np.unique(error.round(12)).size == different
     if sharing == "channel":
@@ -46,12 +47,9 @@ def test_complex_noise_is_circular_and_of_the_stated_rms() -> None:
 
 
 def test_same_seed_same_noise() -> None:
-    for noise in (
-        lambda rng: multiplicative_noise(RESPONSE, percent=2.0, rng=rng),
-        lambda rng: complex_noise(RESPONSE, rms=0.02, rng=rng),
-    ):
-        assert np.array_equal(noise(np.random.default_rng(7)), noise(np.random.default_rng(7)))
-        assert not np.array_equal(noise(np.random.default_rng(7)), noise(np.random.default_rng(8)))
+    for noise in (partial(multiplicative_noise, RESPONSE, percent=2.0), partial(complex_noise, RESPONSE, rms=0.02)):
+        assert np.array_equal(noise(rng=np.random.default_rng(7)), noise(rng=np.random.default_rng(7)))
+        assert not np.array_equal(noise(rng=np.random.default_rng(7)), noise(rng=np.random.default_rng(8)))
 
 
 def test_no_noise() -> None:

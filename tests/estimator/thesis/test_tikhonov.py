@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from estimator.thesis.regression import Regression, solve
 from estimator.thesis.tikhonov import (
+    Rule,
     SpectralProblem,
     choose_parameter,
     damped_parts,
@@ -15,7 +16,7 @@ from estimator.thesis.tikhonov import (
     l_curve_curvature,
 )
 
-RULES = ("generalised cross-validation", "L-curve")
+RULES: tuple[Rule, ...] = ("generalised cross-validation", "L-curve")
 
 
 def blurred(noise: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -36,7 +37,7 @@ def solution(matrix: np.ndarray, target: np.ndarray, parameter: float) -> np.nda
     """Tikhonov's solution from the stacked equations (A; λ I) x = (b; 0), without singular values."""
     columns = matrix.shape[1]
     stacked = np.vstack([matrix, parameter * np.eye(columns)])
-    return np.linalg.lstsq(stacked, np.concatenate([target, np.zeros(columns)]), rcond=None)[0]
+    return np.asarray(np.linalg.lstsq(stacked, np.concatenate([target, np.zeros(columns)]), rcond=None)[0])
 
 
 def test_filter_factors() -> None:
@@ -85,10 +86,10 @@ def test_curvature_agrees_with_finite_differences() -> None:
 
 @pytest.mark.parametrize(("rule", "factor"), [("generalised cross-validation", 3), ("L-curve", 15)])
 @pytest.mark.parametrize("noise", [1e-3, 1e-2])
-def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(rule: str, factor: float, noise: float) -> None:
+def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(rule: Rule, factor: float, noise: float) -> None:
     """The L-curve is known to regularise smooth problems too little."""
     matrix, target, truth = blurred(noise)
-    parameter = choose_parameter(spectral(matrix, target), rule)  # type: ignore[arg-type]
+    parameter = choose_parameter(spectral(matrix, target), rule)
 
     def error(one: float) -> float:
         return float(np.linalg.norm(solution(matrix, target, one) - truth) / np.linalg.norm(truth))
@@ -99,11 +100,11 @@ def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(rule: str, f
 
 
 @pytest.mark.parametrize("rule", RULES)
-def test_solve_gives_the_stacked_solution_on_the_scaled_columns(rule: str) -> None:
+def test_solve_gives_the_stacked_solution_on_the_scaled_columns(rule: Rule) -> None:
     matrix, target, _ = blurred(1e-2)
     size = 10.0 ** np.linspace(-2, 2, 32)
     names = tuple(f"p{column}" for column in range(32))
-    found = solve(Regression(matrix * size, target, names, np.ones(32)), scaling="norm", tikhonov=rule)  # type: ignore[arg-type]
+    found = solve(Regression(matrix * size, target, names, np.ones(32)), scaling="norm", tikhonov=rule)
     expected = found.scale * solution(matrix * size * found.scale, target, found.parameter)
     assert found.values == pytest.approx(expected, rel=1e-6)
 
@@ -113,11 +114,11 @@ def test_damped_parts_of_a_tiny_parameter_do_not_cancel() -> None:
 
 
 @pytest.mark.parametrize("rule", RULES)
-def test_as_many_equations_as_unknowns(rule: str) -> None:
+def test_as_many_equations_as_unknowns(rule: Rule) -> None:
     """No residual is left without regularisation; the criteria stay finite."""
     rng = np.random.default_rng(6)
     problem = spectral(rng.standard_normal((6, 6)), rng.standard_normal(6))
-    parameter = choose_parameter(problem, rule)  # type: ignore[arg-type]
+    parameter = choose_parameter(problem, rule)
     assert 0.0 < parameter <= problem.singular_values[0] * 1.01
     assert np.isfinite(generalised_cross_validation(problem, 1e-9))
 

@@ -19,6 +19,7 @@ def api(plant: Database) -> Api:
         finding = Finding("it moves", {}, row.id, START)
         alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
         deliveries.subscribe(session, kind="zenoh", name="plant", target="", secret=None)
-        asleep = {"kind": "out_of_service", "rule": "misfit", "element": None, "until": None, "by": "anna", "comment": ""}
-        suppressions.add(session, KEY.machine, **asleep)
+        suppressions.add(
+            session, KEY.machine, kind="out_of_service", rule="misfit", element=None, until=None, by="anna", comment=""
+        )
     return Api(plant)

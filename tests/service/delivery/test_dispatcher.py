@@ -262,7 +262,8 @@ def test_a_mail_says_what_happened(plant: Database, found: IdentificationRow, ne
         server.stop()
     (mail,) = box.mails
     assert mail.rcpt_tos == ["anna@plant.example", "ben@plant.example"]
-    text = bytes(mail.content or b"").decode()
+    assert isinstance(mail.content, bytes)
+    text = mail.content.decode()
     assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in text
     assert f"Message-ID: <alert-{alert}-1@localhost>" in text
     assert f"http://rundown:8080/api/v1/alerts/{alert}" in text

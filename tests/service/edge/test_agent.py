@@ -26,7 +26,7 @@ from service.edge.waveform_message import encode_waveforms
 from service.source import Source
 from service.wire import SampleBatch, decode_batch, to_samples
 from storage.blocks import Samples, join
-from tests.plant import KEY, assert_same_samples, machine, wait_until
+from tests.plant import KEY, assert_same_samples, listened_to, machine, wait_until
 from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors
 
 TOPIC = "rundown/v1/plant-1/pump-7/waveforms"
@@ -183,7 +183,7 @@ def test_it_says_how_it_is_doing(router: zenoh.Session, client: zenoh.Session, t
     configuration = configured(tmp_path, log={"path": "edge.log", "samples": 20})
     with started(client, configuration) as agent:
         for file in configuration.waveforms.files:
-            list(agent._read(file, None, threading.Event(), None) or ())
+            agent._read(file, None, threading.Event(), None)
         agent.conditions.begin("rail", "B2X", "still so")
         agent._publish(threading.Event())
         agent._source.log.flush()
@@ -256,20 +256,13 @@ def test_what_keeps_it_from_starting_is_said(endpoint: str, tmp_path: Path) -> N
 def messages(first: int = 0, last: int = WAVEFORMS.shape[1], **changes: Any) -> list[bytes]:
     """Waveforms in messages of a quarter of a second."""
     size = round(RATE / 4)
-    return [
-        encode_waveforms(
-            WAVEFORMS[:, place : place + size],
-            **{
-                "channels": ("K", "A", "B"),
-                "first": place,
-                "time_ns": START_NS + round(place / RATE * 1e9),
-                "sampling_rate": RATE,
-                "kind": "<f8",
-            }
-            | changes,
-        )
-        for place in range(first, last, size)
-    ]
+    values: dict[str, Any] = {"channels": ("K", "A", "B"), "sampling_rate": RATE, "kind": "<f8"}
+
+    def message(place: int) -> bytes:
+        at = {"first": place, "time_ns": START_NS + round(place / RATE * 1e9)}
+        return encode_waveforms(WAVEFORMS[:, place : place + size], **(values | at | changes))
+
+    return [message(place) for place in range(first, last, size)]
 
 
 @contextmanager
@@ -289,7 +282,7 @@ def following(client: zenoh.Session, configuration: EdgeConfiguration, stop: thr
 
 def put(router: zenoh.Session, payloads: list[bytes]) -> None:
     publisher = router.declare_publisher(TOPIC, congestion_control=zenoh.CongestionControl.BLOCK)
-    wait_until(lambda: bool(publisher.matching_status.matching))
+    wait_until(lambda: listened_to(publisher))
     for payload in payloads:
         publisher.put(payload)
     publisher.undeclare()

@@ -44,7 +44,7 @@ def refused(issuer: Issuer, keys: Mapping[str, str]) -> dict[str, dict[str, str]
         "an expired key": keys["expired"],
         "a revoked key": keys["revoked"],
         "a bad signature": _changed(issuer.token(rundown_role="admin")),
-        "alg=none": jwt.encode(_claims(issuer), None, algorithm="none", headers={"kid": "r1"}),
+        "alg=none": jwt.encode(_claims(issuer), None, algorithm="none", headers={"kid": "r1"}),  # type: ignore[arg-type]
         "HS256 by the public key": _by_public_key(issuer),
         "another key under a known id": jwt.encode(_claims(issuer), _another(), "RS256", headers={"kid": "r1"}),
         "another key under its own id": jwt.encode(_claims(issuer), _another(), "RS256", headers={"kid": "x9"}),

@@ -92,7 +92,8 @@ def test_each_role_gets_what_it_may_have(shared: Api, issuer: Issuer, filled: Fi
         pytest.skip("a key always has a role")
     label = "" if role is None else role.label
     headers = bearer(filled.keys[label] if way == "key" else issuer.token(rundown_role=label, key="e1"))
-    allowed, refused = set(), set()
+    allowed: set[str] = set()
+    refused: set[str] = set()
     for one, method in operations(shared):
         if one.requirement.role is None or (one.name in ENDLESS and role not in (None, Role.SOURCE)):
             continue

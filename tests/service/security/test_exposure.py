@@ -4,6 +4,7 @@ import re
 import ssl
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -13,7 +14,7 @@ from service.settings import Settings
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import sqlite_url
 
-TWICE = {"allow_no_authentication": True, "everybody_may_change_everything": True}
+TWICE: dict[str, Any] = {"allow_no_authentication": True, "everybody_may_change_everything": True}
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1", "localhost", "127.8.8.8"])
@@ -25,9 +26,10 @@ def test_on_loopback_nothing_is_needed(host: str) -> None:
 def test_beyond_it_credentials_are(host: str) -> None:
     with pytest.raises(Exposed, match="say so twice"):
         require_authentication(Settings(host=host), keys_are_there=False)
-    for once in TWICE:
+    for name, value in TWICE.items():
+        once = {name: value}
         with pytest.raises(Exposed):
-            require_authentication(Settings(host=host, **{once: True}), keys_are_there=False)
+            require_authentication(Settings(host=host, **once), keys_are_there=False)
     assert len(require_authentication(Settings(host=host, **TWICE), keys_are_there=False)) == 1
     assert require_authentication(Settings(host=host), keys_are_there=True) == []
     assert require_authentication(Settings(host=host, authentication="required"), keys_are_there=False) == []
@@ -54,9 +56,9 @@ def test_zenoh_endpoints_beyond_loopback_need_certificates_and_rules() -> None:
         ({"smtp_password_file": "/nowhere/password"}, "cannot be read"),
     ],
 )
-def test_settings_that_would_be_open_are_refused(wrong: dict[str, str], words: str) -> None:
+def test_settings_that_would_be_open_are_refused(wrong: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        Settings(**wrong)  # type: ignore[arg-type]
+        Settings(**wrong)
 
 
 def test_a_secret_comes_from_a_file_that_others_cannot_read(tmp_path: Path) -> None:

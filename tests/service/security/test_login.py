@@ -1,6 +1,7 @@
 """Logging in over HTTP: what the cookie is like, what it opens, and what another site's page cannot do with it."""
 
 from collections.abc import Iterator
+from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 import httpx
@@ -215,8 +216,14 @@ def test_of_logins_that_nobody_ends_so_many_are_kept(store: Database, monkeypatc
     monkeypatch.setattr(logins, "MOST", 3)
     for number in range(5):
         with store.transaction() as session:
-            begin = {"browser_hash": "b", "verifier": "v", "nonce": "n", "expires_at": now() + 10**9 * (60 + number)}
-            logins.begin(session, state_hash=f"s{number}", **begin)
+            logins.begin(
+                session,
+                state_hash=f"s{number}",
+                browser_hash="b",
+                verifier="v",
+                nonce="n",
+                expires_at=now() + 10**9 * (60 + number),
+            )
     with store.transaction() as session:
         taken = [number for number in range(5) if logins.take(session, f"s{number}", at=now()) is not None]
         assert taken == [2, 3, 4]
@@ -246,7 +253,8 @@ def test_an_id_token_of_another_login_is_not_taken(api: Api, issuer: Issuer, cha
 
     def forged(form: dict[str, str]) -> dict[str, object]:
         assert "id_token" in exchanged(form)
-        return {"id_token": issuer.token(**({"aud": CLIENT, "rundown_role": "admin"} | changes))}
+        claims: dict[str, Any] = {"aud": CLIENT, "rundown_role": "admin"}
+        return {"id_token": issuer.token(**(claims | changes))}
 
     issuer.exchanged = forged  # type: ignore[method-assign]
     try:
