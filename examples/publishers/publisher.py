@@ -27,7 +27,7 @@ def measure() -> tuple[int, float, list[float], list[float]]:
 
 with zenoh.open(config) as session:
     publisher = session.declare_publisher(f"rundown/v1/{plant}/{machine}/samples", encoding="application/json")
-    while not publisher.matching_status.matching:  # nobody listens yet
+    while not publisher.matching_status.matching:  # type: ignore[attr-defined]  # nobody listens yet
         time.sleep(0.1)
     for sequence in range(0, int(samples), batch_size):
         times, speeds, amplitudes, phases = zip(*(measure() for _ in range(batch_size)), strict=True)
