@@ -1,0 +1,39 @@
+"""What the tests of ingest share."""
+
+from collections.abc import Iterator
+
+import pytest
+import zenoh
+
+from service import ingest as ingest_module
+from service.ingest import Ingest
+from service.source import Source
+from storage.database import Database
+from tests.plant import KEY
+from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
+
+
+@pytest.fixture(autouse=True)
+def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Look at quiet sources often, so that no test waits long."""
+    monkeypatch.setattr(ingest_module, "TAIL_CHECK_S", 0.1)
+
+
+@pytest.fixture
+def ingest(router: zenoh.Session, plant: Database) -> Iterator[Ingest]:
+    """A service that runs before any source does."""
+    with ingesting(router, plant) as running:
+        yield running
+
+
+@pytest.fixture
+def edge(client: zenoh.Session) -> Iterator[Edge]:
+    with Source(client, KEY, name="edge") as source:
+        yield Edge(source)
+
+
+@pytest.fixture
+def lossy(client: zenoh.Session) -> Iterator[DroppedOnTheWay]:
+    source = DroppedOnTheWay(client)
+    yield source
+    source.leave()

@@ -1,0 +1,117 @@
+"""An ingest on a real network, sources of all kinds, and what is stored of theirs."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import zenoh
+
+from service.collection import Collector
+from service.ingest import Ingest
+from service.journal import Journal
+from service.source import Source
+from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
+from storage import quarantine
+from storage import samples as sample_store
+from storage.database import Database
+from storage.tables import SourceRow
+from tests.plant import KEY, SECOND, START, batch, listened_to
+
+SAMPLES = "rundown/v1/plant-1/pump-7/samples"
+
+
+@contextmanager
+def ingesting(router: zenoh.Session, database: Database, *, silence_s: float = 60.0) -> Iterator[Ingest]:
+    """A service that takes in samples."""
+    ingest = Ingest(router, Journal(database, Collector()), silence_s=silence_s)
+    ingest.start()
+    try:
+        yield ingest
+    finally:
+        ingest.stop()
+
+
+def rows(database: Database) -> list[SourceRow]:
+    with database.reading() as session:
+        return list(sample_store.sources(session))
+
+
+def received(database: Database) -> int:
+    return sum(row.received for row in rows(database))
+
+
+def counts(database: Database) -> tuple[int, int, int]:
+    """Next sequence, received and lost of the only source."""
+    (row,) = rows(database)
+    return row.next_sequence, row.received, row.lost
+
+
+def stored_times(database: Database) -> list[int]:
+    """Whole seconds after the start."""
+    with database.reading() as session:
+        held = sample_store.latest(session, KEY.machine, revision=1, count=10_000)
+    return [(moment - START) // SECOND for moment in held.time.tolist()]
+
+
+def rejected(database: Database) -> dict[str, int]:
+    with database.reading() as session:
+        return quarantine.counts(session)
+
+
+class Edge:
+    """A source of the machine that publishes samples at 900 r/min, a second apart."""
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+
+    def publish(self, *sizes: int) -> None:
+        for size in sizes:
+            self.source.publish(batch([900.0] * size, start=START + self.source.sequence * SECOND))
+
+
+def heard(client: zenoh.Session) -> bool:
+    """Whether what the client publishes goes out. Once it does it goes on doing so, also from one service to the next."""
+    publisher = client.declare_publisher(SAMPLES)
+    matching = listened_to(publisher)
+    publisher.undeclare()
+    return matching
+
+
+def put(client: zenoh.Session, payload: bytes, *, key: str = SAMPLES, encoding: str = MESSAGEPACK) -> None:
+    # Blocking: on a busy machine zenoh would let go of what waits behind a large message.
+    client.put(key, payload, encoding=encoding, congestion_control=zenoh.CongestionControl.BLOCK)
+
+
+def put_batch(client: zenoh.Session, first: int, last: int, **changes: Any) -> None:
+    """Samples `first` to before `last` of a source that keeps no log."""
+    one: SampleBatch = batch([900.0] * (last - first), sequence=first, start=START + first * SECOND, **changes)
+    put(client, encode_batch(one), key=Key(one.plant, one.machine).samples)
+
+
+class DroppedOnTheWay:
+    """A live source with a log, of whose messages the network delivers only some; five samples to a message."""
+
+    def __init__(self, client: zenoh.Session) -> None:
+        self.client = client
+        self.log: list[SampleBatch] = []
+        self.come()
+
+    def come(self) -> None:
+        self.queryable = self.client.declare_queryable(KEY.log, self.answer)
+        self.token = self.client.liveliness().declare_token(KEY.live)
+
+    def publish(self, *, dropped: bool = False) -> None:
+        first = 5 * len(self.log)
+        self.log.append(batch([900.0] * 5, sequence=first, start=START + first * SECOND))
+        if not dropped:
+            put(self.client, encode_batch(self.log[-1]))
+
+    def answer(self, query: zenoh.Query) -> None:
+        with query:
+            first = int(query.parameters.get("from") or 0)
+            for one in [one for one in self.log if one.sequence + 5 > first]:
+                query.reply(KEY.log, encode_batch(one), encoding=MESSAGEPACK)
+
+    def leave(self) -> None:
+        self.token.undeclare()
+        self.queryable.undeclare()
