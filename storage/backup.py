@@ -16,13 +16,14 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Engine
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DatabaseError, DBAPIError, OperationalError
 
 from storage import postgresql_archive
 from storage.claim import Claim, DatabaseUnusable, file_of
 from storage.database import engine_of, shown
 from storage.private_files import PRIVATE
-from storage.schema import require_known, revision_of, row_counts
+from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
+from storage.tables import Base
 
 FORMAT = 1
 _PIECE = 1 << 20
@@ -141,8 +142,15 @@ def _require_empty(engine: Engine, url: str) -> None:
     path = file_of(engine)
     if path is not None and not path.exists():
         return
-    with engine.connect() as connection:
-        held = sum(row_counts(connection).values())
+    try:
+        with engine.connect() as connection:
+            held = sum(row_counts(connection).values())
+    except OperationalError:
+        raise
+    except DatabaseError as error:
+        raise BackupUnusable(
+            f"database {shown(url)} is damaged ({error.orig}): say --overwrite to replace it, or restore to another one"
+        ) from error
     if held:
         raise BackupUnusable(
             f"database {shown(url)} holds {held} rows: say --overwrite to lose them, or restore to another one"
@@ -178,27 +186,68 @@ def _replace_sqlite(engine: Engine, file: Path, found: Backup) -> None:
     path = file_of(engine)
     if path is None:
         raise BackupUnusable("a database in memory cannot be restored")
-    part = path.with_name(path.name + ".part")
+    part = path.with_name(path.name + ".restoring")
     try:
         digest = hashlib.sha256()
-        part.touch(mode=PRIVATE)
+        part.unlink(missing_ok=True)  # of a restore that was killed: whoever has the claim is the only one
+        part.touch(mode=PRIVATE, exist_ok=False)
         with file.open("rb") as source, part.open("wb") as target:
             while piece := source.read(_PIECE):
                 digest.update(piece)
                 target.write(piece)
         if digest.hexdigest() != found.sha256:
             raise BackupUnusable(f"{file} changed while it was read")
+        _require_whole(part, file, found)
         _synced_digest(part)
         engine.dispose()
         if path.exists():
-            # What the old database still has in its log must not be taken for a part of the new one.
-            with closing(sqlite3.connect(path)) as old:
-                old.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-                old.execute("PRAGMA journal_mode = DELETE")
+            _end_log(path)
+        # Before the new file is there: who dies in between leaves an old database, never a new one beside an old log, which
+        # SQLite would play back into it.
+        _remove_beside(path)
+        _sync_folder(path.parent)
         part.replace(path)
         _sync_folder(path.parent)
+        _require_whole(path, file, found)
     finally:
         part.unlink(missing_ok=True)
+        _remove_beside(part)
+
+
+def _end_log(path: Path) -> None:
+    """Take what an old database has in its log over into its file, which is then whole by itself. One that is damaged stays
+    as it is. Raises sqlite3.OperationalError while somebody uses it.
+    """
+    try:
+        with closing(sqlite3.connect(path)) as old:
+            old.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            old.execute("PRAGMA journal_mode = DELETE")
+    except sqlite3.DatabaseError as error:
+        if error.sqlite_errorcode & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            raise
+
+
+def _beside(path: Path) -> list[Path]:
+    """Logs of a database file, also of one that is no longer there."""
+    return [path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")]
+
+
+def _remove_beside(path: Path) -> None:
+    for one in _beside(path):
+        one.unlink(missing_ok=True)
+
+
+def _require_whole(path: Path, file: Path, found: Backup) -> None:
+    """Raises BackupUnusable where a database file is not what a backup says of itself."""
+    try:
+        revision, rows = _content(f"sqlite:///{path}", str(path))
+    except DatabaseUnusable as error:
+        raise BackupUnusable(f"{file} was not restored whole: {error}") from error
+    if revision != found.schema_revision:
+        raise BackupUnusable(
+            f"{file} was not restored whole: {path} has schema revision {revision}, the backup {found.schema_revision}"
+        )
+    _require_rows(rows, file, found)
 
 
 # --- PostgreSQL -----------------------------------------------------------------------------------------------------
@@ -218,9 +267,15 @@ def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> None:
         postgresql_archive.load(engine, file)
         with engine.connect() as connection:
             rows = row_counts(connection)
-        if rows != found.rows:
-            wrong = [name for name in found.rows if rows.get(name) != found.rows[name]]
-            raise BackupUnusable(f"{file} was not restored whole: {', '.join(wrong)} differ in their number of rows")
+        _require_rows(rows, file, found)
+
+
+def _require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
+    # A release may have let go of a table that the one that made the backup had.
+    known = found.rows.keys() & Base.metadata.tables.keys() - KEPT_BY_ITSELF
+    wrong = [name for name in sorted(known) if rows.get(name) != found.rows[name]]
+    if wrong:
+        raise BackupUnusable(f"{file} was not restored whole: {', '.join(wrong)} differ in their number of rows")
 
 
 # --- files ----------------------------------------------------------------------------------------------------------

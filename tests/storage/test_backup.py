@@ -1,7 +1,9 @@
 """Backups of both kinds of database, made while others write, and what is refused before anything is lost."""
 
 import json
+import sqlite3
 import threading
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -176,3 +178,109 @@ def test_what_is_no_database_is_said(target: str, databases: Databases, tmp_path
     with pytest.raises(DatabaseUnusable, match="holds no data of Rundown"):
         backup.back_up(target, tmp_path / "backup")
     assert list(tmp_path.glob("backup*")) == []
+
+
+@pytest.fixture
+def file_only(databases: Databases) -> None:
+    """What holds of SQLite only: its logs lie beside its file."""
+    if not isinstance(databases, SqliteDatabases):
+        pytest.skip("PostgreSQL keeps its log to itself")
+
+
+def killed_writer(told: Database, path: Path, *, checkpointed: bool) -> None:
+    """What a writer leaves that was killed behind what `told` holds: a file, and a log that only in part is in it."""
+    with told.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+        connection.exec_driver_sql("PRAGMA wal_autocheckpoint = 0")
+    with told.transaction() as session:
+        for number in range(30):
+            machines.create(session, machine(id=f"later-{number}"))
+    if checkpointed:
+        with told.engine.connect() as connection:
+            connection.exec_driver_sql("PRAGMA wal_checkpoint(PASSIVE)")
+        with told.transaction() as session:
+            machines.create(session, machine(id="last"))
+    source = Path(told.engine.url.database or "")
+    for end in ("", "-wal"):
+        path.with_name(path.name + end).write_bytes(source.with_name(source.name + end).read_bytes())
+
+
+@pytest.mark.parametrize("checkpointed", [False, True])
+@pytest.mark.usefixtures("file_only")
+def test_a_log_that_was_left_behind_is_not_played_into_what_is_restored(
+    told: Database, target: str, tmp_path: Path, checkpointed: bool
+) -> None:
+    """Its database is gone, the log of a service that was killed is not."""
+    backup.back_up(told.url, tmp_path / "backup")
+    expected = contents(told)
+    path = tmp_path / "target.db"
+    killed_writer(told, path, checkpointed=checkpointed)
+    path.unlink()
+    path.with_name("target.db-journal").write_bytes(b"left")
+    backup.restore(target, tmp_path / "backup")
+    assert contents_of(target) == expected
+    assert sorted(one.name for one in tmp_path.glob("target.db*")) == ["target.db", "target.db.lock"]
+
+
+@pytest.mark.parametrize("logged", [False, True])
+@pytest.mark.usefixtures("file_only")
+def test_a_damaged_database_is_replaced(told: Database, target: str, tmp_path: Path, logged: bool) -> None:
+    """Which is what a restore is needed for."""
+    backup.back_up(told.url, tmp_path / "backup")
+    expected = contents(told)
+    path = tmp_path / "target.db"
+    killed_writer(told, path, checkpointed=True)
+    if not logged:
+        path.with_name("target.db-wal").unlink()
+    with path.open("r+b") as opened:
+        opened.write(b"no database" * 500)
+    if not logged:
+        with pytest.raises(BackupUnusable, match=r"is damaged \(file is not a database\): say --overwrite"):
+            backup.restore(target, tmp_path / "backup")
+    backup.restore(target, tmp_path / "backup", overwrite=True)
+    assert contents_of(target) == expected
+
+
+@pytest.mark.usefixtures("file_only")
+def test_an_old_database_is_whole_until_the_new_one_is_there(
+    told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Who dies at the last step leaves it, with what only its log held."""
+    backup.back_up(told.url, tmp_path / "backup")
+    killed_writer(told, tmp_path / "target.db", checkpointed=True)
+    expected = contents(told)
+
+    def dies(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "replace", dies)
+        with pytest.raises(KeyboardInterrupt):
+            backup.restore(target, tmp_path / "backup", overwrite=True)
+    assert contents_of(target) == expected
+
+
+@pytest.mark.usefixtures("file_only")
+def test_a_database_that_somebody_reads_is_not_replaced(told: Database, target: str, tmp_path: Path) -> None:
+    """A program that knows nothing of the claim."""
+    backup.back_up(told.url, tmp_path / "backup")
+    killed_writer(told, tmp_path / "target.db", checkpointed=False)
+    expected = contents(told)
+    with closing(sqlite3.connect(tmp_path / "target.db")) as reader:
+        reader.execute("BEGIN")
+        reader.execute("SELECT count(*) FROM machines").fetchall()
+        with pytest.raises(BackupUnusable, match="database is locked"):
+            backup.restore(target, tmp_path / "backup", overwrite=True)
+    assert contents_of(target) == expected
+
+
+def test_a_backup_that_is_not_what_it_says_leaves_what_was_there(told: Database, target: str, tmp_path: Path) -> None:
+    file = tmp_path / "backup"
+    backup.back_up(told.url, file)
+    description = json.loads(described_by(file).read_text())
+    description["rows"]["machines"] += 1
+    described_by(file).write_text(json.dumps(description))
+    before = contents_of(target)
+    with pytest.raises(BackupUnusable, match="not restored whole: machines differ in their number of rows"):
+        backup.restore(target, file, overwrite=True)
+    assert contents_of(target) == before
