@@ -6,10 +6,12 @@ from itertools import zip_longest
 from typing import Any
 
 from sqlalchemy import JSON, Connection, MetaData, Result, Table, func, insert, select, text
+from sqlalchemy.exc import DBAPIError
 
-from storage.database import Database, shown
+from storage.claim import DatabaseUnusable
+from storage.database import Database, engine_of, require_there, shown
 from storage.json_text import finite
-from storage.schema import KEPT_BY_ITSELF, row_counts
+from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
 from storage.tables import Base
 
 AT_ONCE = 200
@@ -23,9 +25,10 @@ class NotMoved(RuntimeError):
 def move(source_url: str, target_url: str) -> dict[str, int]:
     """Take over everything into a database that holds no data; returns the rows of each table.
 
-    The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also while a service
-    uses one of them.
+    The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also where there is no
+    source, and while a service uses one of them.
     """
+    _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
         if source.engine.url == target.engine.url:
             raise NotMoved("source and target are the same database")
@@ -45,6 +48,19 @@ def move(source_url: str, target_url: str) -> dict[str, int]:
             for table in tables:
                 _go_on_counting(table, reading, writing)
         return found
+
+
+def _require_source(url: str) -> None:
+    """Raises DatabaseUnusable: a database that is opened to be written to is made where there is none."""
+    require_there(url)
+    engine = engine_of(url)
+    try:
+        with engine.connect() as connection:
+            require_known(revision_of(connection), f"database {shown(url)}")
+    except DBAPIError as error:
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+    finally:
+        engine.dispose()
 
 
 def _tables() -> list[Table]:

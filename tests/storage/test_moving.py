@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from sqlalchemy import JSON, Float, delete, insert, select, text, update
+from sqlalchemy import JSON, Float, create_engine, delete, insert, inspect, select, text, update
 from sqlalchemy.exc import IntegrityError
 
 from storage import machines, quarantine, replicas
@@ -18,7 +18,7 @@ from storage.moving import NotMoved, move
 from storage.quarantine import Rejection
 from storage.tables import AlertRow, QuarantineRow, RunRow
 from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
-from tests.plant import START, identification, machine, store_identification
+from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection
 from tests.storage.test_migrations import ROWS, TABLES, value
 
@@ -184,3 +184,21 @@ def test_what_is_no_number_is_null_in_the_other(plant: Database, target: str) ->
         (floor,) = session.scalars(text("SELECT noise_floor FROM identifications").columns(noise_floor=Float()))
         assert floor is None or math.isnan(floor)
     moved.close()
+
+
+def test_a_source_that_is_not_there_is_not_made(tmp_path: Path, target: str) -> None:
+    """As of a name that was mistyped: moving nothing would look like success."""
+    with pytest.raises(DatabaseUnusable, match=r"there is no database file .*mistyped\.db"):
+        move(sqlite_url(tmp_path / "mistyped.db"), target)
+    assert list(tmp_path.glob("*.db")) == []
+
+
+def test_a_source_that_holds_nothing_of_ours_is_left_alone(databases: Databases, target: str, tmp_path: Path) -> None:
+    empty = databases.new(tmp_path / "empty.db")
+    (tmp_path / "empty.db").touch()
+    with pytest.raises(DatabaseUnusable, match=r"empty.* holds no data of Rundown"):
+        move(empty, target)
+    opened = create_engine(empty)
+    assert inspect(opened).get_table_names() == []
+    opened.dispose()
+    databases.drop(empty)
