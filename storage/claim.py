@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import os
 import threading
 import time
 from pathlib import Path
@@ -49,13 +50,16 @@ class Claim:
                 time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
             beside = path.with_name(path.name + ".lock")
-            beside.touch(mode=PRIVATE)  # whoever may read it may hold it
-            self._file = beside.open("w")
             try:
+                beside.touch(mode=PRIVATE)  # whoever may read it may hold it
+                self._file = beside.open("w")
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError as error:
                 self.release()
                 raise DatabaseUnusable(held) from error
+            except OSError as error:
+                self.release()
+                raise DatabaseUnusable(f"database {self._engine.url!r} cannot be claimed: {error}") from error
 
     def keep(self) -> None:
         """Take it again where a server that was restarted has forgotten it. Raises DatabaseUnusable, DBAPIError."""
@@ -104,6 +108,6 @@ class Claim:
 
 
 def file_of(engine: Engine) -> Path | None:
-    """The file of an SQLite database."""
+    """The file of an SQLite database: the one to which links lead, and beside which SQLite puts its log."""
     name = engine.url.database
-    return Path(name) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None
+    return Path(os.path.realpath(name)) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None

@@ -191,7 +191,11 @@ def shown(url: str) -> str:
 def require_there(url: str) -> None:
     """Raises DatabaseUnusable where there is no such file; opening it would make an empty one."""
     path = file_of(engine_of(url))
-    if path is not None and not path.is_file():
+    try:
+        there = path is None or path.is_file()
+    except OSError as error:  # of a folder that may not be looked into
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+    if not there:
         raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
 
@@ -206,7 +210,12 @@ def engine_of(url: str) -> Engine:
 
 
 def _engine(url: str) -> Engine:
-    dialect = make_url(url).get_dialect().name
+    parsed = make_url(url)
+    dialect = parsed.get_dialect().name
+    if dialect == "sqlite" and "uri" in parsed.query:
+        raise DatabaseUnusable(
+            f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
+        )
     engine = create_engine(
         url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=written
     )

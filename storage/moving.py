@@ -3,12 +3,13 @@
 import math
 from contextlib import closing
 from itertools import zip_longest
+from pathlib import Path
 from typing import Any
 
-from sqlalchemy import JSON, Connection, MetaData, Result, Table, func, insert, select, text
+from sqlalchemy import JSON, URL, Connection, MetaData, Result, Table, func, insert, select, text
 from sqlalchemy.exc import DBAPIError
 
-from storage.claim import DatabaseUnusable
+from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of, require_there, shown
 from storage.json_text import finite
 from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
@@ -30,7 +31,7 @@ def move(source_url: str, target_url: str) -> dict[str, int]:
     """
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
-        if source.engine.url == target.engine.url:
+        if _place(source) == _place(target):
             raise NotMoved("source and target are the same database")
         source.claim()
         target.claim()
@@ -61,6 +62,11 @@ def _require_source(url: str) -> None:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
+
+
+def _place(database: Database) -> Path | URL:
+    """Where its data are; an SQLite file may go by several names."""
+    return file_of(database.engine) or database.engine.url
 
 
 def _tables() -> list[Table]:

@@ -1,6 +1,7 @@
 """What holds of SQLite only: files that are none or gone, locks of other processes, and when a transaction is on the disk."""
 
 import os
+import shutil
 import sqlite3
 import stat
 import threading
@@ -9,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from storage import machines
+from storage import backup, disk, machines
 from storage.claim import DatabaseUnusable
 from storage.database import Database
+from storage.moving import NotMoved, move
 from tests.databases import SqliteDatabases
 from tests.plant import machine, sqlite_url
 
@@ -130,3 +132,68 @@ def test_another_process_s_lock_is_waited_for(plant: Database, tmp_path: Path) -
     other.close()
     with plant.reading() as session:
         assert len(machines.every(session)) == 2
+
+
+@pytest.fixture
+def linked(plant: Database, tmp_path: Path) -> str:
+    """URL of the same database by another name, in another folder."""
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "link.db").symlink_to(plant.engine.url.database or "")
+    return sqlite_url(tmp_path / "elsewhere" / "link.db")
+
+
+def test_one_service_at_a_time_by_whatever_name(plant: Database, linked: str) -> None:
+    plant.claim()
+    second = Database(linked)
+    with pytest.raises(DatabaseUnusable, match="in use by another service"):
+        second.claim()
+    second.close()
+
+
+def test_what_a_link_leads_to_is_restored(plant: Database, linked: str, tmp_path: Path) -> None:
+    backup.back_up(linked, tmp_path / "backup")
+    with plant.transaction() as session:
+        machines.create(session, machine(id="later"))
+    plant.close()
+    backup.restore(linked, tmp_path / "backup", overwrite=True)
+    assert (tmp_path / "elsewhere" / "link.db").is_symlink()
+    restored = Database(plant.url)
+    with restored.reading() as session:
+        assert [row.id for row in machines.every(session)] == ["pump-7"]
+    restored.close()
+
+
+def test_the_room_and_the_log_are_those_of_what_a_link_leads_to(
+    plant: Database, linked: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A link may lead to another disk."""
+    asked: list[Path] = []
+    measured = shutil.disk_usage
+
+    def noted(path: Path) -> object:
+        asked.append(path)
+        return measured(path)
+
+    monkeypatch.setattr(shutil, "disk_usage", noted)
+    second = Database(linked)
+    assert disk.used(second, budget=None).data == disk.used(plant, budget=None).data
+    second.close()
+    assert asked == [Path(plant.engine.url.database or "").parent.resolve()] * 2
+
+
+def test_a_database_is_not_moved_into_itself_by_another_name(plant: Database, linked: str) -> None:
+    with pytest.raises(NotMoved, match="are the same database"):
+        move(plant.url, linked)
+
+
+def test_a_uri_of_sqlite_is_not_taken(tmp_path: Path) -> None:
+    with pytest.raises(DatabaseUnusable, match=r"`uri` is not taken: name the file itself"):
+        Database(f"sqlite:///file:{tmp_path}/rundown.db?uri=true")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_claim_that_cannot_be_laid_down_is_said(plant: Database, tmp_path: Path) -> None:
+    """A directory stands where the lock file goes."""
+    (tmp_path / "rundown.db.lock").mkdir()
+    with pytest.raises(DatabaseUnusable, match=r"cannot be claimed: .*rundown\.db\.lock"):
+        plant.claim()
