@@ -4,6 +4,7 @@ Of SQLite the file is a database of its own, made by SQLite's backup API while o
 archive of `pg_dump`. What stands beside it is written last: a backup without it is not complete.
 """
 
+import errno
 import hashlib
 import json
 import os
@@ -27,6 +28,7 @@ from storage.tables import Base
 
 FORMAT = 1
 _PIECE = 1 << 20
+_NEVER = "a backup never replaces another one"
 
 
 class BackupUnusable(RuntimeError):
@@ -51,29 +53,28 @@ def back_up(url: str, file: Path) -> Backup:
 
     Raises BackupUnusable, DatabaseUnusable.
     """
-    for path in (file, described_by(file)):
-        if path.exists():
-            raise BackupUnusable(f"{path} exists already: a backup never replaces another one")
-    with _engine(url) as engine:
-        part = file.with_name(file.name + ".part")
-        moment = datetime.now(UTC)
-        try:
-            part.touch(mode=PRIVATE, exist_ok=False)
+    if not file.name:
+        raise BackupUnusable(f"{file} is no name of a file")
+    part = file.with_name(file.name + ".part")
+    try:
+        for path in (file, described_by(file)):
+            if path.exists():
+                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        with _engine(url) as engine, _new(part):
+            moment = datetime.now(UTC)
             if engine.dialect.name == "sqlite":
                 revision, rows = _copy_sqlite(engine, part)
             else:
                 revision, rows = _dump_postgresql(engine, part)
             digest = _synced_digest(part)
             size = part.stat().st_size
-            part.rename(file)
-        except (OSError, sqlite3.Error, postgresql_archive.ToolFailed) as error:
-            raise BackupUnusable(f"{file} cannot be written: {error}") from error
-        finally:
-            part.unlink(missing_ok=True)
-    made = Backup(FORMAT, engine.dialect.name, revision, moment.isoformat(timespec="seconds"), size, digest, rows)
-    described_by(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
-    _synced_digest(described_by(file))
-    _sync_folder(file.parent)
+            made = Backup(FORMAT, engine.dialect.name, revision, moment.isoformat(timespec="seconds"), size, digest, rows)
+            _put_down(part, file, made)
+    except FileExistsError as error:
+        why = "another backup is being written to it; if none is, take it away" if error.filename == str(part) else _NEVER
+        raise BackupUnusable(f"{error.filename} exists already: {why}") from error
+    except (OSError, sqlite3.Error, postgresql_archive.ToolFailed) as error:
+        raise BackupUnusable(f"{file} cannot be written: {error}") from error
     return made
 
 
@@ -279,6 +280,27 @@ def _require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
 
 
 # --- files ----------------------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def _new(path: Path) -> Iterator[None]:
+    """A new file, empty and private, which goes again when what is done with it fails. Raises FileExistsError."""
+    path.touch(mode=PRIVATE, exist_ok=False)
+    try:
+        yield
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def _put_down(part: Path, file: Path, made: Backup) -> None:
+    """Give a backup its name, and write beside it what it is. Raises FileExistsError where somebody was faster."""
+    with _new(file):  # so that what is replaced is our own; links, which would do it in one step, not every disk has
+        part.replace(file)
+        with _new(described_by(file)):
+            described_by(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
+            _synced_digest(described_by(file))
+            _sync_folder(file.parent)
 
 
 def _synced_digest(file: Path) -> str:

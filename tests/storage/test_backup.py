@@ -1,5 +1,6 @@
 """Backups of both kinds of database, made while others write, and what is refused before anything is lost."""
 
+import errno
 import json
 import sqlite3
 import threading
@@ -284,3 +285,64 @@ def test_a_backup_that_is_not_what_it_says_leaves_what_was_there(told: Database,
     with pytest.raises(BackupUnusable, match="not restored whole: machines differ in their number of rows"):
         backup.restore(target, file, overwrite=True)
     assert contents_of(target) == before
+
+
+def test_a_backup_under_way_is_left_alone_by_a_second_one(
+    told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And what stands where it grows is nobody's to take away but its own."""
+    synced = backup._synced_digest
+    said: list[str] = []
+
+    def another_meanwhile(file: Path) -> str:
+        if file.name == "backup.part" and not said:
+            with pytest.raises(BackupUnusable) as refused:
+                backup.back_up(told.url, tmp_path / "backup")
+            said.append(str(refused.value))
+        return synced(file)
+
+    monkeypatch.setattr(backup, "_synced_digest", another_meanwhile)
+    backup.back_up(told.url, tmp_path / "backup")
+    assert len(said) == 1
+    assert "backup.part exists already: another backup is being written to it" in said[0]
+    backup.restore(target, tmp_path / "backup")
+    assert contents_of(target) == contents(told)
+
+
+@pytest.mark.parametrize("name", ["backup", "backup.json"])
+def test_what_came_in_the_meantime_is_not_replaced(
+    told: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    synced = backup._synced_digest
+
+    def written_meanwhile(file: Path) -> str:
+        (tmp_path / name).write_text("somebody else's")
+        return synced(file)
+
+    monkeypatch.setattr(backup, "_synced_digest", written_meanwhile)
+    with pytest.raises(BackupUnusable, match=rf"{name} exists already: a backup never replaces another one"):
+        backup.back_up(told.url, tmp_path / "backup")
+    assert {one.name: one.read_text() for one in tmp_path.glob("backup*")} == {name: "somebody else's"}
+
+
+def test_a_backup_that_cannot_be_described_leaves_nothing(
+    told: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "write_text", full)
+        with pytest.raises(BackupUnusable, match=r"cannot be written: .*No space left"):
+            backup.back_up(told.url, tmp_path / "backup")
+    assert list(tmp_path.glob("backup*")) == []
+
+
+@pytest.mark.parametrize("name", ["file/x", "b" * 251, "/", "loop/x"])
+def test_a_name_that_no_backup_can_have_is_said(told: Database, target: str, tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").touch()
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(BackupUnusable, match=r"cannot be written|is no name of a file"):
+        backup.back_up(told.url, tmp_path / name)
+    with pytest.raises(BackupUnusable, match=r"is no backup"):
+        backup.restore(target, tmp_path / name)
