@@ -6,7 +6,9 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from pydantic import TypeAdapter, ValidationError
 
+from estimator.machine import Identifier
 from service.ending import fail
 from service.security.principal import Role
 
@@ -17,9 +19,11 @@ key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the serv
 audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")
 
 Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; by default as for serve")]
-Days = Annotated[float, typer.Option(min=0.001, help="until it expires")]
+Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
 Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
 A_YEAR = 365.0
+SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
+"""For how many days a key may be good."""
 
 
 @key_app.command("create")
@@ -39,6 +43,9 @@ def create_key(
         fail(str(error))
     if not re.fullmatch(r"[^\x00-\x1f]{1,120}", name):
         fail("the name must have 1 to 120 characters")
+    for one in plant or ():
+        _require_plant(one)
+    _require_days("--days", days, least=SHORTEST)
     with _opened(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         until = _time(row.expires_at)
@@ -64,7 +71,7 @@ def list_keys(database: Store = None) -> None:
 @key_app.command("rotate")
 def rotate_key(
     prefix: Prefix,
-    overlap_days: Annotated[float, typer.Option(min=0, help="how long the old one is good beside the new one")] = 7.0,
+    overlap_days: Annotated[float, typer.Option(help="how long the old one is good beside the new one")] = 7.0,
     days: Days = A_YEAR,
     database: Store = None,
 ) -> None:
@@ -72,6 +79,8 @@ def rotate_key(
     from service.security import api_keys
     from storage.keys import KeyUnknown
 
+    _require_days("--days", days, least=SHORTEST)
+    _require_days("--overlap-days", overlap_days, least=0.0)
     with _opened(database) as opened:
         try:
             with opened.transaction() as session:
@@ -148,6 +157,19 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         database.close()
+
+
+def _require_plant(name: str) -> None:
+    """As a machine's document names it: a key for another name would open nothing."""
+    try:
+        TypeAdapter(Identifier).validate_python(name)
+    except ValidationError:
+        fail(f"--plant {name!r} is no plant: it must have 1 to 64 letters, digits, '_' and '-'")
+
+
+def _require_days(option: str, days: float, *, least: float) -> None:
+    if not least <= days <= A_HUNDRED_YEARS:  # what is no number is not either
+        fail(f"{option} {days:g} must be from {least:g} to {A_HUNDRED_YEARS:g} days, which is a hundred years")
 
 
 def _time(nanoseconds: int) -> str:

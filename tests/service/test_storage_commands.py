@@ -1,6 +1,7 @@
 """`rundown backup`, `restore`, `move` and `export`, run as commands on a database with a run and its identification."""
 
 import csv
+import errno
 import json
 from pathlib import Path
 
@@ -127,3 +128,36 @@ def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None
     (tmp_path / "y").mkdir()
     (tmp_path / "y" / "letter.txt").touch()
     assert "is not empty" in rundown("export", KEY.machine, str(tmp_path / "y"), "--database", told.url, status=1)
+
+
+def test_a_backup_that_cannot_be_written_or_read_ends_with_a_line(told: Database, tmp_path: Path) -> None:
+    (tmp_path / "letter").touch()
+    for name in ("letter/nightly", "n" * 251):
+        for command in ("backup", "restore"):
+            (line,) = rundown(command, str(tmp_path / name), "--database", told.url, status=1).splitlines()
+            assert line.startswith("rundown: ")
+
+
+def test_a_folder_that_may_not_be_looked_into_ends_with_a_line(told: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of which root, who may run the tests, knows nothing."""
+
+    def forbidden(path: Path) -> bool:
+        raise PermissionError(errno.EACCES, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "exists", forbidden)
+    monkeypatch.setattr(Path, "is_file", forbidden)
+    secret = sqlite_url(Path("/secret/rundown.db"))
+    for arguments in (
+        ("backup", "/secret/nightly", "--database", told.url),
+        ("move", secret, told.url),
+        ("export", "pump-7", "/secret/pump", "--database", secret),
+        ("key", "list", "--database", secret),
+    ):
+        (line,) = rundown(*arguments, status=1).splitlines()
+        assert "Permission denied" in line
+
+
+def test_a_move_from_nowhere_ends_with_a_line(tmp_path: Path) -> None:
+    said = rundown("move", sqlite_url(tmp_path / "nope.db"), sqlite_url(tmp_path / "nope2.db"), status=1)
+    assert "there is no database file" in said
+    assert list(tmp_path.iterdir()) == []
