@@ -12,6 +12,7 @@ from storage.tables import AlertEventRow, DeliveryRow, MachineRow, SubscriptionP
 
 ACTIVE, DISABLED = "active", "disabled"
 PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
+STATES = (PENDING, DELIVERED, GIVEN_UP)
 
 
 class SubscriptionUnknown(KeyError):

@@ -14,6 +14,7 @@ from storage.tables import JobRow, ReplicaRow
 
 QUEUED, RUNNING, DONE, FAILED, QUARANTINED = "queued", "running", "done", "failed", "quarantined"
 """State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""
+STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
 
 RUN, GATHERED, VARIANT = "run", "gathered", "variant"
 """Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""

@@ -16,7 +16,7 @@ from sqlalchemy.exc import DBAPIError
 from service.api.access import database
 from service.security.requirement import VIEWER
 from service.security.store import Store
-from storage import deliveries, quarantine, samples
+from storage import deliveries, jobs, quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.clock import now
 from storage.samples import Totals
@@ -124,7 +124,13 @@ async def read_metrics(request: Request) -> Response:
 def _kept(store: Store, by_state: Mapping[str, int]) -> _Kept:
     with store.reading() as session:
         totals = _bounded(samples.totals(session))
-        return _Kept(totals, quarantine.counts(session), by_state, deliveries.counts(session))
+        on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
+        return _Kept(totals, quarantine.counts(session), _of_every(jobs.STATES, by_state), on_their_way)
+
+
+def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:
+    """States in which nothing is as well: of a series that begins at 1 a monitoring system sees no rise."""
+    return dict.fromkeys(states, 0) | dict(counts)
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:

@@ -126,9 +126,11 @@ def test_prometheus_reads_the_service_and_notices_when_it_is_gone(
     expressions = [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
     # Rates need two readings.
     until(lambda: prometheus.query("rate(rundown_samples_received_total[5m])") or None, within_s=20, what="two readings")
-    empty = [one for one in expressions if not prometheus.query(one)]
-    # No job was ever asked for: there is no series to show yet.
-    assert all("rundown_identification_jobs" in one for one in empty), empty
+    assert [one for one in expressions if not prometheus.query(one)] == []
+    # What the rules look for a rise of is there before the first incident.
+    for name, state in (("identification_jobs", "failed"), ("identification_jobs", "quarantined"), ("deliveries", "given_up")):
+        found = prometheus.query(f'rundown_{name}{{state="{state}"}}')
+        assert [float(one["value"][1]) for one in found] == [0.0], (name, state)
     prometheus.query(dashboard["annotations"]["list"][0]["expr"])
 
     def rules() -> dict[str, dict[str, Any]] | None:

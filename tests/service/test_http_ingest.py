@@ -279,3 +279,14 @@ def test_metrics_do_not_grow_without_bound(http: Http, monkeypatch: pytest.Monke
     found = figures(http)
     assert found["rundown_samples_received_total", "*"] == 5
     assert not any(KEY.machine in name for name in found)
+
+
+def test_every_state_of_jobs_and_deliveries_is_counted_from_nought(http: Http) -> None:
+    """An alarm looks for a rise: of a series that is not there before the first incident there is none."""
+    found = figures(http)
+    shown = {name: value for name, value in found.items() if name[0] in ("rundown_identification_jobs", "rundown_deliveries")}
+    states = [
+        *(("rundown_identification_jobs", state) for state in ("queued", "running", "done", "failed", "quarantined")),
+        *(("rundown_deliveries", state) for state in ("pending", "delivered", "given_up")),
+    ]
+    assert shown == dict.fromkeys(states, 0)
