@@ -111,8 +111,9 @@ async def read_metrics(request: Request) -> Response:
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
     kept = _Kept()
     try:
-        by_state = await state.database_check.jobs()
-        kept = await run_in_threadpool(_kept, database(request), by_state)
+        # Only whether it answers: what the check counts is of all plants, whoever asks.
+        await state.database_check.jobs()
+        kept = await run_in_threadpool(_kept, database(request))
         gauges["rundown_database_answers"] = 1
     except (DatabaseUnusable, DBAPIError):
         gauges["rundown_database_answers"] = 0
@@ -121,11 +122,12 @@ async def read_metrics(request: Request) -> Response:
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
 
-def _kept(store: Store, by_state: Mapping[str, int]) -> _Kept:
+def _kept(store: Store) -> _Kept:
     with store.reading() as session:
         totals = _bounded(samples.totals(session))
+        by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
-        return _Kept(totals, quarantine.counts(session), _of_every(jobs.STATES, by_state), on_their_way)
+        return _Kept(totals, quarantine.counts(session), by_state, on_their_way)
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:

@@ -1,6 +1,7 @@
 """What a principal of one plant gets beyond what paths and queries name: bodies, streams, side effects, deletions."""
 
 import asyncio
+import re
 from typing import Any
 
 import pytest
@@ -9,7 +10,7 @@ from sqlalchemy import func, select, text
 from service.alerting import Finding, raise_alert
 from service.api.event_stream import stream
 from service.security.principal import Principal, Role
-from storage import deliveries, machines, quarantine
+from storage import deliveries, jobs, machines, quarantine
 from storage.database import Database
 from storage.plant_scope import NotScoped, PlantScope
 from storage.tables import AlertEventRow, Base, DeliveryRow, MachineRow, QuarantineRow, SubscriptionRow
@@ -188,3 +189,25 @@ def test_health_tells_the_unknown_no_more_than_that(api: Api, filled: Filled) ->
     }
     assert "quince" in api.ask("GET", f"{PREFIX}/health", headers=bearer(filled.keys["viewer"])).text
     assert not leaks(api.ask("GET", f"{PREFIX}/health", headers=bearer(filled.keys["own"])).text)
+
+
+def test_the_metrics_count_ones_own_plants_only(api: Api, filled: Filled) -> None:
+    """Also what is counted without naming a machine."""
+    with api.database.transaction() as session:
+        failed = jobs.ask(session, HIDDEN, scope=jobs.VARIANT, run_ids=[filled.hidden.run_id], options={"starts": 3})
+        assert failed is not None
+        jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
+
+    def counts(key: str) -> dict[str, float]:
+        told = api.ask("GET", "/metrics", headers=bearer(filled.keys[key])).text
+        assert key != "own" or not leaks(told)
+        line = r"^rundown_(identification_jobs|deliveries|rejected)\S*?\{\w+=\"(\w+)\"\} (\S+)$"
+        lines = re.findall(line, told, re.MULTILINE)
+        return {f"{name} {label}": float(value) for name, label, value in lines if float(value)}
+
+    own = counts("own")
+    assert "identification_jobs failed" not in own
+    assert (own["identification_jobs done"], counts("hidden")["identification_jobs failed"]) == (6, 1)
+    assert (counts("admin")["identification_jobs done"], counts("admin")["identification_jobs failed"]) == (12, 1)
+    assert own["deliveries pending"] == counts("hidden")["deliveries pending"] == counts("admin")["deliveries pending"] / 2
+    assert "rejected undecodable" not in own
