@@ -14,6 +14,7 @@ from prometheus_client.registry import Collector
 from sqlalchemy.exc import DBAPIError
 
 from service.api.access import database
+from service.api.operations import looked_at
 from service.security.requirement import VIEWER
 from service.security.store import Store
 from storage import deliveries, jobs, quarantine, samples
@@ -42,11 +43,12 @@ class _Kept:
 class _Figures(Collector):
     """One scrape: families of metrics from figures that were read before."""
 
-    def __init__(self, kept: _Kept, gauges: Mapping[str, float]) -> None:
+    def __init__(self, kept: _Kept, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
         self._totals = kept.totals
         self._rejected = kept.rejected
         self._by_state = kept.jobs
         self._deliveries = kept.deliveries
+        self._parts = parts
         self._gauges = gauges
 
     def collect(self) -> Iterable[Metric]:
@@ -80,6 +82,12 @@ class _Figures(Collector):
         for state, count in self._deliveries.items():
             on_their_way.add_metric([state], count)
         yield on_their_way
+        works = GaugeMetricFamily(
+            "rundown_part_ok", "1 while a part works: all of them, and samples can be taken", labels=["part"]
+        )
+        for part, words in self._parts.items():
+            works.add_metric([part], int(words == "ok"))
+        yield works
         for name, value in self._gauges.items():
             yield GaugeMetricFamily(name, _GAUGES[name], value=value)
 
@@ -109,16 +117,17 @@ async def read_metrics(request: Request) -> Response:
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
+    # Only the parts: the jobs that are counted there are of all plants, whoever asks.
+    parts, _ = await looked_at(request)
     kept = _Kept()
-    try:
-        # Only whether it answers: what the check counts is of all plants, whoever asks.
-        await state.database_check.jobs()
-        kept = await run_in_threadpool(_kept, database(request))
-        gauges["rundown_database_answers"] = 1
-    except (DatabaseUnusable, DBAPIError):
-        gauges["rundown_database_answers"] = 0
+    if parts["database"] == "ok":
+        try:
+            kept = await run_in_threadpool(_kept, database(request))
+        except (DatabaseUnusable, DBAPIError) as error:
+            parts["database"] = str(error)
+    gauges["rundown_database_answers"] = int(parts["database"] == "ok")
     registry = CollectorRegistry(auto_describe=False)
-    registry.register(_Figures(kept, gauges))
+    registry.register(_Figures(kept, parts, gauges))
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
 

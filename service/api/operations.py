@@ -24,10 +24,10 @@ ENDED = "its thread has ended"
 """What is said of a part that will not work again in this process."""
 
 
-async def _health(request: Request) -> schemas.Health:
+async def looked_at(request: Request) -> tuple[dict[str, str], dict[str, int]]:
+    """What each part says of itself, `ok` or what is wrong, the database too; and the jobs of all plants by their state."""
     parts: dict[str, str] = request.app.state.parts()
     counts: dict[str, int] = {}
-    kept = cast(Database, request.app.state.database)
     try:
         counts = await request.app.state.database_check.jobs()
         parts["database"] = "ok"
@@ -35,6 +35,12 @@ async def _health(request: Request) -> schemas.Health:
         parts["database"] = str(error)
     except DBAPIError as error:
         parts["database"] = f"the database does not answer: {error.orig}"
+    return parts, counts
+
+
+async def _health(request: Request) -> schemas.Health:
+    parts, counts = await looked_at(request)
+    kept = cast(Database, request.app.state.database)
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
     ready = healthy and parts.get("stream", "ok") == "ok"

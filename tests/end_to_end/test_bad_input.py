@@ -131,6 +131,7 @@ def test_service_without_its_router_is_healthy_but_not_ready(service: Service, t
         until(lambda: answers("/health", 200), within_s=30, what="healthy")
         assert answers("/ready", 503)
         assert "no zenoh router answers" in service.client.get("/ready").json()["parts"]["stream"]
+        assert 'rundown_part_ok{part="stream"} 0.0' in httpx.get(f"http://127.0.0.1:{service.port}/metrics").text
         with zenoh_session(listen=[router], connect=[]):
             until(lambda: answers("/ready", 200), within_s=20, what="ready once its router answers")
         ends_cleanly(serving)

@@ -290,3 +290,14 @@ def test_every_state_of_jobs_and_deliveries_is_counted_from_nought(http: Http) -
         *(("rundown_deliveries", state) for state in ("pending", "delivered", "given_up")),
     ]
     assert shown == dict.fromkeys(states, 0)
+
+
+def test_the_metrics_show_the_parts_that_readiness_names(http: Http) -> None:
+    """Also the one without which the service is healthy and not ready."""
+    for said in ("ok", "no zenoh router answers at tcp/127.0.0.1:7447 yet; trying again until one does"):
+        http.parts["stream"] = said
+        parts = http.ask("GET", "/api/v1/ready").json()["parts"]
+        shown = {name[1]: value for name, value in figures(http).items() if name[0] == "rundown_part_ok"}
+        assert shown == {name: int(words == "ok") for name, words in parts.items()}
+        assert shown["database"] == 1
+    assert shown["stream"] == 0
