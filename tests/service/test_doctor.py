@@ -1,6 +1,8 @@
 """`rundown doctor` against a real service, and against what is wrong with one."""
 
 import datetime
+import subprocess
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from service.doctor import examine
 from service.settings import Settings
 from storage.database import Database
 from tests.databases import Databases
-from tests.end_to_end.processes import Service, free_port, rundown
+from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import document, sqlite_url
 
 
@@ -110,3 +112,53 @@ def _expired(folder: Path) -> tuple[Path, Path]:
     secret.write_bytes(key.private_bytes(serialization.Encoding.PEM, pem, serialization.NoEncryption()))
     secret.chmod(0o600)
     return certificate, secret
+
+
+def _of_the_script(folder: Path) -> tuple[Path, Path]:
+    """A certificate and its key, as deploy/certificates.sh makes them: the authority stands in another file."""
+    script = ROOT / "deploy" / "certificates.sh"
+    for names in (("authority",), ("service", "127.0.0.1")):
+        subprocess.run([script, folder, *names], check=True, capture_output=True, timeout=30)
+    return folder / "service.crt", folder / "service.key"
+
+
+def _of_a_chain(folder: Path) -> tuple[Path, Path]:
+    """A certificate with the one of the authority between in one file, as public authorities give them, without the root."""
+    named = {
+        who: x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, who)]) for who in ("root", "between", "rundown.example")
+    }
+    keys = {who: ec.generate_private_key(ec.SECP256R1()) for who in named}
+    made = []
+    for number, (who, by) in enumerate((("rundown.example", "between"), ("between", "root"))):
+        day = datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=1)
+        builder = x509.CertificateBuilder(
+            named[by], named[who], keys[who].public_key(), number + 1, day, day + datetime.timedelta(days=100)
+        ).add_extension(x509.BasicConstraints(ca=who == "between", path_length=None), critical=True)
+        made.append(builder.sign(keys[by], hashes.SHA256()).public_bytes(serialization.Encoding.PEM))
+    certificate, secret = folder / "chain.crt", folder / "chain.key"
+    certificate.write_bytes(b"".join(made))
+    pem = serialization.PrivateFormat.PKCS8
+    secret.write_bytes(keys["rundown.example"].private_bytes(serialization.Encoding.PEM, pem, serialization.NoEncryption()))
+    secret.chmod(0o600)
+    return certificate, secret
+
+
+@pytest.mark.parametrize("made", [_of_the_script, _of_a_chain])
+def test_a_service_over_tls_is_found_to_answer(tmp_path: Path, made: Callable[[Path], tuple[Path, Path]]) -> None:
+    certificate, key = made(tmp_path)
+    service = Service(tmp_path, RUNDOWN_TLS_CERTIFICATE=str(certificate), RUNDOWN_TLS_KEY=str(key))
+    with service.started() as started:
+
+        def ready() -> bool:
+            assert started.poll() is None, service.log.read_text()
+            return "ready: https" in service.log.read_text()
+
+        until(ready, within_s=30, what="the service is ready")
+        chosen = settings(service, tls_certificate=str(certificate), tls_key=str(key))
+        until(lambda: "does not answer: [Errno" not in found(chosen)["API"][1], within_s=20, what="it listens")
+        told = found(chosen)
+        assert told["API"] == ("ok", f"https://127.0.0.1:{service.port} answers")
+        others, secret = _expired(tmp_path)
+        strange = found(settings(service, tls_certificate=str(others), tls_key=str(secret)))
+        assert strange["API"][0] == "wrong"
+    service.client.close()
