@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from collections.abc import Callable
 
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
@@ -45,7 +46,9 @@ class Housekeeping:
         self._said = ""
         self._level = 0
         self.trouble: str | None = None
-        """Why the last round was not finished."""
+        """Why the last round was not finished; it stands until one is."""
+        self.unseen: str | None = None
+        """Why the last look did not show how much room is left."""
         self.released_blocks = self.released_runs = 0
         """Since the start."""
 
@@ -68,7 +71,8 @@ class Housekeeping:
     def warnings(self) -> list[str]:
         """What is to be said of the room, and why the store is not kept in bounds."""
         hindered = [f"old samples are not let go of: {self.trouble}"] if self.trouble else []
-        return [*([self._said] if self._said else []), *hindered]
+        blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
+        return [*([self._said] if self._said else []), *hindered, *blind]
 
     @property
     def gauges(self) -> dict[str, float]:
@@ -76,14 +80,17 @@ class Housekeeping:
         found: dict[str, float] = {
             "rundown_released_sample_blocks": self.released_blocks,
             "rundown_released_runs": self.released_runs,
-            "rundown_housekeeping_working": int(self.trouble is None),
+            "rundown_housekeeping_working": int(self.trouble is None and self.unseen is None),
         }
-        if self._use is not None:
-            found |= {"rundown_database_bytes": self._use.data, "rundown_disk_used_ratio": self._use.part}
-            if self._use.free is not None:
-                found["rundown_disk_free_bytes"] = self._use.free
-            if self._use.budget is not None:
-                found["rundown_disk_budget_bytes"] = self._use.budget
+        use = self._use
+        if use is not None:
+            found["rundown_database_bytes"] = use.data
+            known = {
+                "rundown_disk_used_ratio": use.part,
+                "rundown_disk_free_bytes": use.free,
+                "rundown_disk_budget_bytes": use.budget,
+            }
+            found |= {name: value for name, value in known.items() if value is not None}
         return found
 
     def round(self) -> None:
@@ -105,19 +112,12 @@ class Housekeeping:
         while not self._stop.wait(pause):
             pause = LOOK_S
             give_back()
-            try:
-                self._look()
-                if time.monotonic() >= next_round and self._share.leads(RETENTION):
-                    next_round = time.monotonic() + INTERVAL_S
-                    self.round()
-                self.trouble = None
-            except DBAPIError as error:
-                self.trouble = str(error.orig)
-                logger.warning("housekeeping is put off: %s", error.orig)
-            except Exception as error:
-                # The next round may do better, and nothing else depends on this one.
-                self.trouble = f"{type(error).__name__}: {error}"
-                logger.exception("unexpected error in housekeeping")
+            self.unseen = _tried(self._look)
+            if not self._share.leads(RETENTION):
+                self.trouble = None  # it is another replica's
+            elif time.monotonic() >= next_round:
+                next_round = time.monotonic() + INTERVAL_S
+                self.trouble = _tried(self.round)
 
     def _release_blocks(self, machine_id: str) -> None:
         while not self._stop.wait(PAUSE_S):
@@ -148,21 +148,38 @@ class Housekeeping:
     def _look(self) -> None:
         """See how much room is left, and say when that has become too little."""
         budget = int(self._settings.disk_budget_gb * 1e9) or None
+        found = None  # old figures would look like good ones
         try:
-            self._use = disk.used(self._database, budget=budget)
+            found = disk.used(self._database, budget=budget)
         except OSError as error:
             raise RuntimeError(f"the disk cannot be looked at: {error}") from error
-        self._said = warning(self._use)
-        before, self._level = self._level, sum(self._use.part >= part for part in (TIGHT, FULL))
+        finally:
+            self._use = found
+        self._said = warning(found)
+        used = found.part or 0.0
+        before, self._level = self._level, sum(used >= part for part in (TIGHT, FULL))
         if self._level > before:
             logger.warning(self._said)
         elif self._level < before:
-            logger.info("there is more room on the disk again: %.0f %% are used", 100 * self._use.part)
+            logger.info("there is more room on the disk again: %.0f %% are used", 100 * used)
+
+
+def _tried(work: Callable[[], None]) -> str | None:
+    """Do it; returns why it was not finished. The next time may do better, and nothing else depends on this one."""
+    try:
+        work()
+    except DBAPIError as error:
+        logger.warning("housekeeping is put off: %s", error.orig)
+        return str(error.orig)
+    except Exception as error:
+        logger.exception("unexpected error in housekeeping")
+        return f"{type(error).__name__}: {error}"
+    return None
 
 
 def warning(use: DiskUse) -> str:
     """What is to be said of the room; empty where there is enough."""
-    if use.part < TIGHT:
+    if use.part is None or use.part < TIGHT:
         return ""
     urgent = "nearly full: samples will soon not be stored" if use.part >= FULL else "filling"
     left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free on its disk"

@@ -1,5 +1,6 @@
 """Retention: what is old enough is let go of and nothing that is needed; and what is said of the room on the disk."""
 
+import time
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from service.housekeeping import DAY_NS, Housekeeping, warning
 from service.identifying import _earlier
 from service.journal import Journal
 from service.settings import Settings
+from service.sharing import Whole
 from storage import baselines, disk, identifications, jobs, machines, retention, runs
 from storage.database import Database
 from storage.disk import DiskUse
@@ -309,3 +311,71 @@ def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: 
     assert one.alive
     one.stop()
     assert not one.alive
+
+
+def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Looks at the disk in between, which succeed, say nothing of retention."""
+    monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
+    monkeypatch.setattr(housekeeping, "INTERVAL_S", 1.0)
+    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
+    one.start()
+    wait_until(lambda: one.trouble is not None, seconds=30)
+    began = time.monotonic()
+    while time.monotonic() < began + 0.5:
+        assert one.gauges["rundown_housekeeping_working"] == 0
+        time.sleep(0.005)
+    assert one.unseen is None
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
+    assert any(words.startswith("old samples are not let go of") for words in api.value("/health")["warnings"])
+    wait_until(lambda: one.trouble is None, seconds=30)
+    assert one.gauges["rundown_housekeeping_working"] == 1
+    one.stop()
+
+
+class _Elsewhere(Whole):
+    """The share of a replica that does what one does for all at first, and then another one does it."""
+
+    leading = True
+
+    def leads(self, work: str) -> bool:  # noqa: ARG002
+        """As told."""
+        return self.leading
+
+
+def test_what_hindered_it_is_forgotten_where_another_replica_does_it(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
+    share = _Elsewhere()
+    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30), share)
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
+    one.start()
+    wait_until(lambda: one.trouble is not None, seconds=30)
+    share.leading = False
+    wait_until(lambda: one.trouble is None, seconds=30)
+    one.stop()
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
+
+
+def test_what_cannot_be_looked_at_is_told_apart_from_retention(
+    plant: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if plant.kind != "sqlite":
+        pytest.skip("a server's disk is not looked at")
+    monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
+    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    one.start()
+    wait_until(lambda: "rundown_disk_used_ratio" in one.gauges, seconds=30)
+    away = tmp_path.rename(tmp_path.with_name("away"))
+    wait_until(lambda: one.unseen is not None, seconds=30)
+    assert one.gauges["rundown_housekeeping_working"] == 0
+    assert "how much room is left cannot be told: RuntimeError: the disk cannot be looked at" in one.warnings[0]
+    assert "rundown_disk_used_ratio" not in one.gauges
+    away.rename(tmp_path)
+    wait_until(lambda: one.unseen is None, seconds=30)
+    assert one.gauges["rundown_housekeeping_working"] == 1
+    one.stop()
