@@ -54,13 +54,17 @@ def move(
     from storage.moving import move as move_data
 
     try:
-        rows = move_data(source, target)
+        moved = move_data(source, target)
     except (NotMoved, DatabaseUnusable) as error:
         fail(str(error))
     except DBAPIError as error:
         fail(f"the data were not taken over, the new database is empty: {error.orig}")
-    for name, count in rows.items():
+    for name, count in moved.rows.items():
         typer.echo(f"{name:24s} {count:12d}")
+    for name, count in moved.escaped.items():
+        typer.echo(
+            f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled"
+        )
     typer.echo("all of them compared: the same on both sides")
 
 

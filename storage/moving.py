@@ -1,17 +1,23 @@
-"""Taking all data over from one database to another, of whatever kind: all of them, compared in the end, or none."""
+"""Taking all data over from one database to another, of whatever kind: all of them, compared in the end, or none.
+
+Older releases let NUL into texts, which SQLite keeps and PostgreSQL cannot: there it is escaped (`storage.plain_text`).
+"""
 
 import math
+from collections import Counter
 from contextlib import closing
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import JSON, URL, Connection, MetaData, Result, Table, func, insert, select, text
+from sqlalchemy import JSON, URL, Column, Connection, MetaData, Result, Table, func, insert, select, text
 from sqlalchemy.exc import DBAPIError
 
 from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of, require_there, shown
 from storage.json_text import finite
+from storage.plain_text import nul_escaped
 from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
 from storage.tables import Base
 
@@ -23,8 +29,16 @@ class NotMoved(RuntimeError):
     """The data were not taken over and the target is as it was; the message says why."""
 
 
-def move(source_url: str, target_url: str) -> dict[str, int]:
-    """Take over everything into a database that holds no data; returns the rows of each table.
+@dataclass(frozen=True)
+class Moved:
+    """What was taken over. rows: of each table; escaped: texts in which NUL was escaped, of each `table.column` with any."""
+
+    rows: dict[str, int]
+    escaped: dict[str, int]
+
+
+def move(source_url: str, target_url: str) -> Moved:
+    """Take over everything into a database that holds no data.
 
     The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also where there is no
     source, and while a service uses one of them.
@@ -43,12 +57,13 @@ def move(source_url: str, target_url: str) -> dict[str, int]:
             if held:
                 raise NotMoved(f"database {shown(target_url)} holds {held} rows: it must be a new one")
             tables = _tables()
+            escaped: Counter[str] = Counter()
             for table in tables:
-                _copy(table, reading, writing)
+                escaped += _copy(table, reading, writing)
             found = {table.name: _compared(table, reading, writing) for table in tables}
             for table in tables:
                 _go_on_counting(table, reading, writing)
-        return found
+        return Moved(found, dict(escaped))
 
 
 def _require_source(url: str) -> None:
@@ -99,11 +114,43 @@ def _values(table: Table, row: Any) -> tuple[Any, ...]:
     return tuple(found)
 
 
-def _copy(table: Table, reading: Connection, writing: Connection) -> None:
+def _copy(table: Table, reading: Connection, writing: Connection) -> Counter[str]:
+    """Returns in how many texts NUL was escaped."""
     names = [column.name for column in table.columns]
+    escaped: Counter[str] = Counter()
     with _rows(table, reading) as rows:
         for part in rows.partitions():
-            writing.execute(insert(table), [dict(zip(names, _values(table, row), strict=True)) for row in part])
+            taken = [_values(table, row) for row in part]
+            stored = [_storable(table, row, writing) for row in taken]
+            for i, name in enumerate(names):
+                changed = sum(isinstance(old[i], str) and old[i] != new[i] for old, new in zip(taken, stored, strict=True))
+                escaped += Counter({f"{table.name}.{name}": changed})
+            writing.execute(insert(table), [dict(zip(names, row, strict=True)) for row in stored])
+    return escaped
+
+
+def _storable(table: Table, values: tuple[Any, ...], writing: Connection) -> tuple[Any, ...]:
+    """Values as the target can hold them. Raises NotMoved where a text is too long then."""
+    if writing.dialect.name != "postgresql":
+        return values
+    return tuple(
+        _escaped(table, column, one, values) if isinstance(one, str) and "\0" in one else one
+        for column, one in zip(table.columns, values, strict=True)
+    )
+
+
+def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ...]) -> str:
+    if isinstance(column.type, JSON):  # its text has escapes of its own
+        return text
+    found = nul_escaped(text)
+    longest = getattr(column.type, "length", None)
+    if longest is not None and len(found) > longest:
+        keys = ", ".join(str(one) for key, one in zip(table.columns, values, strict=True) if key.primary_key)
+        raise NotMoved(
+            f"{table.name} ({keys}): {column.name} holds NUL, which PostgreSQL cannot, and with it escaped would have "
+            f"{len(found)} characters, of which {longest} are allowed: shorten it in the source"
+        )
+    return found
 
 
 def _compared(table: Table, reading: Connection, writing: Connection) -> int:
@@ -111,16 +158,17 @@ def _compared(table: Table, reading: Connection, writing: Connection) -> int:
     count = 0
     with _rows(table, reading) as before, _rows(table, writing) as after:
         for old, new in zip_longest(before, after):
-            if old is None or new is None or _comparable(table, old) != _comparable(table, new):
+            if old is None or new is None or _comparable(table, old, writing) != _comparable(table, new, writing):
                 keys = ", ".join(str((old or new)._mapping[column.name]) for column in table.primary_key.columns)
                 raise NotMoved(f"{table.name} ({keys}) was not taken over as it was")
             count += 1
     return count
 
 
-def _comparable(table: Table, row: Any) -> list[Any]:
-    """Values of which each equals itself: SQLite has no NaN, there is NULL in its place."""
-    return [None if isinstance(value, float) and math.isnan(value) else value for value in _values(table, row)]
+def _comparable(table: Table, row: Any, writing: Connection) -> list[Any]:
+    """Values of which each equals itself: SQLite has no NaN, there is NULL in its place, and PostgreSQL has no NUL."""
+    values = _storable(table, _values(table, row), writing)
+    return [None if isinstance(value, float) and math.isnan(value) else value for value in values]
 
 
 def _go_on_counting(table: Table, reading: Connection, writing: Connection) -> None:

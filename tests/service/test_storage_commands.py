@@ -16,6 +16,7 @@ from storage import machines, runs
 from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.database import Database
+from storage.tables import TimelineRow
 from tests.databases import Databases
 from tests.plant import CHANNELS, KEY, START, identification, machine, samples, sqlite_url, store_identification
 
@@ -161,3 +162,15 @@ def test_a_move_from_nowhere_ends_with_a_line(tmp_path: Path) -> None:
     said = rundown("move", sqlite_url(tmp_path / "nope.db"), sqlite_url(tmp_path / "nope2.db"), status=1)
     assert "there is no database file" in said
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_move_says_where_nul_was_escaped(databases: Databases, tmp_path: Path) -> None:
+    source = Database(sqlite_url(tmp_path / "source.db"))
+    with source.transaction() as session:
+        machines.create(session, machine())
+        session.add(TimelineRow(machine_id=KEY.machine, at=START, kind="note", text="a\0b", by="x", created_at=START))
+    source.close()
+    target = databases.new(tmp_path / "nul_target.db")
+    said = rundown("move", source.url, target)
+    assert ("timeline.text: NUL in 1 texts, which PostgreSQL cannot hold, is \\x00 there" in said) == ("postgresql" in target)
+    databases.drop(target)

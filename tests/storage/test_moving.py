@@ -11,12 +11,13 @@ import pytest
 from sqlalchemy import JSON, Float, create_engine, delete, insert, inspect, select, text, update
 from sqlalchemy.exc import IntegrityError
 
-from storage import machines, quarantine, replicas
+from storage import audit, machines, quarantine, replicas
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from storage.moving import NotMoved, move
+from storage.plain_text import nul_back
 from storage.quarantine import Rejection
-from storage.tables import AlertRow, QuarantineRow, RunRow
+from storage.tables import AlertRow, AuditHeadRow, AuditRow, QuarantineRow, RunRow, TimelineRow
 from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection
@@ -60,7 +61,7 @@ def contents(url: str) -> dict[str, list[Any]]:
 
 def test_every_table_is_taken_over(full: Database, target: str) -> None:
     expected = contents(full.url)
-    assert move(full.url, target) == dict.fromkeys((table.name for table in TABLES), ROWS)
+    assert move(full.url, target).rows == dict.fromkeys((table.name for table in TABLES), ROWS)
     found = contents(target)
     for name, rows in expected.items():
         # SQLite keeps a truth as a number, which is shown as one only where it is the answer to a question.
@@ -202,3 +203,86 @@ def test_a_source_that_holds_nothing_of_ours_is_left_alone(databases: Databases,
     assert inspect(opened).get_table_names() == []
     opened.dispose()
     databases.drop(empty)
+
+
+OLD_TARGETS = ("/api/v1/machines/a\0b", "C:\\x00 \0", "\\\0\\\\", "C:\\x00")
+
+
+def audited(database: Database, *targets: str, who: str = "anna") -> None:
+    """As a release wrote it that let every character in."""
+    with database.transaction() as session:
+        for target in targets:
+            number, before = audit.head(session)
+            row = AuditRow(
+                number=number + 1, at=START, who=who, address="", operation="x", target=target, outcome="", previous=before
+            )
+            row.hash = audit.digest(row)
+            session.add(row)
+            session.merge(AuditHeadRow(id=audit.HEAD, number=row.number, hash=row.hash))
+            session.flush()
+
+
+@pytest.fixture
+def with_nul(tmp_path: Path) -> Iterator[Database]:
+    """Only SQLite holds it."""
+    one = Database(sqlite_url(tmp_path / "with_nul.db"))
+    with one.transaction() as session:
+        machines.create(session, machine())
+        session.add(TimelineRow(machine_id="pump-7", at=START, kind="note", text="two\nlines\0", by="x", created_at=START))
+    audited(one, *OLD_TARGETS)
+    yield one
+    one.close()
+
+
+def test_nul_in_a_text_is_escaped_where_it_cannot_be_and_the_audit_trail_holds(
+    with_nul: Database, target: str, tmp_path: Path
+) -> None:
+    moved = move(with_nul.url, target)
+    assert moved.rows["audit"] == len(OLD_TARGETS)
+    to_postgresql = target.startswith("postgresql")
+    assert moved.escaped == ({"audit.target": 3, "timeline.text": 1} if to_postgresql else {})
+    move(target, back := sqlite_url(tmp_path / "back.db"))
+    for url in (target, back):
+        opened = Database(url)
+        with opened.reading() as session:
+            assert audit.verify(session, known=audit.head(session)) == []
+            texts = session.scalars(select(AuditRow.target).order_by(AuditRow.number)).all()
+            note = session.scalars(select(TimelineRow.text)).one()
+        opened.close()
+        if to_postgresql:
+            assert texts[0] == "/api/v1/machines/a\\x00b"
+            assert note == "two\nlines\\x00"
+            assert tuple(map(nul_back, texts[:3])) == OLD_TARGETS[:3]
+        else:
+            assert (tuple(texts), note) == (OLD_TARGETS, "two\nlines\0")
+
+
+def test_nul_in_json_is_taken_over_as_it_is(full: Database, target: str) -> None:
+    with full.transaction() as session:
+        session.execute(update(AlertRow).where(AlertRow.id == 1).values(evidence={"said": "a\0b"}))
+    assert move(full.url, target).escaped == {}
+    opened = Database(target)
+    with opened.reading() as session:
+        assert session.scalars(select(AlertRow.evidence).where(AlertRow.id == 1)).one() == {"said": "a\0b"}
+    opened.close()
+
+
+def test_an_entry_that_was_changed_behind_the_move_is_found(with_nul: Database, tmp_path: Path) -> None:
+    move(with_nul.url, url := sqlite_url(tmp_path / "changed.db"))
+    opened = Database(url)
+    with opened.transaction() as session:
+        session.execute(text("DROP TRIGGER audit_no_update"))
+        session.execute(update(AuditRow).where(AuditRow.number == 2).values(target="C:\\x00 \\x00"))
+    with opened.reading() as session:
+        assert [(one.number, one.reason) for one in audit.verify(session)] == [(2, "was changed")]
+    opened.close()
+
+
+def test_a_text_that_is_too_long_with_nul_escaped_is_named(with_nul: Database, target: str) -> None:
+    audited(with_nul, "", who="\0" + 199 * "x")
+    if not target.startswith("postgresql"):
+        assert move(with_nul.url, target).escaped == {}
+        return
+    with pytest.raises(NotMoved, match=r"audit \(5\): who holds NUL, .* 203 characters, of which 200 are allowed: shorten it"):
+        move(with_nul.url, target)
+    assert all(rows == [] for rows in contents(target).values())
