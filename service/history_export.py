@@ -1,4 +1,4 @@
-"""All that is known of a machine as CSV and Parquet files, with `columns.json` beside them saying what each column means."""
+"""A machine's history as CSV and Parquet files, with `columns.json` beside them saying what each column means."""
 
 import json
 from collections.abc import Iterator, Sequence
@@ -19,12 +19,20 @@ from storage.tables import (
     AlertEventRow,
     AlertRow,
     Base,
+    BaselineRow,
+    CalibrationRow,
     DerivedRow,
+    DiagnosisRow,
     EstimateRow,
     IdentificationRow,
+    LimitsRow,
     MachineRow,
+    MachineStateRow,
     RevisionRow,
     RunRow,
+    SlowRollRow,
+    SuppressionRow,
+    TimelineRow,
 )
 
 AT_ONCE = 1_000
@@ -36,6 +44,7 @@ _BOUNDS = (
     Column("lower", "number", "lower end of the 95 % interval", "see unit"),
     Column("upper", "number", "upper end of the 95 % interval", "see unit"),
 )
+_BY = (Column("by", "text", "who said it"), Column("created_at", "time", "when it was stored"))
 IDENTIFICATIONS = (
     Column("id", "integer", "number of the identification"),
     Column("revision", "integer", "revision of the machine's document that it was made with"),
@@ -117,6 +126,75 @@ RUNS = (
     Column("speed_maximum", "number", "highest speed", "rad/s"),
     Column("count", "integer", "samples"),
 )
+DIAGNOSES = (
+    _ID,
+    _MEASURED,
+    Column("made_at", "time", "when it was made"),
+    Column("baseline", "text", "numbers of the identifications that it was compared with, as JSON"),
+    Column("runs", "integer", "how many runs were looked at together"),
+    Column("causes", "text", "what may be the cause, and why, as JSON"),
+)
+BASELINES = (
+    Column("id", "integer", "number of the baseline"),
+    Column("since", "time", "it holds for what was measured from then on, until the next one"),
+    Column(
+        "identification_ids",
+        "text",
+        "identifications that were chosen, as JSON; where there are none, it is the first ones from then on",
+    ),
+    Column("reason", "text", "why it was set"),
+    *_BY,
+)
+TIMELINE = (
+    Column("id", "integer", "number of the note"),
+    Column("at", "time", "what moment it is of"),
+    Column("kind", "text", "note, maintenance or marker"),
+    Column("text", "text", "what it says"),
+    *_BY,
+)
+SUPPRESSIONS = (
+    Column("id", "integer", "number of the suppression"),
+    Column("kind", "text", "shelved, suppressed_by_design or out_of_service"),
+    Column("rule", "text", "only of this rule, where there is one"),
+    Column("element", "text", "only of this element, where there is one"),
+    Column("since", "time", "when it began"),
+    Column("until", "time", "when it ends by itself"),
+    Column("by", "text", "who did it"),
+    Column("comment", "text", "what they said"),
+    Column("ended_at", "time", "when it ended"),
+    Column("ended_by", "text", "who ended it"),
+)
+LIMITS = (
+    Column("version", "integer", "version of the limits; the newest is in force"),
+    Column("document", "text", "the limits, as JSON"),
+    Column("at", "time", "when they were set"),
+    Column("by", "text", "who set them"),
+    Column("comment", "text", "what they said"),
+)
+CALIBRATIONS = (
+    Column("id", "integer", "number of the calibration"),
+    Column("channel", "text", "channel that was calibrated"),
+    Column("at", "time", "when it was"),
+    Column("certificate", "text", "what the certificate says"),
+    *_BY,
+)
+STATES = (
+    Column("since", "time", "from when on, until the next row"),
+    Column("mode", "text", "what the machine did"),
+    Column("speed", "number", "speed of rotation", "rad/s"),
+)
+SLOW_ROLL = (
+    Column("version", "integer", "version of the slow-roll vectors"),
+    Column("created_at", "time", "when they were stored"),
+    Column("origin", "text", "given or captured"),
+    Column("direction", "integer", "sense of rotation, +1 or -1"),
+    Column("vectors", "text", "of each channel, as JSON", "m"),
+    Column("speed_minimum", "number", "lowest speed that they were measured at", "rad/s"),
+    Column("speed_maximum", "number", "highest speed that they were measured at", "rad/s"),
+    Column("time_first", "time", "first sample that they were made from"),
+    Column("time_last", "time", "last sample that they were made from"),
+    Column("comment", "text", "what was said of them"),
+)
 _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...] = (
     ("identifications", IDENTIFICATIONS, IdentificationRow, ("measured_at", "id")),
     ("trends", TRENDS, EstimateRow, ("parameter", "measured_at", "identification_id")),
@@ -124,12 +202,23 @@ _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...]
     ("alerts", ALERTS, AlertRow, ("id",)),
     ("alert_events", ALERT_EVENTS, AlertEventRow, ("alert_id", "number")),
     ("runs", RUNS, RunRow, ("time_first", "id")),
+    ("states", STATES, MachineStateRow, ("since", "id")),
+    ("diagnoses", DIAGNOSES, DiagnosisRow, ("measured_at", "identification_id")),
+    ("baselines", BASELINES, BaselineRow, ("id",)),
+    ("timeline", TIMELINE, TimelineRow, ("at", "id")),
+    ("suppressions", SUPPRESSIONS, SuppressionRow, ("id",)),
+    ("limits", LIMITS, LimitsRow, ("version",)),
+    ("calibrations", CALIBRATIONS, CalibrationRow, ("at", "id")),
+    ("slow_roll_vectors", SLOW_ROLL, SlowRollRow, ("version",)),
 )
 """File, columns, what they are read from, and the order of the rows."""
 
 
 def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
-    """Write everything that is known of a machine into a new or empty folder, as of one moment; returns the rows of each file.
+    """Write a machine's history into a new or empty folder, as of one moment; returns the rows of each file.
+
+    That is its documents, the samples of its runs, what was found and said of it; not samples that belong to no run, nor what
+    is needed only to repeat an identification.
 
     Raises MachineUnknown, ParquetMissing, OSError.
     """

@@ -73,7 +73,11 @@ def export(
     folder: Annotated[Path, typer.Argument(help="new or empty folder")],
     database: DatabaseUrl = None,
 ) -> None:
-    """Write all that is known of a machine as CSV and Parquet; columns.json says what each column means."""
+    """Write a machine's history as CSV and Parquet; columns.json says what each column means.
+
+    Identifications, trends, derived quantities, diagnoses, baselines, alerts and their events, suppressions, limits, the
+    timeline, calibrations, slow-roll vectors, what it did when, runs and their samples, and the machine's documents.
+    """
     from service.column_files import ParquetMissing
     from service.history_export import export as export_history
     from storage.claim import DatabaseUnusable

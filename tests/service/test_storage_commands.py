@@ -8,19 +8,41 @@ from pathlib import Path
 import numpy as np
 import pytest
 from arro3.io import read_parquet
+from sqlalchemy import select
 from typer.testing import CliRunner
 
 from service.alerting import Finding, raise_alert
 from service.cli import app
-from storage import machines, runs
+from storage import calibrations, limits, machines, runs, suppressions
 from storage.blocks import Samples
 from storage.clock import to_datetime
 from storage.database import Database
-from storage.tables import TimelineRow
+from storage.tables import (
+    Base,
+    BaselineRow,
+    CalibrationRow,
+    DiagnosisRow,
+    LimitsRow,
+    MachineStateRow,
+    SlowRollRow,
+    SuppressionRow,
+    TimelineRow,
+)
 from tests.databases import Databases
 from tests.plant import CHANNELS, KEY, START, identification, machine, samples, sqlite_url, store_identification
 
 COUNT = 1234
+SAID: dict[str, type[Base]] = {
+    "diagnoses": DiagnosisRow,
+    "baselines": BaselineRow,
+    "timeline": TimelineRow,
+    "suppressions": SuppressionRow,
+    "limits": LimitsRow,
+    "calibrations": CalibrationRow,
+    "slow_roll_vectors": SlowRollRow,
+    "states": MachineStateRow,
+}
+"""Files of what was said of a machine and done with it, and what they are read from."""
 
 
 def rundown(*arguments: str, status: int = 0) -> str:
@@ -91,6 +113,7 @@ def test_a_machine_s_history_is_exported(told: Database, held: Samples, tmp_path
         "runs",
         "samples-1",
         "samples-2",
+        *SAID,
     } == columns.keys()
     check_samples(tmp_path / "pump", held)
     assert json.loads((tmp_path / "pump" / "machine-2.json").read_text())["conditions"][0]["name"] == "load"
@@ -174,3 +197,46 @@ def test_a_move_says_where_nul_was_escaped(databases: Databases, tmp_path: Path)
     said = rundown("move", source.url, target)
     assert ("timeline.text: NUL in 1 texts, which PostgreSQL cannot hold, is \\x00 there" in said) == ("postgresql" in target)
     databases.drop(target)
+
+
+def test_what_was_said_of_a_machine_is_exported_and_nothing_of_others(told: Database, tmp_path: Path) -> None:
+    with told.transaction() as session:
+        for of, number in ((KEY.machine, 1), ("other", 2)):
+            session.add(
+                BaselineRow(machine_id=of, since=START, identification_ids=[1], reason="new", by="x", created_at=START)
+            )
+            session.add(TimelineRow(machine_id=of, at=START, kind="note", text="a, b\nö", by="x", created_at=START))
+            suppressions.add(session, of, kind="shelved", rule="misalignment", element=None, until=None, by="x", comment="why")
+            limits.add(session, of, document={"deep": [1.5]}, by="x", comment="")
+            calibrations.add(session, of, channel="DE-x", at=START, certificate="no. 7", by="x")
+            vectors = {"DE-x": {"refused": "none"}}
+            kept = SlowRollRow(machine_id=of, version=1, created_at=START, origin="given", direction=1, vectors=vectors)
+            kept.comment = ""
+            session.add(kept)
+            session.add(MachineStateRow(machine_id=of, since=START, mode="stopped", speed=None))
+            session.add(
+                DiagnosisRow(
+                    identification_id=number,
+                    machine_id=of,
+                    measured_at=START,
+                    made_at=START,
+                    baseline=[1],
+                    runs=1,
+                    causes=[{"cause": "wear"}],
+                )
+            )
+    rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    described = json.loads((tmp_path / "pump" / "columns.json").read_text())["files"]
+    for name, table in SAID.items():
+        with (tmp_path / "pump" / f"{name}.csv").open(newline="") as file:
+            (row,) = csv.DictReader(file)
+        with told.reading() as session:
+            stored = session.scalars(select(table).where(table.__table__.c.machine_id == KEY.machine)).one()
+            for column in described[name]:
+                value = getattr(stored, "identification_id" if column["name"] == "identification" else column["name"])
+                if column["kind"] == "text":
+                    value = value if value is None or isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+                assert same(row[column["name"]], value, column["kind"]), (name, column)
+                assert (row[column["name"]] == "") == (value in (None, "")), (name, column)
+        left_out = {one.name for one in table.__table__.columns} - {one["name"] for one in described[name]}
+        assert left_out <= {"id", "machine_id", "identification_id"}, name
