@@ -115,8 +115,13 @@ def _room(settings: Settings) -> Iterator[Finding]:
         yield Finding("warning", "room", f"cannot be told: {error}")
         return
     left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free"
+    taken = f"the data take {use.data / 1e9:.2f} GB{left}"
+    if use.part is None:
+        unseen = "how much room they have is not seen from here, and disk_budget_gb is not set"
+        yield Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
+        return
     level: Level = "ok" if use.part < FULL else "warning"
-    yield Finding(level, "room", f"the data take {use.data / 1e9:.2f} GB{left}; {100 * use.part:.0f} % of the room are used")
+    yield Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
 
 
 def _certificates(settings: Settings) -> Iterator[Finding]:

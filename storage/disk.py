@@ -27,14 +27,17 @@ class DiskUse:
     budget: int | None
 
     @property
-    def part(self) -> float:
-        """How much of the room is used, from 0 to 1: of the budget or of the file system, whichever is nearer to its end."""
-        parts = [0.0]
+    def part(self) -> float | None:
+        """How much of the room is used, from 0 to 1: of the budget or of the file system, whichever is nearer to its end.
+
+        None where neither is known.
+        """
+        parts = []
         if self.budget:
             parts.append(self.data / self.budget)
         if self.free is not None and self.total:
             parts.append(1.0 - self.free / self.total)
-        return max(parts)
+        return max(parts, default=None)
 
 
 def used(database: Database, *, budget: int | None) -> DiskUse:

@@ -158,3 +158,17 @@ def test_prometheus_and_alertmanager_take_their_files(tmp_path: Path) -> None:
     subprocess.run(
         ["amtool", "check-config", str(COMPOSE.parent / "alertmanager/alertmanager.yml")], check=True, capture_output=True
     )
+
+
+def container_settings(where: str) -> dict[str, str]:
+    """What the service is told in containers; where compose asks the environment, what it takes without an answer there."""
+    told = compose()["x-settings"] if where == "compose" else manifests()[0]["data"]
+    return {name: re.sub(r"\$\{\w+:-(.*?)\}", r"\1", value) for name, value in told.items()}
+
+
+@pytest.mark.parametrize("where", ["compose", "kubernetes"])
+def test_containers_know_how_large_the_database_may_become(where: str) -> None:
+    """Of PostgreSQL nothing else is known, and RundownDiskTight could not fire."""
+    told = container_settings(where)
+    assert told["RUNDOWN_DATABASE_FILE"].startswith("/run/secrets/")
+    assert Settings(disk_budget_gb=float(told["RUNDOWN_DISK_BUDGET_GB"])).disk_budget_gb > 0

@@ -14,6 +14,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from service.doctor import examine
 from service.settings import Settings
 from storage.database import Database
+from tests.conftest import Stores
 from tests.databases import Databases
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import document, sqlite_url
@@ -162,3 +163,15 @@ def test_a_service_over_tls_is_found_to_answer(tmp_path: Path, made: Callable[[P
         strange = found(settings(service, tls_certificate=str(others), tls_key=str(secret)))
         assert strange["API"][0] == "wrong"
     service.client.close()
+
+
+def test_room_that_nothing_is_known_of_is_warned_of(stores: Stores, tmp_path: Path) -> None:
+    """The disk of a server of databases is not seen: without a budget there is nothing to be near the end of."""
+    database = stores.databases("postgresql").copy(stores.empty("postgresql"), tmp_path / "unused")
+    chosen = Settings(database=database, port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"])
+    level, words = found(chosen)["room"]
+    assert level == "warning"
+    assert "disk_budget_gb is not set" in words
+    level, words = found(chosen.model_copy(update={"disk_budget_gb": 50.0}))["room"]
+    assert level == "ok"
+    assert "0 % of the room are used" in words

@@ -1,6 +1,7 @@
 """Retention: what is old enough is let go of and nothing that is needed; and what is said of the room on the disk."""
 
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ from storage.database import Database
 from storage.disk import DiskUse
 from storage.tables import RunRow, SampleBlockRow
 from tests.asking import Api, problem
+from tests.conftest import Stores
+from tests.databases import Kind
 from tests.plant import (
     KEY,
     SECOND,
@@ -379,3 +382,15 @@ def test_what_cannot_be_looked_at_is_told_apart_from_retention(
     wait_until(lambda: one.unseen is None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 1
     one.stop()
+
+
+def test_no_part_is_shown_of_room_that_is_not_known(stores: Stores, tmp_path: Path) -> None:
+    """A ratio of 0 would be an alarm that cannot fire."""
+    cases: list[tuple[Kind, float, bool]] = [("postgresql", 0.0, False), ("postgresql", 50.0, True), ("sqlite", 0.0, True)]
+    for kind, budget, shown in cases:
+        url = stores.databases(kind).copy(stores.empty(kind), tmp_path / "rundown.db")
+        with closing(Database(url)) as database:
+            one = Housekeeping(database, Settings(database=url, disk_budget_gb=budget))
+            one._look()
+            assert ("rundown_disk_used_ratio" in one.gauges) == shown, (kind, budget)
+            assert one.gauges["rundown_database_bytes"] > 0
