@@ -5,18 +5,20 @@ import re
 import shlex
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import typer.main
 import yaml
+from cryptography import x509
 from grafana_foundation_sdk.cog.encoder import JSONEncoder
 from grafana_foundation_sdk.cog.plugins import register_default_plugins
 from grafana_foundation_sdk.models.dashboard import Dashboard
 
 from service.cli import app
+from service.security.exposure import host_of
 from service.settings import Settings
 
 ROOT = Path(__file__).parents[2]
@@ -172,3 +174,42 @@ def test_containers_know_how_large_the_database_may_become(where: str) -> None:
     told = container_settings(where)
     assert told["RUNDOWN_DATABASE_FILE"].startswith("/run/secrets/")
     assert Settings(disk_budget_gb=float(told["RUNDOWN_DISK_BUDGET_GB"])).disk_budget_gb > 0
+
+
+def certified(certificate: Path) -> set[str]:
+    """Names and addresses that a certificate is good for, by which whoever connects knows it."""
+    names = x509.load_pem_x509_certificate(certificate.read_bytes()).extensions.get_extension_for_class(
+        x509.SubjectAlternativeName
+    )
+    return {str(name.value) for name in names.value}
+
+
+def as_kubernetes_says(folder: Path) -> Path:
+    """Make the certificates as the manifest's first lines say; returns where they are."""
+    for line in re.findall(r"^#   (deploy/certificates\.sh [^#\n]*)", KUBERNETES.read_text(), re.MULTILINE):
+        script, _, *names = shlex.split(line)
+        subprocess.run([ROOT / script, folder, *names], check=True, capture_output=True, timeout=30)
+    return folder
+
+
+def as_compose_says(folder: Path) -> Path:
+    """The same, as compose's script does it; that one is for root, and for a folder beside it."""
+    for line in re.findall(
+        r"\|\| \.\./(certificates\.sh secrets .*)$", (COMPOSE.parent / "secrets.sh").read_text(), re.MULTILINE
+    ):
+        script, _, *names = shlex.split(line.replace('"$@"', "centre.example 192.0.2.7"))
+        subprocess.run([DEPLOY / script, folder, *names], check=True, capture_output=True, timeout=30)
+    return folder
+
+
+@pytest.mark.parametrize(("where", "made"), [("compose", as_compose_says), ("kubernetes", as_kubernetes_says)])
+def test_the_router_has_a_certificate_for_the_name_that_it_is_reached_by(
+    where: str, made: Callable[[Path], Path], tmp_path: Path
+) -> None:
+    """zenoh compares them, and refuses the router otherwise."""
+    (endpoint,) = json.loads(container_settings(where)["RUNDOWN_ZENOH_CONNECT"])
+    folder = made(tmp_path / "tls")
+    assert host_of(endpoint) in certified(folder / "router.crt")
+    wanted = re.findall(r"tls/(\S+?\.(?:crt|key))", KUBERNETES.read_text())
+    assert len(wanted) == 5
+    assert all((folder / name).exists() for name in wanted)
