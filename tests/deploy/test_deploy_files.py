@@ -6,6 +6,7 @@ import shlex
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator
+from ipaddress import ip_address, ip_network
 from pathlib import Path
 from typing import Any
 
@@ -213,3 +214,38 @@ def test_the_router_has_a_certificate_for_the_name_that_it_is_reached_by(
     wanted = re.findall(r"tls/(\S+?\.(?:crt|key))", KUBERNETES.read_text())
     assert len(wanted) == 5
     assert all((folder / name).exists() for name in wanted)
+
+
+def test_proxies_are_believed_by_their_address_only() -> None:
+    """In compose it is the gateway of the network, by which the port on the host's loopback is reached."""
+    whole = compose()
+    (network,) = whole["networks"]["plant"]["ipam"]["config"]
+    api = whole["services"]["api"]
+    assert api["environment"]["FORWARDED_ALLOW_IPS"] == network["gateway"]
+    assert ip_address(network["gateway"]) in ip_network(network["subnet"])
+    assert all(one.startswith("127.0.0.1:") for one in api["ports"])
+    for name, service in whole["services"].items():
+        assert name == "api" or "FORWARDED_ALLOW_IPS" not in service.get("environment", {}), name
+    for file in DEPLOY.rglob("*"):
+        if file.is_file():
+            assert not re.search(r"FORWARDED_ALLOW_IPS\W{1,3}\*", file.read_text()), file
+
+
+def test_containers_are_told_where_people_reach_them() -> None:
+    """Compose by its environment, which the steps set; the example's name has to be changed in either."""
+    assert compose()["x-settings"]["RUNDOWN_PUBLIC_URL"] == "${RUNDOWN_PUBLIC_URL:-}"
+    assert "echo RUNDOWN_PUBLIC_URL=https://rundown.example >> .env" in (DEPLOY / "README.md").read_text()
+    assert manifests()[0]["data"]["RUNDOWN_PUBLIC_URL"] == "https://rundown.example"
+
+
+def test_the_proxy_asks_where_the_api_listens(tmp_path: Path) -> None:
+    """In the layout of one process, which has the default, and in the one of several, as the steps set their ports."""
+    (port,) = re.findall(r"^    server 127\.0\.0\.1:(\d+);$", (DEPLOY / "nginx/rundown.conf").read_text(), re.MULTILINE)
+    assert int(port) == Settings.model_fields["port"].default
+    (line,) = re.findall(r"^(.*RUNDOWN_PORT.*)$", (DEPLOY / "README.md").read_text(), re.MULTILINE)
+    subprocess.run(["bash", "-c", line.replace("/etc/rundown", str(tmp_path))], check=True, timeout=10)
+    ports = dict.fromkeys(("ingest", "identify", "api"), port)
+    for file in tmp_path.glob("*.env"):
+        ports[file.stem] = file.read_text().strip().removeprefix("RUNDOWN_PORT=")
+    assert ports["api"] == port
+    assert len(set(ports.values())) == 3
