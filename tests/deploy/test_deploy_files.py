@@ -1,10 +1,13 @@
 """The files of deploy/: commands and settings are those of the service, and the programs that read them take them."""
 
 import json
+import os
 import re
 import shlex
 import shutil
 import subprocess
+import sys
+import time
 from collections.abc import Callable, Iterator
 from ipaddress import ip_address, ip_network
 from pathlib import Path
@@ -21,10 +24,14 @@ from grafana_foundation_sdk.models.dashboard import Dashboard
 from service.cli import app
 from service.security.exposure import host_of
 from service.settings import Settings
+from storage import backup
+from storage.database import Database
+from tests.plant import sqlite_url
 
 ROOT = Path(__file__).parents[2]
 DEPLOY = ROOT / "deploy"
 UNITS = sorted((DEPLOY / "systemd").glob("*.service"))
+BACKUP = DEPLOY / "systemd" / "rundown-backup.service"
 COMPOSE = DEPLOY / "compose" / "compose.yaml"
 KUBERNETES = DEPLOY / "kubernetes" / "rundown.yaml"
 DASHBOARD = ROOT / "examples" / "monitoring" / "grafana-dashboard.json"
@@ -42,6 +49,8 @@ def manifests() -> list[dict[str, Any]]:
 def commands() -> Iterator[tuple[str, list[str]]]:
     """Every command line that a file gives to the service, and where it stands."""
     for unit in UNITS:
+        if unit == BACKUP:
+            continue  # it runs a script, which a test runs as well
         (line,) = re.findall(r"^ExecStart=/opt/rundown/bin/rundown (.*)$", unit.read_text(), re.MULTILINE)
         for role in ("ingest", "identify", "api") if "%i" in line else ("",):
             words = line.replace("%i", role).replace("${PROCESSES}", "2").replace("${", "").replace("}", "")
@@ -249,3 +258,66 @@ def test_the_proxy_asks_where_the_api_listens(tmp_path: Path) -> None:
         ports[file.stem] = file.read_text().strip().removeprefix("RUNDOWN_PORT=")
     assert ports["api"] == port
     assert len(set(ports.values())) == 3
+
+
+def nightly_backup(folder: Path, url: str) -> int:
+    """Run the script that all layouts run; its status."""
+    around = os.environ | {"RUNDOWN_DATABASE": url, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    return subprocess.run([DEPLOY / "nightly-backup.sh", folder], env=around, timeout=60, check=False).returncode
+
+
+def test_the_nightly_backup_is_one_and_old_ones_go(tmp_path: Path) -> None:
+    Database(sqlite_url(tmp_path / "rundown.db")).close()
+    folder = tmp_path / "backup"
+    folder.mkdir()
+    for name, age_days in (("rundown-old", 16), ("rundown-old.json", 16), ("rundown-recent", 13), ("notes", 400)):
+        (folder / name).write_text(name)
+        then = time.time() - age_days * 86_400
+        os.utime(folder / name, (then, then))
+    kept = {path.name for path in folder.iterdir()}
+    assert nightly_backup(folder, sqlite_url(tmp_path / "nowhere" / "rundown.db")) != 0
+    assert {path.name for path in folder.iterdir()} == kept
+    assert nightly_backup(folder, sqlite_url(tmp_path / "rundown.db")) == 0
+    made = [path for path in folder.glob("rundown-2*") if path.suffix != ".json"]
+    assert [backup.read(one).kind for one in made] == ["sqlite"]
+    others = {path.name for path in folder.iterdir()} - {made[0].name, f"{made[0].name}.json"}
+    assert others == {"rundown-recent", "notes"}
+
+
+def test_every_layout_has_a_way_to_the_nightly_backup() -> None:
+    """Of systemd, of compose by the line in the steps, and of Kubernetes: with a place that the image's user may write to."""
+    script = "/opt/rundown/bin/nightly-backup.sh"
+    unit, service = BACKUP.read_text(), (DEPLOY / "systemd/rundown.service").read_text()
+    (place,) = re.findall(rf"^ExecStart={script} /var/lib/(\S+)$", unit, re.MULTILINE)
+    assert f"StateDirectory=rundown {place}\n" in unit
+    assert "User=rundown\n" in unit
+    for line in ("Environment=RUNDOWN_DATABASE=sqlite:////var/lib/rundown/rundown.db", "DynamicUser=yes"):
+        assert line in unit.splitlines()
+        assert line in service.splitlines()
+    image, readme = (DEPLOY / "Containerfile").read_text(), (DEPLOY / "README.md").read_text()
+    assert f"COPY deploy/nightly-backup.sh {script}\n" in image
+    (line,) = re.findall(r"docker compose run --rm -T -v (.*)$", readme, re.MULTILINE)
+    assert shlex.split(line) == ["/backup/rundown:/backup", "--entrypoint", "nightly-backup.sh", "api", "/backup"]
+    (user,) = re.findall(r"^USER (\d+)$", image, re.MULTILINE)
+    assert f"install -d -m 700 -o {user} /backup/rundown\n" in readme
+    (job,) = [one for one in manifests() if one["kind"] == "CronJob"]
+    pod = job["spec"]["jobTemplate"]["spec"]["template"]["spec"]
+    (container,) = pod["containers"]
+    assert container["command"][0] == Path(script).name
+    assert pod["securityContext"]["fsGroup"] == int(user)
+    places = {one["mountPath"]: one["name"] for one in container["volumeMounts"] if not one.get("readOnly")}
+    claims = {
+        one["name"]: one["persistentVolumeClaim"]["claimName"] for one in pod["volumes"] if "persistentVolumeClaim" in one
+    }
+    claim = claims[places[container["command"][1]]]
+    assert claim in [one["metadata"]["name"] for one in manifests() if one["kind"] == "PersistentVolumeClaim"]
+
+
+def test_the_timer_is_right() -> None:
+    if shutil.which("systemd-analyze") is None:
+        pytest.skip("systemd-analyze is not installed")
+    timer = DEPLOY / "systemd" / "rundown-backup.timer"
+    told = subprocess.run(["systemd-analyze", "verify", str(timer)], capture_output=True, text=True, check=False).stderr
+    assert [line for line in told.splitlines() if "rundown" in line and "is not executable" not in line] == []
+    (when,) = re.findall(r"^OnCalendar=(.*)$", timer.read_text(), re.MULTILINE)
+    subprocess.run(["systemd-analyze", "calendar", when], check=True, capture_output=True)
