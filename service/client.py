@@ -31,6 +31,8 @@ PREFIX = "/api/v1"
 TRIES = 3
 """So often a request that got no answer is sent, under one Idempotency-Key."""
 PAUSE_S = 0.5
+PASSING = {429, 502, 503, 504}
+"""Answers of a service, or of a proxy before it, that is not well for the moment."""
 
 
 class Refused(Exception):
@@ -81,7 +83,13 @@ class Rundown:
         path = f"/machines/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
         body = document.model_dump(mode="json")
-        return self._model(schemas.MachineRevision, self._ask("PUT", path, json=body, headers=headers))
+        try:
+            return self._model(schemas.MachineRevision, self._ask("PUT", path, json=body, headers=headers))
+        except ChangedMeanwhile:
+            there = self.machine(read.id)
+            if there.document != document:
+                raise
+            return there  # it was done, and its answer was lost on the way
 
     def fleet(self, *, since: datetime | None = None) -> Iterator[FleetMachine]:
         """Every machine at a glance, with what happened since a time, by default a day ago."""
@@ -160,6 +168,9 @@ class Rundown:
                     after = number
             except httpx.TransportError:
                 pass
+            except (Refused, httpx.HTTPStatusError) as error:
+                if _status(error) not in PASSING:
+                    raise
             time.sleep(PAUSE_S)
 
     # --- asking
@@ -221,10 +232,19 @@ class Rundown:
                     raise
                 time.sleep(PAUSE_S)
                 continue
+            if answer.status_code == httpx.codes.CONFLICT and "retry-after" in answer.headers and left:
+                time.sleep(PAUSE_S)  # its first try is still under way
+                continue
+            if answer.status_code == httpx.codes.PRECONDITION_FAILED:
+                raise ChangedMeanwhile(f"{path} was changed since it was read: read it again")
             if answer.is_error:
                 raise _refused(answer)
             return answer
         raise AssertionError("a try returns or raises")
+
+
+def _status(error: Refused | httpx.HTTPStatusError) -> int:
+    return error.problem.status if isinstance(error, Refused) else error.response.status_code
 
 
 def _refused(answer: httpx.Response) -> Exception:

@@ -50,6 +50,8 @@ def instant(value: datetime) -> int:
     return max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
 
 
+MICROSECOND = 1_000
+"""Steps in which times are answered and asked for [ns]."""
 Reading = Annotated[Session, Depends(_reading)]
 MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the machine")]
 Number = Annotated[int, Path(ge=0, le=2**62)]
@@ -67,6 +69,8 @@ class TimeRange:
 
 async def _period(first: From = None, last: To = None) -> TimeRange:
     begin, end = moment(first), moment(last)
+    if end is not None:
+        end = min(LAST_INSTANT, end + MICROSECOND - 1)  # answers are cut to whole ones: what they say belongs to it as well
     if begin is not None and end is not None and begin > end:
         message = "from lies behind to: exchange them"
         raise RequestValidationError([{"type": "value_error", "loc": ("query", "from"), "msg": message, "input": str(first)}])

@@ -82,8 +82,8 @@ class Series(BaseModel):
     )
     run_kind: list[str]
     identification: list[int]
-    real: list[float] | None = Field(description="of an unbalance, along the keyphasor mark; else null")
-    imaginary: list[float] | None = Field(description="of an unbalance, a quarter turn on from +x to +y; else null")
+    real: list[float | None] | None = Field(description="of an unbalance, along the keyphasor mark; else null")
+    imaginary: list[float | None] | None = Field(description="of an unbalance, a quarter turn on from +x to +y; else null")
     angle_deg: list[float | None] | None = Field(
         description="of an unbalance, from the keyphasor mark on, from +x to +y, 0 to 360; else null"
     )

@@ -3,9 +3,14 @@
 import ast
 import subprocess
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from tests.end_to_end.processes import EXAMPLES, Service, until
@@ -76,3 +81,49 @@ def test_the_shell_publisher_stores_each_sample_though_the_service_is_killed_mea
     assert row is not None
     assert (row["received"], row["next_sequence"], row["lost"]) == (samples, samples, 0)
     assert len(set(held["time"])) == samples
+
+
+@contextmanager
+def moody(service: Service, *statuses: int) -> Iterator[str]:
+    """Address of a proxy that first answers by itself, and then as the service does."""
+    left = list(statuses)
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_POST(self) -> None:
+            body = self.rfile.read(int(self.headers["content-length"]))
+            status, said = (left.pop(0), b"not now") if left else self._asked(body)
+            self.send_response(status)
+            self.send_header("content-length", str(len(said)))
+            self.end_headers()
+            self.wfile.write(said)
+
+        def _asked(self, body: bytes) -> tuple[int, bytes]:
+            url = f"http://127.0.0.1:{service.port}{self.path}"
+            answer = httpx.post(url, content=body, headers={"content-type": "application/json"})
+            return answer.status_code, answer.content
+
+        def log_message(self, format: str, *args: Any) -> None:
+            """Nothing."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+    assert left == []
+
+
+def published(url: str, machine: str) -> "subprocess.CompletedProcess[str]":
+    arguments = ["sh", str(PUBLISHERS / "publish.sh"), url, "examples", machine, "B1L", "3"]
+    return subprocess.run(arguments, capture_output=True, text=True, timeout=60, check=False)
+
+
+def test_the_shell_publisher_tries_again_where_that_helps_and_else_says_why_not(service: Service) -> None:
+    with service.running():
+        service.create(MACHINE)
+        with moody(service, 503, 429, 502) as url:
+            assert published(url, MACHINE).returncode == 0
+        row = source_row(service)
+        assert row is not None
+        assert (row["received"], row["lost"], row["duplicates"]) == (3, 0, 0)
+        refused = published(f"http://127.0.0.1:{service.port}", "nobody")
+        assert (refused.returncode, "no machine 'nobody'" in refused.stderr) == (1, True), refused.stderr

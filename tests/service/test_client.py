@@ -19,7 +19,7 @@ from service.security.principal import Role
 from storage import alerts
 from storage.database import Database
 from tests.asking import Api
-from tests.plant import KEY, SECOND, START, identification, machine, store_identification
+from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification
 
 ROOT = Path(__file__).parents[2]
 
@@ -125,6 +125,37 @@ def test_what_got_no_answer_is_asked_again_and_done_once(plant: Database, lost: 
     assert len(api.value(f"/machines/{KEY.machine}/timeline")) == 1
 
 
+def test_a_revision_whose_answer_was_lost_is_done_and_one_that_lost_a_race_is_not(
+    plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.client.PAUSE_S", 0.0)
+    api = Api(plant)
+    transport = Unreliable(api.http._transport, lost=0)
+    rundown = Rundown(http=httpx.Client(transport=transport, base_url="http://rundown"))
+    read = rundown.machine(KEY.machine)
+
+    first = ["PUT"]
+
+    def lose(request: httpx.Request) -> None:
+        transport.lost = 0
+        if request.method in first:
+            first.remove(request.method)
+            transport.lost = 1
+
+    rundown._http.event_hooks["request"] = [lose]
+    assert rundown.revise_machine(read, machine(name="Mine")).document.name == "Mine"
+    read = rundown.machine(KEY.machine)
+
+    def be_faster(request: httpx.Request) -> None:
+        if request.method == "PUT":
+            api("PUT", f"/machines/{KEY.machine}", json=document(name="Theirs"))
+
+    rundown._http.event_hooks["request"] = [be_faster]
+    with pytest.raises(ChangedMeanwhile):
+        rundown.revise_machine(read, machine(name="Mine again"))
+    assert rundown.machine(KEY.machine).document.name == "Theirs"
+
+
 def test_an_answer_that_is_not_the_services_is_an_http_error() -> None:
     transport = httpx.MockTransport(lambda _: httpx.Response(502, text="Bad Gateway"))
     with (
@@ -167,7 +198,9 @@ def test_a_stream_that_breaks_before_its_first_event_goes_on_where_it_began(monk
 
     def answer(request: httpx.Request) -> httpx.Response:
         asked.append(request.headers.get("last-event-id"))
-        return httpx.Response(200, stream=Broken()) if len(asked) < 3 else httpx.Response(500, text="enough")
+        if len(asked) == 2:
+            return httpx.Response(503, text="the service starts")
+        return httpx.Response(200, stream=Broken()) if len(asked) < 4 else httpx.Response(500, text="enough")
 
     transport = httpx.MockTransport(answer)
     with (
@@ -175,7 +208,7 @@ def test_a_stream_that_breaks_before_its_first_event_goes_on_where_it_began(monk
         pytest.raises(httpx.HTTPStatusError, match="500"),
     ):
         next(client.events())
-    assert asked == [None, "7", "7"]
+    assert asked == [None, "7", "7", "7"]
 
 
 def test_the_example_prints_the_fleet(url: str) -> None:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import math
 from collections.abc import Sequence
 from datetime import datetime, timedelta
@@ -16,9 +17,12 @@ from hypothesis import strategies as st
 
 from service.api.downsampling import min_max
 from service.api.formats import CSV, JSON, PARQUET, parquet_bytes
+from service.client import Rundown
 from service.known_parameters import MOST_REVISIONS
-from storage import baselines, jobs, machines, runs
+from storage import baselines, jobs, machines, runs, timeline
+from storage import samples as sample_store
 from storage.database import Database
+from storage.samples import SourceKey
 from tests.asking import Api, fields, problem
 from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 
@@ -371,3 +375,35 @@ def test_of_many_revisions_the_newest_are_looked_at(plant: Database) -> None:
     with plant.transaction() as session:
         machines.revise(session, machine(discs=document()["discs"][:1]))
     problem(Api(plant).get(PATH, parameter="disc.D2.unbalance"), 404)
+
+
+def test_an_unbalance_that_was_not_estimable_once_has_no_components_there(plant: Database) -> None:
+    store(plant, [1.0])
+    store_unknown = identification(unknown=["disc.D1.unbalance"])
+    with plant.transaction() as session:
+        store_identification(session, store_unknown, run_id=200, measured_at=START + HOUR)
+    api = Api(plant)
+    (series,) = trend(api, "disc.D1.unbalance")
+    for part in ("real", "imaginary", "angle_deg", "angle_half_width_deg"):
+        assert [value is None for value in series[part]] == [False, True], part
+    with Rundown(http=api.http) as client:
+        assert client.trends(KEY.machine, "disc.D1.unbalance").series[0].real == series["real"]
+
+
+@pytest.mark.parametrize("path", ["trends", "identifications", "runs", "samples", "timeline"])
+def test_a_time_that_was_answered_belongs_to_the_range_that_it_ends(plant: Database, path: str) -> None:
+    """The store counts nanoseconds, answers have microseconds."""
+    odd = START + 123_456_789
+    with plant.transaction() as session:
+        run = runs.open_run(session, KEY.machine, revision=1, kind="run-up", direction=1, time_first=odd)
+        store_identification(session, identification(), run_id=run.id, measured_at=odd)
+        timeline.add(session, KEY.machine, at=odd, kind="note", text="odd", by="anna")
+        one = samples(2, start=odd)
+        sample_store.add_block(
+            session, SourceKey(KEY.machine, "monitor", 1), revision=1, first_sequence=0, samples=one, received_at=odd
+        )
+    api = Api(plant)
+    time = "2023-11-14T22:13:20.123456Z"
+    asked = {"parameter": "coupling.C1.kxx"} if path == "trends" else {}
+    found = api.value(f"/machines/{KEY.machine}/{path}", **asked, **{"from": time, "to": time})
+    assert time in json.dumps(found)
