@@ -9,10 +9,10 @@ export const MOST_EVENTS = 1000;
 export function useAlertsAt(alerts: Alert[] | undefined, at: string): Answer<Alert[]> {
   const changed = (alerts ?? []).filter((one) => notAfter(one.opened_at, at) && !notAfter(one.updated_at, at));
   const events = useResources<AlertEvent[]>(changed.map((one) => `/alerts/${one.id}/events?limit=${MOST_EVENTS}`));
-  const failure = events.find((one) => one.failure)?.failure;
+  const { failure, asOf } = events.find((one) => one.failure) ?? {};
   if (!alerts || events.some((one) => !one.data)) return { data: undefined, failure };
   const last = new Map(changed.map((one, index) => [one.id, lastUntil(events[index]!.data!, at)]));
-  return { data: alerts.map((one) => asAfter(one, last.get(one.id))), failure };
+  return { data: alerts.map((one) => asAfter(one, last.get(one.id))), failure, asOf };
 }
 
 /** The last event until then; the oldest comes first. */

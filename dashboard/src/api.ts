@@ -1,5 +1,6 @@
 // Asking the service, and what is said when it refuses.
 import { heard, missed } from "./connection";
+import { reason } from "./problem";
 import { changeHeaders, refused } from "./session";
 
 export const PREFIX = "/api/v1";
@@ -24,20 +25,10 @@ async function ask(path: string, options: RequestInit): Promise<Response> {
     missed(asked, error);
     throw new Failure(0, "The service does not answer.");
   }
-  heard();
+  heard(); // even if it refuses: whether it can read its data is told by the beat
   if (response.ok) return response;
   if (response.status === 401) refused();
   throw new Failure(response.status, await reason(response));
-}
-
-async function reason(response: Response): Promise<string> {
-  try {
-    const problem = (await response.json()) as { detail?: string; errors?: { field: string; message: string }[] };
-    const fields = (problem.errors ?? []).map((one) => `${one.field}: ${one.message}`);
-    return [problem.detail ?? response.statusText, ...fields].join("\n");
-  } catch {
-    return `${response.status} ${response.statusText}`;
-  }
 }
 
 export async function get<T>(path: string): Promise<T> {

@@ -1,12 +1,16 @@
 // Whether the service answers, and what it says of alerts as it happens.
 import type { AlertEvent } from "./answers";
+import { reason } from "./problem";
 import { findOut } from "./session";
 import { Store } from "./store";
 
 export interface Connection {
-  state: "connecting" | "live" | "lost";
+  /** troubled: the service answers, but cannot read its data. */
+  state: "connecting" | "live" | "troubled" | "lost";
   /** Since when [ms]. */
   since: number;
+  /** What the service says of its trouble. */
+  why: string;
 }
 
 /** How long to wait between two tries [ms]. */
@@ -16,10 +20,12 @@ const BEAT_MS = 4000;
 const BEAT_PATIENCE_MS = 3000;
 /** From one beat of another page to its next. */
 const BEAT_SLACK_MS = BEAT_MS - BEAT_PATIENCE_MS;
+/** With these a proxy says that the service behind it does not answer. */
+const BEHIND_A_PROXY = [502, 504];
 const EVENTS = "/api/v1/alert-events/stream";
 const BEAT = "/api/v1/alert-events?limit=1";
 
-export const connection = new Store<Connection>({ state: "connecting", since: Date.now() });
+export const connection = new Store<Connection>({ state: "connecting", since: Date.now(), why: "" });
 /** The newest alert event; followers are told of each. */
 export const newestEvent = new Store<AlertEvent | null>(null);
 /** Grows each time the service is back, or the page is seen again: whoever shows something asks again. */
@@ -34,11 +40,12 @@ let heardAt = 0;
 /** Pages of this browser share its few connections: one that waits for a free one hears from the others that the service is there. */
 const pages = new BroadcastChannel("rundown.heard");
 
-function become(state: Connection["state"]): void {
-  if (connection.value.state !== state) connection.set({ state, since: Date.now() });
+function become(state: Connection["state"], why = ""): void {
+  const before = connection.value;
+  if (before.state !== state || before.why !== why) connection.set({ state, since: before.state === state ? before.since : Date.now(), why });
 }
 
-/** The service answered. */
+/** The service answered, if only that it cannot. */
 export function heard(): void {
   heardAt = Date.now();
   pages.postMessage(null);
@@ -52,6 +59,23 @@ export function missed(asked: number, error: unknown): void {
 
 function lose(): void {
   become("lost");
+  listenAgain();
+}
+
+/** It answers, but with a fault of its own. */
+function trouble(why: string): void {
+  become("troubled", why);
+  behind = true;
+}
+
+/** All is well: whoever shows something asks again, if something may have been missed. */
+function recover(): void {
+  become("live");
+  if (behind) returns.set(returns.value + 1);
+  behind = false;
+}
+
+function listenAgain(): void {
   close();
   if (!document.hidden) retry = window.setTimeout(listen, RETRY_MS);
 }
@@ -68,13 +92,15 @@ function listen(): void {
   const opened = new EventSource(EVENTS + after);
   stream = opened;
   opened.onopen = () => {
-    become("live");
-    if (behind) returns.set(returns.value + 1);
-    behind = false;
+    // A stream opens without any data to read: only the beat tells that a trouble is over.
+    if (connection.value.state !== "troubled") recover();
+    void beat();
   };
   opened.onerror = () => {
     if (stream !== opened) return;
-    lose();
+    if (connection.value.state === "troubled") listenAgain();
+    else lose();
+    void beat(); // it may answer all the same
     void findOut(); // a stream does not say why it ended: the session may be over
   };
   opened.addEventListener("alert", (message) => {
@@ -90,13 +116,19 @@ function seenOrNot(): void {
 }
 
 async function beat(): Promise<void> {
-  if (connection.value.state === "lost" || document.hidden) return;
+  if (document.hidden) return;
   const asked = Date.now();
   try {
-    await fetch(BEAT, { signal: AbortSignal.timeout(BEAT_PATIENCE_MS) });
+    const answer = await fetch(BEAT, { signal: AbortSignal.timeout(BEAT_PATIENCE_MS) });
+    if (BEHIND_A_PROXY.includes(answer.status)) return lose();
     heard();
+    if (answer.status >= 500) trouble(await reason(answer));
+    else if (connection.value.state === "troubled") {
+      if (stream?.readyState === EventSource.OPEN) recover();
+      else become("connecting");
+    }
   } catch (error) {
-    missed(asked, error);
+    if (connection.value.state !== "lost") missed(asked, error);
   }
 }
 

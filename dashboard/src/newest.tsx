@@ -9,8 +9,8 @@ const LOOKED_AT = 20;
 
 /** The newest accepted identification of a single run, or the newest of all; undefined while nothing is known. */
 export function useNewestSummary(machine: string): Answer<IdentificationSummary | null> {
-  const { data, failure } = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=${LOOKED_AT}`, MS);
-  return { data: data && (data.find((one) => one.accepted && one.scope === "run") ?? data[0] ?? null), failure };
+  const { data, failure, asOf } = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=${LOOKED_AT}`, MS);
+  return { data: data && (data.find((one) => one.accepted && one.scope === "run") ?? data[0] ?? null), failure, asOf };
 }
 
 /** Whether it can be compared with a baseline. */

@@ -1,8 +1,10 @@
 // Small pieces that many views share: times, states, what to show while there is nothing.
 import type { ComponentChildren } from "preact";
 import type { Failure } from "./api";
-import { utc, when } from "./format";
+import { connection } from "./connection";
+import { clock, utc, when } from "./format";
 import type { Answer } from "./resource";
+import { useStore } from "./store";
 
 /** Local time, with UTC on hover. */
 export function Time({ at }: { at: string | null | undefined }) {
@@ -47,10 +49,31 @@ export function Trouble({ failure }: { failure: Failure }) {
   );
 }
 
-/** What an answer holds, or that it is on its way, or why there is none. `lines` keeps the place free meanwhile. */
+/** Beside data of before: why there are no newer ones. */
+function Aging({ asOf, failure }: { asOf: number; failure: Failure }) {
+  // What is wrong with the whole service is said once, above everything.
+  if (useStore(connection).state === "troubled" && failure.status >= 500) return null;
+  return (
+    <p class="trouble aging" role="status">
+      As of {clock(asOf)}, nothing newer: {failure.message}
+    </p>
+  );
+}
+
+/**
+ * What an answer holds, and why that grows old where it does; or that it is on its way, or why there is none.
+ * `lines` keeps the place free meanwhile.
+ */
 export function Shown<T>(props: { answer: Answer<T>; lines?: number; children: (data: T) => ComponentChildren }) {
-  const { data, failure } = props.answer;
-  if (data !== undefined) return <>{props.children(data)}</>;
+  const { data, failure, asOf } = props.answer;
+  if (data !== undefined) {
+    return (
+      <>
+        {asOf !== undefined && failure && <Aging asOf={asOf} failure={failure} />}
+        {props.children(data)}
+      </>
+    );
+  }
   // That nobody answers is said once, above everything; it is asked again as soon as somebody does.
   if (failure && failure.status > 0) return <Trouble failure={failure} />;
   return <div class="waiting" aria-busy="true" aria-label="loading" style={{ minHeight: `${(props.lines ?? 3) * 1.6}em` }} />;

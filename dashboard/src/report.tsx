@@ -121,7 +121,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
         <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => openAt(one, to))} />
       </Panel>
       <Panel title="Alerts of the period">
-        <Shown answer={{ data: then.data, failure: alerts.failure ?? then.failure }}>{() => <AlertTable alerts={during} />}</Shown>
+        <Shown answer={{ data: then.data, failure: alerts.failure ?? then.failure, asOf: alerts.asOf ?? then.asOf }}>{() => <AlertTable alerts={during} />}</Shown>
       </Panel>
       <Panel title="What was done">
         <Shown answer={timeline}>

@@ -7,6 +7,8 @@ import { Store } from "./store";
 export interface Answer<T> {
   data: T | undefined;
   failure: Failure | undefined;
+  /** When the data were answered, where they grow old: it has failed for some time to get newer ones [ms]. */
+  asOf?: number | undefined;
 }
 
 /** So many answers that nobody follows are kept, for going back and forth. */
@@ -15,12 +17,21 @@ const KEPT = 60;
 const FRESH_MS = 1000;
 /** What waited for a free connection in vain is asked for again so much later [ms]. */
 const AGAIN_MS = 1000;
+/** What was refused is asked for again so much later [ms]: soon at first, for one failed try is no news. */
+const SOON_MS = 3000;
+const LATER_MS = 10_000;
+/** Data grow old when it has failed for so long to get newer ones [ms]. */
+const LASTING_MS = 2500;
 
 class Resource {
   readonly answer = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
   followers = 0;
   asked = 0;
   private asking = false;
+  private answeredAt = 0;
+  /** When the first of the refusals in a row was; null without one [ms]. */
+  private refusedAt: number | null = null;
+  private retry: number | undefined;
 
   constructor(readonly path: string) {}
 
@@ -35,14 +46,31 @@ class Resource {
     this.asked = Date.now();
     try {
       this.answer.set({ data: await get(this.path), failure: undefined });
+      this.answeredAt = Date.now();
+      this.refusedAt = null;
+      window.clearTimeout(this.retry);
     } catch (error) {
-      const failure = error instanceof Failure ? error : new Failure(0, String(error));
-      // What was there stays visible while the service is away; what is gone is gone.
-      this.answer.set({ data: failure.status === 404 ? undefined : this.answer.value.data, failure });
-      if (failure.status === 0 && connection.value.state !== "lost") window.setTimeout(() => this.followers > 0 && void this.refresh(), AGAIN_MS);
+      this.fail(error instanceof Failure ? error : new Failure(0, String(error)));
     } finally {
       this.asking = false;
     }
+  }
+
+  private fail(failure: Failure): void {
+    this.refusedAt = failure.status > 0 ? (this.refusedAt ?? Date.now()) : null;
+    const lasts = this.refusedAt !== null && Date.now() - this.refusedAt >= LASTING_MS;
+    // What was there stays visible while the service is away; what is gone is gone.
+    const data = failure.status === 404 ? undefined : this.answer.value.data;
+    this.answer.set({ data, failure, asOf: lasts ? this.answeredAt : undefined });
+    const { state } = connection.value;
+    if (state === "lost" || state === "troubled") return; // all is asked for again when that is over
+    if (failure.status === 0) this.askAgain(AGAIN_MS);
+    else if (data !== undefined || failure.status === 429 || failure.status >= 500) this.askAgain(lasts ? LATER_MS : SOON_MS);
+  }
+
+  private askAgain(afterMs: number): void {
+    window.clearTimeout(this.retry);
+    this.retry = window.setTimeout(() => this.followers > 0 && !document.hidden && void this.refresh(), afterMs);
   }
 }
 

@@ -18,7 +18,8 @@ const MACHINE = /^[A-Za-z0-9_-]{1,64}$/;
 
 export function Shell() {
   const { parts } = useStore(place);
-  const lost = useStore(connection).state === "lost";
+  const { state } = useStore(connection);
+  const stale = state === "lost" || state === "troubled";
   const [keys, setKeys] = useState(false);
   useShortcuts(() => setKeys((open) => !open));
   useEffect(() => {
@@ -54,7 +55,7 @@ export function Shell() {
         </button>
       </header>
       <Banner />
-      <main id="main" tabIndex={-1} class={lost ? "stale" : undefined}>
+      <main id="main" tabIndex={-1} class={stale ? "stale" : undefined}>
         <Page parts={parts} />
       </main>
       {keys && <Keys onClose={() => setKeys(false)} />}
@@ -100,7 +101,7 @@ function Person() {
 
 function Signal() {
   const { state } = useStore(connection);
-  const said = { connecting: "○ connecting", live: "● live", lost: "✕ no connection" }[state];
+  const said = { connecting: "○ connecting", live: "● live", troubled: "✕ no data", lost: "✕ no connection" }[state];
   return (
     <span class={`signal ${state}`} role="status">
       {said}
@@ -109,7 +110,15 @@ function Signal() {
 }
 
 function Banner() {
-  const { state, since } = useStore(connection);
+  const { state, since, why } = useStore(connection);
+  if (state === "troubled") {
+    return (
+      <div class="banner" role="alert">
+        <strong>The service answers, but cannot read its data since {clock(since)}:</strong> {why} What is shown is from before. It is
+        tried again every few seconds; the page goes on by itself.
+      </div>
+    );
+  }
   if (state !== "lost") return null;
   return (
     <div class="banner" role="alert">

@@ -1,0 +1,118 @@
+"""The page says when what it shows is old: the service cannot read its data, or refuses one of its answers."""
+
+import re
+from pathlib import Path
+
+from playwright.sync_api import Browser, Route, expect
+
+from tests.browser.conftest import PATIENCE_MS, Seen
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service
+from tests.postgresql import FAST, server
+
+WORDS = "the database does not answer"
+GONE = {"type": "about:blank", "title": "Service Unavailable", "status": 503, "detail": WORDS}
+REFUSED = {"type": "about:blank", "title": "Forbidden", "status": 403, "detail": "this key may not see alerts"}
+EVERYTHING = re.compile(r"/api/v1/(?!alert-events/stream)")
+ALERTS = re.compile(rf"/machines/{MACHINE}/alerts\?")
+
+
+def comment(service: Service, words: str) -> int:
+    """Comment on the open alert, of which every page hears; how many events it has then."""
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    said = {"by": "otto", "comment": words}
+    service.client.post(f"/alerts/{alert['id']}/comments", json=said).raise_for_status()
+    return int(alert["events"]) + 1
+
+
+def test_the_page_says_that_the_service_cannot_read_its_data_and_recovers(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    seen.page.route(EVERYTHING, lambda route: route.fulfill(status=503, json=GONE))
+    events = comment(service, "while nothing can be read")
+    expect(seen.page.locator(".banner")).to_contain_text("answers, but cannot read its data")
+    expect(seen.page.locator(".banner")).to_contain_text(WORDS)
+    expect(seen.page.locator("main")).to_have_class("stale")
+    expect(seen.page.locator(".signal")).to_have_text("✕ no data")
+    expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
+    seen.page.wait_for_timeout(6000)
+    expect(seen.page.get_by_role("alert")).to_have_count(1)  # said once, not by every panel
+    expect(seen.page.locator(".aging")).to_have_count(0)
+    seen.picture("no-data")
+    seen.page.unroute_all()
+    expect(seen.page.locator(".banner")).to_have_count(0)
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    expect(seen.page.locator("main")).not_to_have_class("stale")
+    expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events")
+
+
+def test_a_page_that_is_opened_meanwhile_says_so_too(seen: Seen) -> None:
+    seen.page.route("**/api/v1/**", lambda route: route.fulfill(status=503, json=GONE))  # not even its stream is there
+    seen.open()
+    expect(seen.page.locator(".banner")).to_contain_text("answers, but cannot read its data")
+    expect(seen.page.locator(".trouble")).to_contain_text(WORDS)
+    seen.page.unroute_all()
+    expect(seen.page.locator(".banner")).to_have_count(0)
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    expect(seen.page.locator("table.fleet")).to_contain_text(MACHINE)
+
+
+def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    seen.page.route(ALERTS, lambda route: route.fulfill(status=403, json=REFUSED))
+    events = comment(service, "seen by others only")
+    aging = seen.page.locator(".aging")
+    expect(aging).to_have_text(re.compile(r"As of \d\d:\d\d:\d\d, nothing newer: this key may not see alerts"))
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    expect(seen.page.locator(".signal")).to_have_text("● live")  # it is this panel's trouble alone
+    expect(seen.page.locator("main.stale")).to_have_count(0)
+    seen.picture("one-panel-is-old")
+    seen.page.unroute_all()
+    expect(aging).to_have_count(0)
+    expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events")
+
+
+def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: Service) -> None:
+    refused: list[str] = []
+
+    def once(route: Route) -> None:
+        refused.append(route.request.url)
+        if len(refused) > 1:
+            route.continue_()
+        else:
+            route.fulfill(status=503, json=GONE)
+
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    seen.page.evaluate(
+        "window.told = 0; new MutationObserver(() => { told += document.querySelectorAll('.trouble').length; })"
+        ".observe(document.body, { subtree: true, childList: true })"
+    )
+    seen.page.route(ALERTS, once)
+    events = comment(service, "once more")
+    expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events", timeout=8000)  # polled less often than that
+    assert len(refused) > 1
+    assert seen.page.evaluate("told") == 0
+
+
+def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tmp_path: Path) -> None:
+    with server(*FAST) as database:
+        one = Service(tmp_path, database=database.url)
+        with one.running():
+            one.create(MACHINE)
+            context = browser.new_context(timezone_id="Europe/Berlin", locale="en-GB")
+            context.set_default_timeout(PATIENCE_MS)
+            page = context.new_page()
+            page.goto(f"http://127.0.0.1:{one.port}/#/")
+            expect(page.locator(".signal")).to_have_text("● live")
+            with database.away():
+                expect(page.locator(".banner")).to_contain_text("answers, but cannot read its data")
+                expect(page.locator("main.stale")).to_contain_text(MACHINE)
+            expect(page.locator(".signal")).to_have_text("● live")
+            expect(page.locator(".banner")).to_have_count(0)
+            expect(page.locator("main.stale")).to_have_count(0)
+            context.close()
+        one.client.close()
