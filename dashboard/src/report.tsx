@@ -147,6 +147,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
             machine={machine.id}
             element={element}
             names={newest.estimates.filter((one) => one.element === element).map((one) => one.parameter)}
+            newest={newest}
             from={from}
             to={to}
             scope="run"

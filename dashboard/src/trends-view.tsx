@@ -1,10 +1,10 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
-import type { Alert, BaselineBand, Document, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
+import type { Alert, BaselineBand, Document, IdentificationSummary, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
 import { Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
-import { comparable, elementsOf, NotIdentified, useNewest, useNewestSummary } from "./newest";
+import { comparable, elementsOf, NotIdentified, useNewest } from "./newest";
 import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
@@ -66,6 +66,7 @@ export function TrendsView({ machine }: { machine: Document }) {
         machine={machine.id}
         element={element}
         names={names}
+        newest={newest}
         shownDays={days}
         scope={chosen.get("scope") ?? "run"}
         alerts={alerts}
@@ -97,7 +98,10 @@ interface HistoriesProps {
   machine: string;
   element: string;
   names: string[];
+  /** The identification that speaks for the machine, within the period if there is one. */
+  newest: IdentificationSummary;
   from?: string | null;
+  /** The end of a period that may be past: nothing is said that was not known then. */
   to?: string | null;
   /** Only the newest days are shown, of all that is asked for. */
   shownDays?: number;
@@ -107,13 +111,14 @@ interface HistoriesProps {
 }
 
 export function Histories(props: HistoriesProps) {
-  const { machine, element, names, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
+  const { machine, element, names, newest, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
   const wanted = { parameter: names, from, to, scope };
   const asked = query({ ...wanted, max_points: MOST_POINTS });
   const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
-  const newest = useNewestSummary(machine).data;
   const judged = scope === "run" && element !== DERIVED && comparable(newest);
-  const judgement = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names })}` : null);
+  // Without an identification the tests are up to the newest of all.
+  const identification = to === null ? null : newest.id;
+  const judgement = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names, identification })}` : null);
   const tests = judgement.data;
   // Words that come later than the plots would move them.
   const awaited = judged && !tests && !judgement.failure;

@@ -147,3 +147,43 @@ def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
     expect(seen.page.locator(".element[data-element='coupling.C1']")).to_have_class(re.compile(rf"\b{severity}\b"))
     expect(seen.page.get_by_text("1 alert, of which 1 open at the end")).to_be_visible()
     assert seen.errors == []
+
+
+def test_words_on_trends_are_those_of_the_period(seen: Seen, service: Service) -> None:
+    last = (datetime.now(UTC) - timedelta(days=10)).date()
+    before = next(
+        one
+        for one in service.get(f"/machines/{MACHINE}/identifications", to=f"{last}T00:00:00Z")
+        if one["scope"] == "run" and one["accepted"]
+    )
+    now = service.get(f"/machines/{MACHINE}/trend-tests", parameter="coupling.C1.kxx")["tests"]
+    assert any(one["step_up"]["passed"] and one["step_up"]["began"][:10] > f"{last}" for one in now), (
+        "it came after the period"
+    )
+    asked: list[str] = []
+    seen.page.on("request", lambda request: asked.append(request.url) if "/trend-tests" in request.url else None)
+    seen.open(f"reports/{MACHINE}?to={last}")
+    expect(seen.page.locator(".history-plot .told").first).to_be_attached()
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    assert {*asked_identifications(asked)} == {str(before["id"])}
+    expect(seen.page.locator(".told", has_text="step up")).to_have_count(0)
+    assert seen.errors == []
+
+
+def asked_identifications(addresses: list[str]) -> list[str]:
+    """Of which identification each question is; "newest" where it says none."""
+    return [parse_qs(urlsplit(one).query).get("identification", ["newest"])[0] for one in addresses]
+
+
+def test_a_period_without_an_accepted_identification_has_no_words_on_trends(seen: Seen) -> None:
+    asked: list[str] = []
+
+    def not_accepted(route: Route) -> None:
+        route.fulfill(json={**route.fetch().json(), "accepted": False})
+
+    seen.page.route(re.compile(r"/identifications/\d+$"), not_accepted)
+    seen.page.on("request", lambda request: asked.append(request.url) if "/trend-tests" in request.url else None)
+    seen.open(f"reports/{MACHINE}")
+    expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
+    expect(seen.page.locator(".told")).to_have_count(0)
+    assert (asked, seen.errors) == ([], [])
