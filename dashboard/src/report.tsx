@@ -17,8 +17,9 @@ import { Train } from "./train";
 import { comparable, elementsOf, useNewestOf } from "./newest";
 import { Histories } from "./trends-view";
 
-const DAY_MS = 86_400_000;
 const PERIOD_DAYS = 90;
+/** Without an offset, which may change within a period. */
+const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
 /** The service answers with so many at most. */
 const MOST = 1000;
 
@@ -29,6 +30,11 @@ function day(at: Date): string {
 
 function midnight(written: string): Date {
   return new Date(`${written}T00:00`);
+}
+
+/** Midnight so many days later: days are not all of 24 hours. */
+function daysLater(at: Date, days: number): Date {
+  return new Date(at.getFullYear(), at.getMonth(), at.getDate() + days);
 }
 
 /** Whether it is a day of the calendar, as a date field writes it. */
@@ -60,12 +66,12 @@ export function Report({ id }: { id: string }) {
 
 function Whole({ machine, revision }: { machine: Document; revision: number }) {
   const { query: chosen } = useStore(place);
-  const first = chosen.get("from") ?? day(new Date(Date.now() - PERIOD_DAYS * DAY_MS));
+  const first = chosen.get("from") ?? day(daysLater(new Date(), -PERIOD_DAYS));
   const last = chosen.get("to") ?? day(new Date());
   const wrong = wrongWith(first, last);
   if (wrong.length > 0) return <Panel title="Report"><Period first={first} last={last} />{wrong.map((one) => <Empty key={one}>{one}</Empty>)}</Panel>;
   const from = midnight(first);
-  const to = new Date(midnight(last).getTime() + DAY_MS - 1);
+  const to = new Date(daysLater(midnight(last), 1).getTime() - 1);
   return (
     <article class="report">
       <header>
@@ -75,7 +81,7 @@ function Whole({ machine, revision }: { machine: Document; revision: number }) {
         <h1>{machine.name}</h1>
         <p>
           {machine.plant} / {machine.id}, document revision {revision}. {from.toLocaleDateString()} to {to.toLocaleDateString()}. Made{" "}
-          {new Date().toLocaleString()}.
+          {new Date().toLocaleString()}. Times are local time of {ZONE}.
         </p>
         <Period first={first} last={last} />
       </header>

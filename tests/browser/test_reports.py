@@ -187,3 +187,25 @@ def test_a_period_without_an_accepted_identification_has_no_words_on_trends(seen
     expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
     expect(seen.page.locator(".told")).to_have_count(0)
     assert (asked, seen.errors) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "begins", "ends", "shown"),
+    [
+        ("2026-03-20", "2026-03-29", "2026-03-19T23:00:00.000Z", "2026-03-29T21:59:59.999Z", "20/03/2026 to 29/03/2026"),
+        ("2026-10-20", "2026-10-25", "2026-10-19T22:00:00.000Z", "2026-10-25T22:59:59.999Z", "20/10/2026 to 25/10/2026"),
+    ],
+    ids=["a day of 23 hours", "a day of 25 hours"],
+)
+def test_a_period_ends_with_its_last_day_however_long_that_is(
+    seen: Seen, first: str, last: str, begins: str, ends: str, shown: str
+) -> None:
+    asked: list[dict[str, list[str]]] = []
+    seen.page.on("request", lambda request: asked.append(parse_qs(urlsplit(request.url).query)))
+    seen.open(f"reports/{MACHINE}?from={first}&to={last}")
+    expect(seen.page.locator("article.report > header")).to_contain_text(shown)
+    expect(seen.page.locator("article.report > header")).to_contain_text("Times are local time of Europe/Berlin.")
+    expect(seen.page.get_by_text("Nothing is on the machine's timeline")).to_be_visible()
+    periods = {(one["from"][0], one["to"][0]) for one in asked if "from" in one}
+    assert periods == {(begins, ends)}
+    assert seen.errors == []
