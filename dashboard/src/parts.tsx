@@ -33,10 +33,10 @@ export function Empty({ children }: { children: ComponentChildren }) {
 }
 
 /** That a list has more than is shown. */
-export function Cut({ shown, most, what = "newest" }: { shown: number; most: number; what?: string }) {
+export function Cut({ shown, most, what = "newest", of = "" }: { shown: number; most: number; what?: string; of?: string }) {
   return shown < most ? null : (
     <p class="muted cut">
-      The {what} {most} are shown; there may be more.
+      The {what} {most}{of && ` ${of}`} are shown; there may be more.
     </p>
   );
 }

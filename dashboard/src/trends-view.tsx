@@ -2,7 +2,7 @@
 import type { Alert, BaselineBand, Document, IdentificationSummary, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { elementName, number, percent, scaleOf, termName, when } from "./format";
-import { Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
+import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
 import { comparable, elementsOf, NotIdentified, useNewest } from "./newest";
 import { useResource } from "./resource";
@@ -21,6 +21,8 @@ const DAY_MS = 86_400_000;
 /** The service answers with so many entries of the timeline at most. */
 const MOST_MARKS = 1000;
 const MOST_POINTS = 2000;
+/** So many alerts are marked in the trends at most. */
+const MOST_ALERTS = 200;
 /** What is taken away as a file is not thinned out before the service must. */
 const MOST_IN_FILE = 20_000;
 /** Stands for an element in the choice: what follows from the parameters. */
@@ -29,7 +31,7 @@ const DERIVED = "derived quantities";
 export function TrendsView({ machine }: { machine: Document }) {
   const { query: chosen } = useStore(place);
   const { newest, none, failure } = useNewest(machine.id);
-  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=200`, 30_000).data ?? [];
+  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MOST_ALERTS}`, 30_000).data ?? [];
   if (none) return <NotIdentified />;
   if (!newest) return <Panel title="Trends">{failure ?? <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
   const elements = [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])];
@@ -61,6 +63,7 @@ export function TrendsView({ machine }: { machine: Document }) {
             of the newest runs together
           </label>
         </div>
+        <Cut shown={alerts.length} most={MOST_ALERTS} of="alerts of the machine" />
       </Panel>
       <Histories
         machine={machine.id}

@@ -153,3 +153,20 @@ def test_a_report_of_a_past_period_shows_what_was_identified_then(seen: Seen, se
     expect(seen.page.locator(".elements table").first).to_be_visible()
     assert any(url.endswith(f"/identifications/{shown['id']}") for url in asked)
     assert not any(url.endswith(f"/identifications/{found[0]['id']}") for url in asked)
+
+
+def test_trends_say_that_alerts_are_cut(seen: Seen, service: Service) -> None:
+    (alert,) = service.get("/alerts", limit=1)
+    count = [199]
+
+    def many(route: Route) -> None:  # as of a machine with a long history
+        route.fulfill(json=[alert | {"id": number} for number in range(count[0])])
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), many)
+    seen.open(f"machines/{MACHINE}/trends")
+    cut = seen.page.get_by_text("The newest 200 alerts of the machine are shown; there may be more.")
+    expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
+    expect(cut).to_have_count(0)
+    count[0] = 200
+    seen.page.reload()
+    expect(cut).to_be_visible()
