@@ -34,19 +34,27 @@ export function AngleHistory({ series, kinds, markers, xRange, readOut, onPick }
       });
     return { name, style, y, lower: bound(-1), upper: bound(1), points: true, spans: true };
   });
+  const thinned = series.down_sampling && series.down_sampling.method !== "none";
   return (
-    <Plot
-      label={`Angle of ${series.parameter} over time, ${series.value.length} points`}
-      x={series.measured_at.map((one) => Date.parse(one) / 1000)}
-      time
-      yUnit="angle, °"
-      curves={curves}
-      markers={markers}
-      {...(xRange ? { xRange } : {})}
-      together="trends"
-      height={130}
-      readOut={readOut}
-      onPick={onPick}
-    />
+    <>
+      {thinned && (
+        <p class="muted thinned">
+          Its angle where it is lowest and highest in each stretch and kind of run, of {series.down_sampling!.points} points
+        </p>
+      )}
+      <Plot
+        label={`Angle of ${series.parameter} over time, ${series.value.length} points`}
+        x={series.measured_at.map((one) => Date.parse(one) / 1000)}
+        time
+        yUnit="angle, °"
+        curves={curves}
+        markers={markers}
+        {...(xRange ? { xRange } : {})}
+        together="trends"
+        height={130}
+        readOut={readOut}
+        onPick={onPick}
+      />
+    </>
   );
 }

@@ -18,24 +18,38 @@ class Chosen:
     points: int
 
 
-def min_max(time: NDArray[np.int64], value: NDArray[np.float64], *, most: int) -> Chosen:
-    """At most `most` (4 or more) of n points that are in order of time: the first, the last, and of each of equal stretches of
-    time the lowest and the highest. Of a stretch without any value (NaN) its first point stays: a gap is seen as one.
+def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[np.int64], *, most: int) -> Chosen:
+    """At most `most` of n points that are in order of time: the first, the last, and of each of equal stretches of time the
+    lowest and the highest of each kind. Where a kind has points in a stretch, but no value (NaN), its first of them stays: a
+    gap is seen as one.
 
-    Every point that stays is one that was there; nothing is averaged.
+    kind: of each point, a number. No kind takes the place of another, so `most` must leave room for two points of each: 2 + 2
+    for each kind. Every point that stays is one that was there; nothing is averaged.
     """
     count = len(time)
     if count <= most:
         return Chosen(np.arange(count), NONE, count)
-    buckets = (most - 2) // 2
+    kinds = np.unique(kind)
+    buckets = (most - 2) // (2 * len(kinds))
+    if buckets < 1:
+        raise ValueError(f"{most} points are too few for {len(kinds)} kinds: at least {2 + 2 * len(kinds)}")
     span = max(1, int(time[-1]) - int(time[0]))
     # In floating point: nanoseconds times buckets would not fit.
     place = np.minimum(((time - time[0]) / span * buckets).astype(np.int64), buckets - 1)
+    kept = [np.array([0, count - 1])]
+    for one in kinds:
+        of_kind = np.flatnonzero(kind == one)
+        kept.append(of_kind[_extremes(place[of_kind], value[of_kind])])
+    return Chosen(np.unique(np.concatenate(kept)), MIN_MAX, count)
+
+
+def _extremes(place: NDArray[np.int64], value: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The lowest and the highest value at each place; of one without any the first point."""
     known = np.isfinite(value)
-    kept = [np.array([0, count - 1]), np.unique(place, return_index=True)[1]]
-    kept[1] = kept[1][~np.isin(place[kept[1]], place[known])]
+    first = np.unique(place, return_index=True)[1]
+    kept = [first[~np.isin(place[first], place[known])]]
     for sign in (1.0, -1.0):
         order = np.lexsort((sign * value[known], place[known]))
-        first = np.unique(place[known][order], return_index=True)[1]
-        kept.append(np.flatnonzero(known)[order[first]])
-    return Chosen(np.unique(np.concatenate(kept)), MIN_MAX, count)
+        lowest = np.unique(place[known][order], return_index=True)[1]
+        kept.append(np.flatnonzero(known)[order[lowest]])
+    return np.concatenate(kept)

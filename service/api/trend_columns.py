@@ -16,7 +16,7 @@ from storage import machines, trends
 from storage.changes import Changes
 from storage.database import Database
 from storage.jobs import RUN
-from storage.trends import Floats, History, Stamp, Texts
+from storage.trends import Floats, History, Integers, Stamp, Texts
 
 MOST_KEPT = 512
 """Histories kept in memory; one of 2,000 points takes some 600 kB."""
@@ -30,8 +30,8 @@ NOT_ESTIMABLE = "not_estimable"
 class Columns:
     """One parameter's history ready to be cut: the stored columns, and beside them what is shown instead of some.
 
-    value: of an unbalance the magnitude, of which lower and upper are the interval; it has no standard error. complex: whether
-    it is an unbalance.
+    value: of an unbalance the magnitude, of which lower and upper are the interval; it has no standard error. kind: a number
+    for each kind of run, accepted or not. complex: whether it is an unbalance.
     """
 
     history: History
@@ -40,6 +40,7 @@ class Columns:
     value: Floats
     standard_error: Floats
     quality: Texts
+    kind: Integers
     complex: bool
     baselines: list[BaselineBand]
 
@@ -117,11 +118,15 @@ class KeptHistories:
 
 
 def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
-    """The points of a time range [ns, both ends belong to it], thinned out to at most so many."""
+    """The points of a time range [ns, both ends belong to it], thinned out to at most so many.
+
+    Each kind of run is thinned out for itself, and what was not accepted apart from what was: a fit that failed takes the
+    place of no value that counts.
+    """
     time = columns.history.measured_at
     begin = 0 if first is None else int(np.searchsorted(time, first, "left"))
     end = len(time) if last is None else max(begin, int(np.searchsorted(time, last, "right")))
-    chosen = min_max(time[begin:end], columns.value[begin:end], most=most)
+    chosen = min_max(time[begin:end], columns.value[begin:end], columns.kind[begin:end], most=most)
     return Chosen(begin + chosen.index, chosen.method, chosen.points)
 
 
@@ -181,6 +186,7 @@ def _columns(history: History, bands: list[BaselineBand]) -> Columns:
         value=value,
         standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
         quality=quality.astype(np.object_),
+        kind=2 * np.unique(history.run_kind, return_inverse=True)[1] + history.accepted,
         complex=is_complex,
         baselines=bands,
     )

@@ -44,7 +44,8 @@ class DownSampling(BaseModel):
 
     method: Literal["none", "min-max-per-bucket"] = Field(
         description="none: all. min-max-per-bucket: the first, the last, and of each of equal stretches of time the lowest "
-        "and the highest value; every point shown is one that was identified"
+        "and the highest value of each kind of run, accepted and not accepted apart; every point shown is one that was "
+        "identified"
     )
     points: int = Field(description="how many there are in the time range")
 

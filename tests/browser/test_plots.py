@@ -336,3 +336,26 @@ def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> Non
     for canvas in seen.page.locator(".plot canvas").all():
         until(partial(says_rpm, canvas), within_s=5, what="the axis says rpm")
     assert seen.errors == []
+
+
+def test_a_thinned_trend_and_its_angle_say_so(seen: Seen) -> None:
+    words = [
+        "lowest and highest of each stretch and kind of run, of 4321 points",
+        "Its angle where it is lowest and highest in each stretch and kind of run, of 4321 points",
+    ]
+
+    def thinned(route: Route) -> None:  # as of a machine with more runs than a plot has room for
+        answer = route.fetch().json()
+        series = [one | {"down_sampling": {"method": "min-max-per-bucket", "points": 4321}} for one in answer["series"]]
+        route.fulfill(json=answer | {"series": series})
+
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
+    wait_drawn(seen.page, 2)
+    for one in words:
+        expect(seen.page.get_by_text(one)).to_have_count(0)
+    seen.page.route(re.compile(r"/trends\?"), thinned)
+    seen.page.reload()
+    wait_drawn(seen.page, 2)
+    for one in words:
+        expect(seen.page.get_by_text(one)).to_be_visible()
+    assert seen.errors == []

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import json
 import math
 from collections.abc import Sequence
@@ -160,7 +161,7 @@ def test_a_long_series_is_thinned_out_and_keeps_its_extremes(plant: Database) ->
 def test_thinning_out_keeps_ends_and_extremes_and_never_exceeds(values: list[float], most: int, seed: int) -> None:
     value = np.array(values)
     time = np.sort(np.random.default_rng(seed).integers(0, 10**18, len(values)))
-    chosen = min_max(time, value, most=most)
+    chosen = min_max(time, value, np.zeros(len(value), np.int64), most=most)
     kept = value[chosen.index]
     assert chosen.points == len(values)
     assert len(chosen.index) <= max(most, 0)
@@ -175,7 +176,7 @@ def test_thinning_out_keeps_ends_and_extremes_and_never_exceeds(values: list[flo
 
 def test_a_stretch_without_values_is_still_seen() -> None:
     value = np.array([1.0] * 50 + [math.nan] * 50 + [1.0] * 50)
-    chosen = min_max(np.arange(150) * SECOND, value, most=20)
+    chosen = min_max(np.arange(150) * SECOND, value, np.zeros(150, np.int64), most=20)
     assert np.isnan(value[chosen.index]).any()
 
 
@@ -407,3 +408,59 @@ def test_a_time_that_was_answered_belongs_to_the_range_that_it_ends(plant: Datab
     asked = {"parameter": "coupling.C1.kxx"} if path == "trends" else {}
     found = api.value(f"/machines/{KEY.machine}/{path}", **asked, **{"from": time, "to": time})
     assert time in json.dumps(found)
+
+
+@given(
+    points=st.lists(
+        st.tuples(st.one_of(st.floats(-1e3, 1e3), st.just(math.nan)), st.booleans(), st.booleans()), min_size=1, max_size=200
+    ),
+    most=st.integers(10, 60),
+    seed=st.integers(0, 2**32 - 1),
+)
+@few_examples
+def test_thinning_out_keeps_the_extremes_of_each_kind_of_run_among_the_accepted(
+    points: list[tuple[float, bool, bool]], most: int, seed: int
+) -> None:
+    value, up, accepted = (np.array(column) for column in zip(*points, strict=True))
+    time = np.sort(np.random.default_rng(seed).integers(0, 10**18, len(points)))
+    kind = 2 * up.astype(np.int64) + accepted
+    chosen = min_max(time, value, kind, most=most)
+    assert len(chosen.index) <= most
+    if len(points) <= most:
+        return
+    buckets = (most - 2) // (2 * len(np.unique(kind)))
+    ends = np.linspace(float(time[0]), float(time[-1]), buckets + 1)
+    bucket = np.clip(np.searchsorted(ends, time.astype(np.float64), "right") - 1, 0, buckets - 1)
+    for one, of_kind in itertools.product(range(buckets), np.unique(kind)):
+        there = value[(bucket == one) & (kind == of_kind)]
+        stay = value[np.intersect1d(chosen.index, np.flatnonzero((bucket == one) & (kind == of_kind)))]
+        assert len(stay) > 0 or len(there) == 0
+        if np.isfinite(there).any():
+            assert (np.nanmin(stay), np.nanmax(stay)) == (np.nanmin(there), np.nanmax(there))
+
+
+def test_more_kinds_than_points_are_refused() -> None:
+    with pytest.raises(ValueError, match="10 points are too few for 5 kinds: at least 12"):
+        min_max(np.arange(50) * SECOND, np.ones(50), np.arange(50) % 5, most=10)
+
+
+@pytest.mark.parametrize("most", [10, 30])
+def test_a_fit_that_failed_takes_the_place_of_no_accepted_value(plant: Database, most: int) -> None:
+    with plant.transaction() as session:
+        for number in range(80):
+            bad, kind = number % 4 == 1, "run-up" if number % 2 else "run-down"
+            factor = {"run-up": 1.5, "run-down": 0.8}[kind] + 0.001 * math.sin(number)
+            outcome = identification({"coupling.C1.kxx": 9.0 if bad else factor}, accepted=not bad)
+            store_identification(session, outcome, run_id=100 + number, run_kind=kind, measured_at=START + number * HOUR)
+    (whole,), (thin,) = (trend(Api(plant), "coupling.C1.kxx", max_points=points) for points in (5000, most))
+    assert thin["down_sampling"] == {"method": "min-max-per-bucket", "points": 80}
+    assert len(thin["value"]) <= most
+    for kind in ("run-up", "run-down"):
+        expected, found = (accepted(one, kind) for one in (whole, thin))
+        assert (min(found), max(found)) == (min(expected), max(expected))
+
+
+def accepted(series: dict[str, Any], kind: str) -> list[float]:
+    """Its accepted values of a kind of run."""
+    rows = zip(series["value"], series["run_kind"], series["quality"], strict=True)
+    return [value for value, of_kind, quality in rows if of_kind == kind and quality == "accepted"]
