@@ -78,6 +78,9 @@ export interface Phasors {
 
 export interface Estimate {
   parameter: string;
+  /** Vectors that were subtracted; null: raw. */
+  slow_roll_version: number | null;
+  slow_roll_left_out: Record<string, string>;
   element: string;
   quantity: string;
   unit: string;
@@ -114,6 +117,7 @@ export interface IdentificationSummary {
 
 /** A quantity that follows from an identification. */
 export interface Derived {
+  slow_roll_version: number | null;
   name: string;
   unit: string;
   value: number | null;
@@ -208,6 +212,7 @@ export interface Orbits {
   without: string[][];
   findings: { code: string; channels: string[]; words: string }[];
 }
+  slow_roll_version: number | null;
 
 export interface Series {
   parameter: string;

@@ -12,6 +12,8 @@ export interface Shown {
   measured: Sweep;
   reference: Sweep | undefined;
   fit: Bode | undefined;
+  /** What points and curve are without. */
+  slowRoll: string;
 }
 
 /** One channel of a run, ascending in speed. */
@@ -38,7 +40,7 @@ export function Response(shown: Shown) {
         <Plot label={`Phase lag of ${channels.join(", ")} over speed`} {...phase} xUnit="rpm" yUnit="° lag" xRange={range} together="bode" height={190} />
         <Residuals {...shown} range={range} />
       </Panel>
-      <Panel title="Polar" aside={<p class="muted">Lag grows clockwise from the right; speeds in rpm.</p>}>
+      <Panel title="Polar" aside={<p class="muted">Lag grows clockwise from the right; speeds in rpm; {shown.slowRoll}.</p>}>
         <div class="polars">
           {channels.map((channel, style) => (
             <Polar key={channel} title={channel} curves={polarCurves(shown, channel, style)} />
@@ -49,9 +51,9 @@ export function Response(shown: Shown) {
   );
 }
 
-function Key({ fit, reference }: Shown) {
+function Key({ fit, reference, slowRoll }: Shown) {
   const said = ["● measured", ...(fit ? ["— the model with its 95 % band"] : []), ...(reference ? ["○ the other run"] : [])];
-  return <p class="muted">{said.join("  ")}</p>;
+  return <p class="muted">{said.join("  ")}; {slowRoll}.</p>;
 }
 
 function lines(shown: Shown, what: "amplitude" | "lag"): { x: number[]; curves: Curve[] } {

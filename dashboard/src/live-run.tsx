@@ -1,5 +1,6 @@
 // The run that is being collected, drawn while it grows.
 import type { Document, MachineState, Phasors } from "./answers";
+import { slowRollWords } from "./fit-of-run";
 import { Panel } from "./parts";
 import { Plot } from "./plot";
 import { useResource } from "./resource";
@@ -9,11 +10,11 @@ const MS = 1500;
 
 export function LiveRun({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
-  const phasors = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, MS).data;
+  const phasors = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, MS).data;
   if (!run) return null;
   const sweep = phasors && bySpeed(phasors);
   return (
-    <Panel title={`Run ${run.id}, as it comes`} class="live">
+    <Panel title={`Run ${run.id}, as it comes`} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
       {sweep ? (
         <Plot
           label={`Amplitude over speed of run ${run.id} so far`}
@@ -29,4 +30,8 @@ export function LiveRun({ machine }: { machine: Document }) {
       )}
     </Panel>
   );
+}
+
+function slowRollOf({ slow_roll_version: version, slow_roll_left_out: leftOut }: Phasors): string {
+  return slowRollWords(version, Object.keys(leftOut));
 }

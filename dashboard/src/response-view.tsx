@@ -1,8 +1,8 @@
 // Choosing a run, one beside it, and channels, for the Bode and polar plots.
 import { useEffect } from "preact/hooks";
-import type { Bode, Document, IdentificationSummary, Phasors } from "./answers";
-import { query } from "./api";
+import type { Bode, Document, Phasors } from "./answers";
 import { Response } from "./bode";
+import { slowRollWords, useFitOf } from "./fit-of-run";
 import { Empty, Panel, Trouble } from "./parts";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
@@ -20,10 +20,10 @@ export function ResponseView({ machine }: { machine: Document }) {
   const asked = useStore(place).query;
   const runs = useRuns(machine.id);
   const { run, reference } = runs;
-  const identifications = useResource<IdentificationSummary[]>(run?.ended_at ? measuredIn(machine.id, run.started_at, run.ended_at) : null);
-  const identified = identifications.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
-  const measured = useResource<Phasors>(run ? `/runs/${run.id}/phasors` : null, run?.state === "open" ? LIVE_MS : 0);
-  const other = useResource<Phasors>(reference ? `/runs/${reference.id}/phasors` : null);
+  const { identified, slowRoll } = useFitOf(machine.id, run);
+  const without = (of: number) => (slowRoll ? `/runs/${of}/phasors?slow_roll=${slowRoll}` : null);
+  const measured = useResource<Phasors>(run ? without(run.id) : null, run?.state === "open" ? LIVE_MS : 0);
+  const other = useResource<Phasors>(reference ? without(reference.id) : null);
   const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
   useEffect(() => {
     if (run && !asked.get("run")) choose({ run: String(run.id) });
@@ -38,7 +38,7 @@ export function ResponseView({ machine }: { machine: Document }) {
   const channels = machine.probes.map((one) => one.id);
   const named = (asked.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
   const chosen = named.length > 0 ? named : channels.slice(0, FIRST_CHANNELS);
-  const waits = !measured.data || (run?.ended_at && !identifications.data && !identifications.failure) || (identified && !fit.data && !fit.failure);
+  const waits = !measured.data || (identified && !fit.data && !fit.failure);
   return (
     <>
       <Panel title="What is shown">
@@ -59,16 +59,15 @@ export function ResponseView({ machine }: { machine: Document }) {
           measured={bySpeed(measured.data!)}
           reference={other.data && bySpeed(other.data)}
           fit={fit.data}
+          slowRoll={slowRollOf(measured.data!, chosen)}
         />
       )}
     </>
   );
 }
 
-/** Where identifications of a run are asked for: they are measured when it ends. */
-function measuredIn(machine: string, begin: string, end: string): string {
-  const to = new Date(Date.parse(end) + 1000).toISOString();
-  return `/machines/${machine}/identifications${query({ from: begin, to, limit: 100 })}`;
+function slowRollOf(measured: Phasors, chosen: string[]): string {
+  return slowRollWords(measured.slow_roll_version, chosen.filter((one) => one in measured.slow_roll_left_out));
 }
 
 function Channels({ channels, chosen }: { channels: string[]; chosen: string[] }) {

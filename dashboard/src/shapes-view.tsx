@@ -1,6 +1,7 @@
 // The shaft's motion: orbits at the probes for a speed of a run, and mode shapes of the identified model.
 import { useState } from "preact/hooks";
 import type { Document, Orbit, Orbits } from "./answers";
+import { slowRollWords, useFitOf } from "./fit-of-run";
 import { number, rpm } from "./format";
 import { ModeShapes } from "./mode-shapes";
 import { Empty, Panel, Shown } from "./parts";
@@ -32,8 +33,10 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
   const chosen = Number(query.get("rpm")) || Math.round((low + high) / 2);
   const [dragged, setDragged] = useState<number | null>(null);
   const { run, reference } = runs;
-  const answer = useResource<Orbits>(run ? `/runs/${run.id}/orbits?rpm=${chosen}` : null);
-  const other = useResource<Orbits>(reference ? `/runs/${reference.id}/orbits?rpm=${chosen}` : null).data;
+  const { slowRoll } = useFitOf(machine.id, run);
+  const without = (of: number) => (slowRoll ? `/runs/${of}/orbits?rpm=${chosen}&slow_roll=${slowRoll}` : null);
+  const answer = useResource<Orbits>(run ? without(run.id) : null);
+  const other = useResource<Orbits>(reference ? without(reference.id) : null).data;
   return (
     <Panel title="1× orbits at the probes">
       <div class="choices">
@@ -75,8 +78,8 @@ function OrbitPlots({ found, other }: { found: Orbits; other: Orbits | undefined
   return (
     <>
       <p class="muted">
-        x to the right, y up; 0-to-peak, rings of {number(ring)} µm. The dot is where the shaft is as the keyphasor mark passes; it
-        comes out of the gap.
+        x to the right, y up; 0-to-peak, rings of {number(ring)} µm; {slowRollWords(found.slow_roll_version)}. The dot is where the shaft is as
+        the keyphasor mark passes; it comes out of the gap.
       </p>
       <div class="orbits shapes">
         {found.orbits.map((one) => (
