@@ -1,7 +1,7 @@
 // How far each element is from its baseline: its colour and words on the drawing of the train.
 import type { Alert, Deviations, ParameterDeviation } from "./answers";
 import { calls } from "./alert-words";
-import { number, percent, termName } from "./format";
+import { isCrossCoupled, isUnbalance, number, percent, quantity, termName } from "./format";
 import type { Mark } from "./train";
 
 /** An element whose parameters would move together as far as this by chance less often than this has changed. */
@@ -10,7 +10,15 @@ const RANK: Record<Mark["level"], number> = { unknown: 0, normal: 1, changed: 2,
 
 /** The largest of an element's deviations in words: kxx +54 % (10.5 σ). */
 export function inWords(one: ParameterDeviation): string {
-  return `${termName(one.parameter)} ${percent(one.per_cent / 100)} (${number(one.sigma, 2)} σ)`;
+  const term = termName(one.parameter);
+  const sigma = `${number(one.sigma, 2)} σ`;
+  if (one.added !== null) {
+    // A vector's change has a direction in the place of a sign: what is balanced gets less by what is added.
+    const part = `${number(one.per_cent, 2)} % of the baseline's`;
+    if (!isUnbalance(one.parameter)) return `${term}: changed by ${part}, as a vector (${sigma})`;
+    return `${term}: ${quantity(one.added, "kg m")} added at ${Math.round(one.added_angle_deg ?? 0) % 360}° (${part}, ${sigma})`;
+  }
+  return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? " of the direct terms" : ""} (${sigma})`;
 }
 
 export function largest(deviations: Deviations, element: string): ParameterDeviation | undefined {

@@ -92,6 +92,15 @@ export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
 }
 
+export function isUnbalance(parameter: string): boolean {
+  return termName(parameter) === "unbalance";
+}
+
+/** Cross-coupled terms may be near zero: their changes are told in per cent of the direct terms beside them, or not at all. */
+export function isCrossCoupled(parameter: string): boolean {
+  return /(xy|yx)(@|$)/.test(parameter);
+}
+
 /** All elements of a machine that alerts may be of: `coupling.C1`. */
 export function elementsOfDocument(machine: Document): string[] {
   const named = (kind: string, all: { id: string }[]) => all.map((one) => `${kind}.${one.id}`);

@@ -4,7 +4,7 @@ import type { Document, Estimate, Identification, IdentificationSummary } from "
 import { angleWords } from "./angle-history";
 import { ComparisonPanel } from "./comparison-panel";
 import { CorrelationPanel } from "./correlation-panel";
-import { elementName, number, quantity, rpm, scaleOf, termName, when } from "./format";
+import { elementName, isCrossCoupled, number, quantity, rpm, scaleOf, termName, when } from "./format";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
@@ -120,7 +120,7 @@ function width(one: Estimate): number | null {
 
 /** Cross-coupled terms may be anywhere near zero: their interval says nothing against them. */
 function isDirect(one: Estimate): boolean {
-  return one.imaginary !== null || !/(xy|yx)$/.test(one.parameter);
+  return one.imaginary !== null || !isCrossCoupled(one.parameter);
 }
 
 function Words({ found }: { found: Identification }) {

@@ -1,6 +1,6 @@
 // What the trend tests say of a parameter, in sentences: of which component, where it is one of a vector.
 import type { Drift, TrendTest } from "./answers";
-import { number, percent, when } from "./format";
+import { isCrossCoupled, number, percent, when } from "./format";
 
 /** A drift that chance would make less often than this is told. */
 const TOLD = 0.01;
@@ -11,7 +11,7 @@ export function findings(parameter: string, tests: TrendTest[]): string[] {
   return tests.flatMap((test) => {
     const part = test.name.startsWith(`${parameter}.`) ? test.name.slice(parameter.length + 1) : "";
     const of = part ? `${PARTS[part] ?? part}: ` : "";
-    return [...steps(test), ...creeps(test), ...drifts(test, part !== "")].map((one) => of + one);
+    return [...steps(test), ...creeps(test), ...drifts(test, part ? " of the baseline's magnitude" : isCrossCoupled(parameter) ? " of the direct terms" : "")].map((one) => of + one);
   });
 }
 
@@ -27,10 +27,9 @@ function creeps({ creep }: TrendTest): string[] {
   return creep.passed ? [`the mean of its newest runs lies ${creep.value > 0 ? "above" : "below"} the baseline`] : [];
 }
 
-/** A component is measured in the length that the vector has at the baseline. */
-function drifts({ drift }: TrendTest, component: boolean): string[] {
+/** of: a component is measured in the length that the vector has at the baseline, a cross-coupled term in the direct ones. */
+function drifts({ drift }: TrendTest, of: string): string[] {
   if (!drift || drift.probability >= TOLD) return [];
-  const of = component ? " of the baseline's magnitude" : "";
   return [`${percent(drift.per_week / 100)}${of} a week (${number(drift.lower, 2)} … ${number(drift.upper, 2)})${ahead(drift)}`];
 }
 

@@ -1,7 +1,7 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
 import type { Alert, BaselineBand, Document, IdentificationSummary, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
-import { elementName, number, percent, scaleOf, termName, when } from "./format";
+import { elementName, isCrossCoupled, number, percent, scaleOf, termName, when } from "./format";
 import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
 import { comparable, elementsOf, NotIdentified, useNewest } from "./newest";
@@ -213,11 +213,6 @@ function baselineAt(series: Series, index: number): BaselineBand | undefined {
   return series.baselines.find((one) => one.run_kind === series.run_kind[index] && one.since <= at && (one.until === null || at < one.until));
 }
 
-/** Cross-coupled terms may be near zero: per cent say nothing of them. */
-function isDirect(parameter: string): boolean {
-  return !/(xy|yx)$/.test(parameter);
-}
-
 interface HistoryProps {
   name: string;
   series: Series;
@@ -256,7 +251,7 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
     const low = scaled(series.lower[index]);
     const high = scaled(series.upper[index]);
     const base = baselineAt(series, index);
-    const beside = base && isDirect(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
+    const beside = base && !isCrossCoupled(series.parameter) ? `, ${percent(value / base.centre - 1)}` : "";
     const doubt = accepted(index) ? "" : ", not accepted";
     const turned = angleWords(series.angle_deg?.[index] ?? null, series.angle_half_width_deg?.[index] ?? null);
     return `${at}: ${number(scaled(value), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${turned}${beside}${doubt}`;

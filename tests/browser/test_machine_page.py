@@ -187,3 +187,33 @@ def test_a_comparison_has_units_and_says_what_is_not_determined(seen: Seen, serv
     coupling = rows.filter(has_text="coupling.C1.kxx").locator("td.number")
     expect(coupling.nth(1)).to_have_text("not determined")
     assert seen.errors == []
+
+
+def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
+    """Nine tenths of one were balanced away: no sign may say that it grew."""
+
+    def balanced(route: Route) -> None:
+        found = route.fetch().json()
+        like = next(one for one in found["parameters"] if one["parameter"] == "disc.D1.unbalance")
+        added = {**like, "per_cent": 89.4, "sigma": 40.0, "added": 1.837e-3, "added_angle_deg": 94.2}
+        cross = {
+            **like,
+            "parameter": "bearing.B1.kxy",
+            "element": "bearing.B1",
+            "per_cent": -12.3,
+            "sigma": -8.0,
+            "added": None,
+        }
+        elements = [{**one, "probability": 1e-12} for one in found["elements"]]
+        route.fulfill(json={**found, "missing": None, "elements": elements, "parameters": [added, cross]})
+
+    seen.page.route(re.compile("/deviations[?]"), balanced)
+    seen.open(f"machines/{MACHINE}")
+    table = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    for element, words in (
+        ("disc.D1", "unbalance: 1837 g·mm added at 94° (89 % of the baseline's, 40 σ)"),
+        ("bearing.B1", "kxy −12 % of the direct terms (−8.0 σ)"),
+    ):
+        expect(table.get_by_role("cell", name=words, exact=True)).to_be_visible()
+        expect(seen.page.locator(f".element[data-element='{element}'] title")).to_contain_text(words)
+    assert seen.errors == []
