@@ -8,10 +8,14 @@ export interface MachineSummary {
   revision: number;
 }
 
+/** Positive turns +x towards +y. */
+export type Sense = "positive" | "negative";
+
 export interface Document {
   id: string;
   plant: string;
   name: string;
+  rotation?: Sense;
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
   bearings: { id: string }[];
@@ -74,13 +78,13 @@ export interface Phasors {
   speed_rpm: number[];
   amplitude_um_pp: (number | null)[][];
   phase_lag_deg: (number | null)[][];
+  /** Vectors that were subtracted; null: raw. */
+  slow_roll_version: number | null;
+  slow_roll_left_out: Record<string, string>;
 }
 
 export interface Estimate {
   parameter: string;
-  /** Vectors that were subtracted; null: raw. */
-  slow_roll_version: number | null;
-  slow_roll_left_out: Record<string, string>;
   element: string;
   quantity: string;
   unit: string;
@@ -113,11 +117,11 @@ export interface IdentificationSummary {
   speed_minimum_rpm: number;
   speed_maximum_rpm: number;
   code_version: string;
+  slow_roll_version: number | null;
 }
 
 /** A quantity that follows from an identification. */
 export interface Derived {
-  slow_roll_version: number | null;
   name: string;
   unit: string;
   value: number | null;
@@ -208,11 +212,11 @@ export interface Orbit {
 }
 
 export interface Orbits {
+  slow_roll_version: number | null;
   orbits: Orbit[];
   without: string[][];
   findings: { code: string; channels: string[]; words: string }[];
 }
-  slow_roll_version: number | null;
 
 export interface Series {
   parameter: string;
@@ -316,6 +320,7 @@ export interface MisalignmentForce {
 }
 
 export interface Balancing {
+  direction: Sense;
   speed: number[];
   corrections: { plane: string; unbalance_g_mm: number; angle_deg: number }[];
   before: { channel: string; amplitude: Column; lower: Column; upper: Column }[];

@@ -1,5 +1,5 @@
 // Numbers with units, times in the reader's zone.
-import type { Document } from "./answers";
+import type { Document, Sense } from "./answers";
 
 const PREFIXES: [number, string][] = [
   [1e9, "G"],
@@ -90,6 +90,11 @@ export function elementName(element: string): string {
 /** `kxx` from `bearing.B1.kxx`. */
 export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
+}
+
+/** How angles of unbalances count; what lags, as all measured phases do, counts against the rotation. */
+export function angleSense(rotation: Sense = "positive"): string {
+  return `from the mark, +x towards +y, ${rotation === "positive" ? "with" : "against"} rotation`;
 }
 
 export function isUnbalance(parameter: string): boolean {

@@ -4,7 +4,7 @@ import type { Document, Estimate, Identification, IdentificationSummary } from "
 import { angleWords } from "./angle-history";
 import { ComparisonPanel } from "./comparison-panel";
 import { CorrelationPanel } from "./correlation-panel";
-import { elementName, isCrossCoupled, number, quantity, rpm, scaleOf, termName, when } from "./format";
+import { angleSense, elementName, isCrossCoupled, isUnbalance, number, quantity, rpm, scaleOf, termName, when } from "./format";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
@@ -67,7 +67,10 @@ export function Identified({ machine, found }: { machine: Document; found: Ident
         <Fit machine={machine} found={found} />
         <Words found={found} />
       </div>
-      <Panel title="Parameters, with 95 % intervals">
+      <Panel
+        title="Parameters, with 95 % intervals"
+        aside={found.estimates.some((one) => isUnbalance(one.parameter)) && <p class="muted">Angles of unbalances: {angleSense(machine.rotation)}</p>}
+      >
         <div class="elements">
           {elementsOf(found.estimates).map((element) => (
             <Element key={element} machine={machine.id} element={element} estimates={found.estimates.filter((one) => one.element === element)} />

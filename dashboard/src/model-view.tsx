@@ -1,6 +1,6 @@
 // What the identified model says: critical speeds, Campbell diagram, coupling loads over speed, a balancing proposal.
 import type { Balancing, Campbell, CriticalSpeeds, Document, Identification, MisalignmentForce } from "./answers";
-import { number, rpm, scaleOf, whirlInWords } from "./format";
+import { angleSense, number, rpm, scaleOf, whirlInWords } from "./format";
 import { Empty, Panel, Shown, Time } from "./parts";
 import { Plot, type Curve } from "./plot";
 import { useResource } from "./resource";
@@ -184,7 +184,7 @@ function BalancingPanel({ path }: { path: string }) {
                   <tr>
                     <th>Plane</th>
                     <th class="number">To add</th>
-                    <th class="number">At, from the mark</th>
+                    <th class="number">At, {angleSense(found.direction)}</th>
                   </tr>
                 </thead>
                 <tbody>

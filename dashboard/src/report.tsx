@@ -151,6 +151,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
           <Histories
             key={element}
             machine={machine.id}
+            rotation={machine.rotation}
             element={element}
             names={newest.estimates.filter((one) => one.element === element).map((one) => one.parameter)}
             newest={newest}

@@ -1,7 +1,7 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
-import type { Alert, BaselineBand, Document, IdentificationSummary, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
+import type { Alert, BaselineBand, Document, IdentificationSummary, Sense, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
-import { elementName, isCrossCoupled, number, percent, scaleOf, termName, when } from "./format";
+import { angleSense, elementName, isCrossCoupled, isUnbalance, number, percent, scaleOf, termName, when } from "./format";
 import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
 import { comparable, elementsOf, NotIdentified, useNewest } from "./newest";
@@ -67,6 +67,7 @@ export function TrendsView({ machine }: { machine: Document }) {
       </Panel>
       <Histories
         machine={machine.id}
+        rotation={machine.rotation}
         element={element}
         names={names}
         newest={newest}
@@ -99,6 +100,7 @@ function Worst({ alerts }: { alerts: Alert[] }) {
 
 interface HistoriesProps {
   machine: string;
+  rotation: Sense | undefined;
   element: string;
   names: string[];
   /** The identification that speaks for the machine, within the period if there is one. */
@@ -143,6 +145,7 @@ export function Histories(props: HistoriesProps) {
             <p class="muted">
               <Names curves={kindsOf(series).map((name) => ({ name }))} />
               {series.some((one) => one.baselines.length > 0) && " · Grey: where 95 % of the estimates lie while the machine is as at its baseline; per cent are against its middle."}
+              {names.some(isUnbalance) && ` · Angles of unbalances: ${angleSense(props.rotation)}.`}
             </p>
             <div class="plots">
               {series.map((one) => (

@@ -217,3 +217,23 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
         expect(table.get_by_role("cell", name=words, exact=True)).to_be_visible()
         expect(seen.page.locator(f".element[data-element='{element}'] title")).to_contain_text(words)
     assert seen.errors == []
+
+
+@pytest.mark.parametrize(("rotation", "counted"), [("positive", "with rotation"), ("negative", "against rotation")])
+def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, counted: str) -> None:
+    def of_the_machine(route: Route) -> None:
+        found = route.fetch().json()
+        route.fulfill(json={**found, "document": {**found["document"], "rotation": rotation}})
+
+    def of_the_runs(route: Route) -> None:
+        route.fulfill(json={**route.fetch().json(), "direction": rotation})
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}$"), of_the_machine)
+    seen.page.route(re.compile("/balancing$"), of_the_runs)
+    words = f"from the mark, +x towards +y, {counted}"
+    seen.open(f"machines/{MACHINE}/model")
+    expect(seen.page.get_by_role("columnheader", name=f"At, {words}")).to_be_visible()
+    for tab in ("identified", "trends?element=disc.D1"):
+        seen.open(f"machines/{MACHINE}/{tab}")
+        expect(seen.page.get_by_text(f"Angles of unbalances: {words}")).to_be_visible()
+    assert seen.errors == []
