@@ -130,6 +130,7 @@ function OrbitPlot({ orbit, beside, ring }: { orbit: Orbit; beside: Orbit | unde
       <p class="muted">
         {number(orbit.semi_major_um)} ± {number(2 * orbit.semi_major_error_um, 2)} by {number(Math.abs(orbit.semi_minor_um))} ±{" "}
         {number(2 * orbit.semi_minor_error_um, 2)} µm at {rpm(orbit.speed_rpm)}
+        {beside && `; the other run at ${rpm(beside.speed_rpm)}`}
       </p>
     </figure>
   );

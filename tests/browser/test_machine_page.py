@@ -237,3 +237,20 @@ def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, coun
         seen.open(f"machines/{MACHINE}/{tab}")
         expect(seen.page.get_by_text(f"Angles of unbalances: {words}")).to_be_visible()
     assert seen.errors == []
+
+
+def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service) -> None:
+    """Each run has its own nearest sample, which may be far away."""
+    closed = [run for run in service.get(f"/machines/{MACHINE}/runs") if run["state"] == "closed"]
+    newest, other = closed[0], [run for run in closed if run["kind"] == closed[0]["kind"]][-1]
+
+    def elsewhere(route: Route) -> None:
+        found = route.fetch().json()
+        route.fulfill(json={**found, "orbits": [{**one, "speed_rpm": 987.0} for one in found["orbits"]]})
+
+    seen.page.route(re.compile(f"/runs/{other['id']}/orbits[?]"), elsewhere)
+    seen.open(f"machines/{MACHINE}/shapes?run={newest['id']}&reference={other['id']}&rpm=1500")
+    said = seen.page.locator(".orbits figure").first.locator("p")
+    own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
+    expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; the other run at 987 rpm$"))
+    assert seen.errors == []
