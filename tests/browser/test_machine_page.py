@@ -233,9 +233,13 @@ def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, coun
     words = f"from the mark, +x towards +y, {counted}"
     seen.open(f"machines/{MACHINE}/model")
     expect(seen.page.get_by_role("columnheader", name=f"At, {words}")).to_be_visible()
-    for tab in ("identified", "trends?element=disc.D1"):
+    for tab, heading in (
+        ("identified", "Parameters, with 95 % intervals"),
+        ("trends?element=disc.D1", "disc D1: of single runs"),
+    ):
         seen.open(f"machines/{MACHINE}/{tab}")
-        expect(seen.page.get_by_text(f"Angles of unbalances: {words}")).to_be_visible()
+        panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name=heading))
+        expect(panel.get_by_text(f"Angles of unbalances: {words}")).to_be_visible()
     assert seen.errors == []
 
 
