@@ -213,6 +213,7 @@ export interface Orbit {
 
 export interface Orbits {
   slow_roll_version: number | null;
+  slow_roll_left_out: Record<string, string>;
   orbits: Orbit[];
   without: string[][];
   findings: { code: string; channels: string[]; words: string }[];

@@ -78,7 +78,7 @@ function OrbitPlots({ found, other }: { found: Orbits; other: Orbits | undefined
   return (
     <>
       <p class="muted">
-        x to the right, y up; 0-to-peak, rings of {number(ring)} µm; {slowRollWords(found.slow_roll_version)}. The dot is where the shaft is as
+        x to the right, y up; 0-to-peak, rings of {number(ring)} µm; {slowRollOf(found)}. The dot is where the shaft is as
         the keyphasor mark passes; it comes out of the gap.
       </p>
       <div class="orbits shapes">
@@ -100,6 +100,12 @@ function OrbitPlots({ found, other }: { found: Orbits; other: Orbits | undefined
       ))}
     </>
   );
+}
+
+/** Only channels that an orbit is shown of are named. */
+function slowRollOf(found: Orbits): string {
+  const seen = found.orbits.flatMap((one) => one.channels);
+  return slowRollWords(found.slow_roll_version, seen.filter((one) => one in found.slow_roll_left_out));
 }
 
 function OrbitPlot({ orbit, beside, ring }: { orbit: Orbit; beside: Orbit | undefined; ring: number }) {

@@ -78,6 +78,7 @@ class Orbits(BaseModel):
     run: int
     asked_rpm: float
     slow_roll_version: int | None
+    slow_roll_left_out: dict[str, str] = Field(default_factory=dict, description="channels left as measured, and why")
     units: Units | None = Field(default=None, description="of `in_units` of each orbit; null where none are asked for")
     orbits: list[OrbitOut]
     without: list[list[str]] = Field(description="channels of the stations that have no orbit")
@@ -94,7 +95,7 @@ def read_orbits(
 ) -> Orbits:
     """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
     machine, held = run_samples(session, run_id)
-    version, vectors, _ = chosen(session, machine, slow_roll)
+    version, vectors, left_out = chosen(session, machine, slow_roll)
     measurement = held.measurement()
     described, without = (machine, measurement) if vectors is None else corrected(machine, measurement, vectors)
     nearest = [(one, _nearest(one, without.speed, rpm_to_rad_per_s(rpm))) for one in station_orbits(described, without)]
@@ -103,6 +104,7 @@ def read_orbits(
         run=run_id,
         asked_rpm=rpm,
         slow_roll_version=version,
+        slow_roll_left_out=left_out,
         units=units,
         orbits=[
             _rendered(one, sample, without.speed).model_copy(update={"in_units": _in_units(one, sample, without.speed, units)})

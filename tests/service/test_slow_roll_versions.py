@@ -435,3 +435,16 @@ def test_other_rules_of_quality_make_a_variant_that_keeps_to_them(api: Api) -> N
     usual = api("POST", path, 202, json={"half_power": False})
     assert usual["scope"] == "run"
     assert "the lower speed first" in str(api("POST", path, 422, json={"accepted_rpm": [2000, 600]})["errors"])
+
+
+def test_orbits_name_the_channels_that_they_leave_as_measured(api: Api) -> None:
+    api("POST", PUMP, 201, json=given())
+    (run,) = api("GET", "/machines/pump-7/runs")
+    raw, without = (
+        api("GET", f"/runs/{run['id']}/orbits", params={"rpm": 900, "slow_roll": choice}) for choice in ("none", "1")
+    )
+    assert (raw["slow_roll_version"], raw["slow_roll_left_out"]) == (None, {})
+    assert (without["slow_roll_version"], without["slow_roll_left_out"]) == (
+        1,
+        dict.fromkeys(CHANNELS[1:], "it has no vector"),
+    )
