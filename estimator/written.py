@@ -18,6 +18,10 @@ class Written(BaseModel):
         # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
         if info.field_name is not None and _has_truth(value) and not _takes_truth(cls, info.field_name):
             raise ValueError("true and false are no values of this field")
+        # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
+        other = isinstance(value, int | float | str) and not isinstance(value, bool)
+        if other and info.field_name is not None and _is_truth(cls, info.field_name):
+            raise ValueError("this field is true or false")
         return value
 
 
@@ -28,6 +32,12 @@ def _has_truth(value: Any) -> bool:
 @functools.cache
 def _takes_truth(model: type[BaseModel], field: str) -> bool:
     return _mentions_truth(model.model_fields[field].annotation)
+
+
+@functools.cache
+def _is_truth(model: type[BaseModel], field: str) -> bool:
+    annotation = model.model_fields[field].annotation
+    return {annotation, *typing.get_args(annotation)} - {type(None), bool | None} == {bool}
 
 
 def _mentions_truth(annotation: Any) -> bool:

@@ -36,3 +36,11 @@ def test_numbers_as_the_documents_language_writes_them_are_taken() -> None:
     written = document()
     written["bearings"][0]["kxx"] = "1e8"
     assert Machine.model_validate(written).bearings[0].kxx == 1e8
+
+
+@pytest.mark.parametrize("value", [0, 1, 0.0, "no", "true"])
+def test_nothing_else_is_a_truth_value(value: object) -> None:
+    written = document()
+    written["quality"] = {"sweep_rate": value}
+    with pytest.raises(ValidationError, match="this field is true or false"):
+        Machine.model_validate(written)
