@@ -38,9 +38,7 @@ export function AngleHistory({ series, kinds, markers, xRange, readOut, onPick }
   return (
     <>
       {thinned && (
-        <p class="muted thinned">
-          Its angle where it is lowest and highest in each stretch and kind of run, of {series.down_sampling!.points} points
-        </p>
+        <p class="muted thinned">at the lowest and highest of each stretch, of {series.down_sampling!.points} points</p>
       )}
       <Plot
         label={`Angle of ${series.parameter} over time, ${series.value.length} points`}

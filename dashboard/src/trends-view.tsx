@@ -268,7 +268,7 @@ function History({ name, series, kinds, markers, tests, xRange, height }: Histor
     <figure class="history-plot">
       <figcaption>
         <strong>{name}</strong> [{scale.unit || "-"}]
-        {thinned && <span class="muted"> lowest and highest of each stretch and kind of run, of {series.down_sampling!.points} points</span>}
+        {thinned && <span class="muted"> lowest and highest of each stretch, of {series.down_sampling!.points} points</span>}
       </figcaption>
       {tests && <p class="told">{findings(series.parameter, tests).join("; ")}</p>}
       <Plot

@@ -23,16 +23,16 @@ def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[n
     lowest and the highest of each kind. Where a kind has points in a stretch, but no value (NaN), its first of them stays: a
     gap is seen as one.
 
-    kind: of each point, a number. No kind takes the place of another, so `most` must leave room for two points of each: 2 + 2
-    for each kind. Every point that stays is one that was there; nothing is averaged.
+    kind: of each point, a number. No kind takes the place of another, unless `most` (at least 4) leaves no room for two points
+    of each. Every point that stays is one that was there; nothing is averaged.
     """
     count = len(time)
     if count <= most:
         return Chosen(np.arange(count), NONE, count)
+    if most < 2 + 2 * len(np.unique(kind)):
+        kind = np.zeros_like(kind)
     kinds = np.unique(kind)
     buckets = (most - 2) // (2 * len(kinds))
-    if buckets < 1:
-        raise ValueError(f"{most} points are too few for {len(kinds)} kinds: at least {2 + 2 * len(kinds)}")
     span = max(1, int(time[-1]) - int(time[0]))
     # In floating point: nanoseconds times buckets would not fit.
     place = np.minimum(((time - time[0]) / span * buckets).astype(np.int64), buckets - 1)

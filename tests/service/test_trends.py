@@ -439,9 +439,19 @@ def test_thinning_out_keeps_the_extremes_of_each_kind_of_run_among_the_accepted(
             assert (np.nanmin(stay), np.nanmax(stay)) == (np.nanmin(there), np.nanmax(there))
 
 
-def test_more_kinds_than_points_are_refused() -> None:
-    with pytest.raises(ValueError, match="10 points are too few for 5 kinds: at least 12"):
-        min_max(np.arange(50) * SECOND, np.ones(50), np.arange(50) % 5, most=10)
+def test_where_there_is_no_room_for_each_kind_all_are_thinned_out_together(plant: Database) -> None:
+    """Once its runs were gathered in another way, a machine has three kinds, accepted and not."""
+    kinds = ("run-up", "run-down", "rolling")
+    with plant.transaction() as session:
+        for number in range(60):
+            outcome = identification({"coupling.C1.kxx": 1.0 + 0.01 * number}, accepted=number % 2 == 0)
+            store_identification(
+                session, outcome, run_id=number, run_kind=kinds[number % 3], measured_at=START + number * HOUR
+            )
+    (one,) = trend(Api(plant), "coupling.C1.kxx", max_points=10)
+    assert len(one["value"]) <= 10
+    assert max(one["value"]) / min(one["value"]) == pytest.approx(1.59)
+    assert one["down_sampling"] == {"method": "min-max-per-bucket", "points": 60}
 
 
 @pytest.mark.parametrize("most", [10, 30])
