@@ -33,6 +33,8 @@ from storage.private_files import readable_by_others
 Level = Literal["ok", "warning", "wrong"]
 
 CONNECT_S = 5.0
+ANSWER_S = 15.0
+"""A service whose database hangs says so after two bounded waits, for who asks and for the database."""
 EXPIRES_SOON_DAYS = 30
 SKEW_S = 2.0
 """Clocks of the database's and of this machine that differ by more than this want mending."""
@@ -53,7 +55,8 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
     yield from _database(settings)
     yield from _certificates(settings)
     yield from _receivers(settings)
-    with httpx.Client(base_url=url or _address(settings), timeout=CONNECT_S, verify=_trust(settings)) as client:
+    patience = httpx.Timeout(ANSWER_S, connect=CONNECT_S)
+    with httpx.Client(base_url=url or _address(settings), timeout=patience, verify=_trust(settings)) as client:
         if api_key:
             client.headers["Authorization"] = f"Bearer {api_key}"
         answers = yield from _api(client)
