@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 
-from tests.browser.story import BASELINE_RUNS, installed, launch, tell
+from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, tell
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
@@ -103,7 +103,7 @@ def browser() -> Iterator[Browser]:
 def seen(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
     """A fresh page in a window of a laptop; a screenshot of its last state is left behind."""
     size = ViewportSize(width=1440, height=900)
-    context = browser.new_context(viewport=size, color_scheme="light", timezone_id="Europe/Berlin", locale="en-GB")
+    context = browser.new_context(viewport=size, color_scheme="light", timezone_id=ZONE.key, locale="en-GB")
     yield from shown(context, service, request)
 
 
@@ -111,7 +111,7 @@ def seen(browser: Browser, service: Service, request: pytest.FixtureRequest) -> 
 def phone(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
     """The same on a phone: small, and with fingers."""
     size = ViewportSize(width=390, height=844)
-    context = browser.new_context(viewport=size, has_touch=True, is_mobile=True, timezone_id="Europe/Berlin", locale="en-GB")
+    context = browser.new_context(viewport=size, has_touch=True, is_mobile=True, timezone_id=ZONE.key, locale="en-GB")
     yield from shown(context, service, request)
 
 

@@ -1,6 +1,8 @@
 """What the browser is shown: a real service that has watched a coupling go out of alignment, and Debian's Chromium."""
 
 import shutil
+from datetime import date, datetime, time, timedelta
+from zoneinfo import ZoneInfo
 
 from playwright.sync_api import Browser, Playwright
 
@@ -10,6 +12,8 @@ MACHINE = "thesis-chapter-3"
 BASELINE_RUNS = 3
 CYCLES = 5
 """So few that the baseline of each kind of run is complete and two more runs agree on an alert."""
+ZONE = ZoneInfo("Europe/Berlin")
+"""Where the people are who look at the page: not in UTC, so that a day of theirs is another one for an hour or two."""
 FLAGS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -48,3 +52,18 @@ def installed() -> str | None:
 def launch(playwright: Playwright, program: str) -> Browser:
     """A headless browser that speaks to nobody but the pages it is sent to."""
     return playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+
+
+def day_ahead(days: int) -> date:
+    """The day so many days from now, on the calendar beside the page."""
+    return datetime.now(ZONE).date() + timedelta(days=days)
+
+
+def day_of(written: str) -> date:
+    """The day there at a time as the API writes it."""
+    return datetime.fromisoformat(written).astimezone(ZONE).date()
+
+
+def end_of(day: date) -> str:
+    """The last moment of a day there, for the API."""
+    return datetime.combine(day, time.max, ZONE).isoformat()

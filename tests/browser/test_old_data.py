@@ -6,7 +6,7 @@ from pathlib import Path
 from playwright.sync_api import Browser, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
-from tests.browser.story import MACHINE
+from tests.browser.story import MACHINE, ZONE
 from tests.end_to_end.processes import Service
 from tests.postgresql import FAST, server
 
@@ -103,7 +103,7 @@ def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tm
         one = Service(tmp_path, database=database.url)
         with one.running():
             one.create(MACHINE)
-            context = browser.new_context(timezone_id="Europe/Berlin", locale="en-GB")
+            context = browser.new_context(timezone_id=ZONE.key, locale="en-GB")
             context.set_default_timeout(PATIENCE_MS)
             page = context.new_page()
             page.goto(f"http://127.0.0.1:{one.port}/#/")

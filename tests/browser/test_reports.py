@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.story import CYCLES, MACHINE
+from tests.browser.story import CYCLES, MACHINE, day_ahead, day_of, end_of
 from tests.end_to_end.processes import Service
 
 
@@ -46,7 +46,7 @@ def test_no_number_of_a_parameter_is_cut_off(seen: Seen, shown_at: str, width: i
 
 
 def test_trends_of_an_old_period_are_marked_by_what_was_done_then(seen: Seen) -> None:
-    last = datetime.now(UTC).date() - timedelta(days=3)
+    last = day_ahead(-3)
     first = last - timedelta(days=40)
     done = {"id": 1, "at": f"{last}T00:00:00Z", "kind": "maintenance", "text": "coupling re-shimmed", "by": "anna"}
 
@@ -94,10 +94,10 @@ def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, s
         expect(seen.page.locator(f".element[data-element='{one['element']}']")).to_have_class(
             re.compile(f"{level}|alert|danger")
         )
-    last = (datetime.now(UTC) - timedelta(days=3)).date()
+    last = day_ahead(-3)
     before = next(
         one
-        for one in service.get(f"/machines/{MACHINE}/identifications", to=f"{last}T00:00:00Z")
+        for one in service.get(f"/machines/{MACHINE}/identifications", to=end_of(last))
         if one["scope"] == "run" and one["accepted"]
     )
     seen.open(f"reports/{MACHINE}?to={last}")
@@ -140,7 +140,7 @@ def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
     today = [{**alert, "severity": "danger", "updated_at": later}]
     seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=today))
     seen.page.route(re.compile(rf"/alerts/{alert['id']}/events"), lambda route: route.fulfill(json=[*events, worse]))
-    last = (datetime.now(UTC) + timedelta(days=days)).date()
+    last = day_ahead(days)
     seen.open(f"reports/{MACHINE}?to={last}")
     row = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alerts of the period")).locator("tbody tr")
     expect(row.locator("td").first).to_contain_text(severity)
@@ -150,16 +150,14 @@ def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
 
 
 def test_words_on_trends_are_those_of_the_period(seen: Seen, service: Service) -> None:
-    last = (datetime.now(UTC) - timedelta(days=10)).date()
+    last = day_ahead(-10)
     before = next(
         one
-        for one in service.get(f"/machines/{MACHINE}/identifications", to=f"{last}T00:00:00Z")
+        for one in service.get(f"/machines/{MACHINE}/identifications", to=end_of(last))
         if one["scope"] == "run" and one["accepted"]
     )
     now = service.get(f"/machines/{MACHINE}/trend-tests", parameter="coupling.C1.kxx")["tests"]
-    assert any(one["step_up"]["passed"] and one["step_up"]["began"][:10] > f"{last}" for one in now), (
-        "it came after the period"
-    )
+    assert any(one["step_up"]["passed"] and day_of(one["step_up"]["began"]) > last for one in now), "it came after the period"
     asked: list[str] = []
     seen.page.on("request", lambda request: asked.append(request.url) if "/trend-tests" in request.url else None)
     seen.open(f"reports/{MACHINE}?to={last}")

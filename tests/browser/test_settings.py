@@ -5,7 +5,7 @@ import re
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.story import MACHINE
+from tests.browser.story import MACHINE, day_of
 from tests.end_to_end.processes import Service
 
 SETTINGS = f"machines/{MACHINE}/settings"
@@ -143,10 +143,10 @@ def test_a_list_that_is_cut_says_so(seen: Seen, service: Service) -> None:
 
 def test_a_report_of_a_past_period_shows_what_was_identified_then(seen: Seen, service: Service) -> None:
     found = service.get(f"/machines/{MACHINE}/identifications")
-    past = [one for one in found if one["measured_at"][:10] < found[0]["measured_at"][:10]]
+    past = [one for one in found if day_of(one["measured_at"]) < day_of(found[0]["measured_at"])]
     assert past, "the story is longer than a day"
-    day = past[0]["measured_at"][:10]
-    shown = next(one for one in past if one["measured_at"][:10] <= day and one["accepted"] and one["scope"] == "run")
+    day = day_of(past[0]["measured_at"])
+    shown = next(one for one in past if one["accepted"] and one["scope"] == "run")
     asked: list[str] = []
     seen.page.on("request", lambda request: asked.append(request.url))
     seen.open(f"reports/{MACHINE}?from=2020-01-01&to={day}")
