@@ -17,11 +17,12 @@ def backup(
 ) -> None:
     """Copy the database as of one moment, while the service runs."""
     from storage import backup as backups
+    from storage.backup_file import BackupUnusable
     from storage.claim import DatabaseUnusable
 
     try:
         made = backups.back_up(_url(database), file)
-    except (backups.BackupUnusable, DatabaseUnusable) as error:
+    except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     typer.echo(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
 
@@ -33,11 +34,12 @@ def restore(
 ) -> None:
     """Put a backup in the place of the database, while no service runs."""
     from storage import backup as backups
+    from storage.backup_file import BackupUnusable
     from storage.claim import DatabaseUnusable
 
     try:
         found = backups.restore(_url(database), file, overwrite=overwrite)
-    except (backups.BackupUnusable, DatabaseUnusable) as error:
+    except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     typer.echo(f"{sum(found.rows.values())} rows of {found.made_at} restored")
 

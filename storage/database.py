@@ -209,6 +209,18 @@ def engine_of(url: str) -> Engine:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
 
 
+@contextmanager
+def lent_engine(url: str) -> Iterator[Engine]:
+    """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
+    engine = engine_of(url)
+    try:
+        yield engine
+    except DBAPIError as error:
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+    finally:
+        engine.dispose()
+
+
 def _engine(url: str) -> Engine:
     parsed = make_url(url)
     dialect = parsed.get_dialect().name

@@ -12,10 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from sqlalchemy import JSON, URL, Column, Connection, MetaData, Result, Table, func, insert, select, text
-from sqlalchemy.exc import DBAPIError
 
-from storage.claim import DatabaseUnusable, file_of
-from storage.database import Database, engine_of, require_there, shown
+from storage.claim import file_of
+from storage.database import Database, lent_engine, require_there, shown
 from storage.json_text import finite
 from storage.plain_text import nul_escaped
 from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
@@ -69,14 +68,8 @@ def move(source_url: str, target_url: str) -> Moved:
 def _require_source(url: str) -> None:
     """Raises DatabaseUnusable: a database that is opened to be written to is made where there is none."""
     require_there(url)
-    engine = engine_of(url)
-    try:
-        with engine.connect() as connection:
-            require_known(revision_of(connection), f"database {shown(url)}")
-    except DBAPIError as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
-    finally:
-        engine.dispose()
+    with lent_engine(url) as engine, engine.connect() as connection:
+        require_known(revision_of(connection), f"database {shown(url)}")
 
 
 def _place(database: Database) -> Path | URL:

@@ -24,7 +24,7 @@ from grafana_foundation_sdk.models.dashboard import Dashboard
 from service.cli import app
 from service.security.exposure import host_of
 from service.settings import Settings
-from storage import backup
+from storage import backup_file
 from storage.database import Database
 from tests.plant import sqlite_url
 
@@ -279,7 +279,7 @@ def test_the_nightly_backup_is_one_and_old_ones_go(tmp_path: Path) -> None:
     assert {path.name for path in folder.iterdir()} == kept
     assert nightly_backup(folder, sqlite_url(tmp_path / "rundown.db")) == 0
     made = [path for path in folder.glob("rundown-2*") if path.suffix != ".json"]
-    assert [backup.read(one).kind for one in made] == ["sqlite"]
+    assert [backup_file.read(one).kind for one in made] == ["sqlite"]
     others = {path.name for path in folder.iterdir()} - {made[0].name, f"{made[0].name}.json"}
     assert others == {"rundown-recent", "notes"}
 

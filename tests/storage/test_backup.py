@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from sqlalchemy import select
 
-from storage import backup, machines, quarantine
-from storage.backup import BackupUnusable, described_by
+from storage import backup, backup_file, machines, quarantine
+from storage.backup_file import BackupUnusable, described_by
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from storage.quarantine import Rejection
@@ -57,7 +57,7 @@ def test_a_backup_is_the_database_and_says_what_it_is(told: Database, target: st
     made = backup.back_up(told.url, tmp_path / "backup")
     assert made.kind == told.kind
     assert made.rows["machines"] == made.rows["identifications"] == made.rows["quarantine"] == 1
-    assert backup.read(tmp_path / "backup") == made == backup.restore(target, tmp_path / "backup")
+    assert backup_file.read(tmp_path / "backup") == made == backup.restore(target, tmp_path / "backup")
     assert contents_of(target) == contents(told)
     assert sorted(path.name for path in tmp_path.glob("backup*")) == ["backup", "backup.json"]
 
@@ -291,7 +291,7 @@ def test_a_backup_under_way_is_left_alone_by_a_second_one(
     told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And what stands where it grows is nobody's to take away but its own."""
-    synced = backup._synced_digest
+    synced = backup_file.synced_digest
     said: list[str] = []
 
     def another_meanwhile(file: Path) -> str:
@@ -301,7 +301,7 @@ def test_a_backup_under_way_is_left_alone_by_a_second_one(
             said.append(str(refused.value))
         return synced(file)
 
-    monkeypatch.setattr(backup, "_synced_digest", another_meanwhile)
+    monkeypatch.setattr(backup, "synced_digest", another_meanwhile)
     backup.back_up(told.url, tmp_path / "backup")
     assert len(said) == 1
     assert "backup.part exists already: another backup is being written to it" in said[0]
@@ -313,13 +313,13 @@ def test_a_backup_under_way_is_left_alone_by_a_second_one(
 def test_what_came_in_the_meantime_is_not_replaced(
     told: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    synced = backup._synced_digest
+    synced = backup_file.synced_digest
 
     def written_meanwhile(file: Path) -> str:
         (tmp_path / name).write_text("somebody else's")
         return synced(file)
 
-    monkeypatch.setattr(backup, "_synced_digest", written_meanwhile)
+    monkeypatch.setattr(backup, "synced_digest", written_meanwhile)
     with pytest.raises(BackupUnusable, match=rf"{name} exists already: a backup never replaces another one"):
         backup.back_up(told.url, tmp_path / "backup")
     assert {one.name: one.read_text() for one in tmp_path.glob("backup*")} == {name: "somebody else's"}

@@ -13,7 +13,7 @@ from sqlalchemy import event, text
 from sqlalchemy.exc import DBAPIError
 
 from storage import backup, machines
-from storage.backup import BackupUnusable, described_by
+from storage.backup_file import BackupUnusable, described_by
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from tests.databases import PostgresqlDatabases

@@ -1,13 +1,14 @@
 """The document of the API: committed, complete, and its patterns in words."""
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from service.api import openapi
 from service.api.patterns import WORDS
-from tests.asking import Api, problem
+from tests.asking import PREFIX, Api, problem
 from tests.plant import KEY
 
 ROOT = Path(__file__).parents[3]
@@ -56,3 +57,33 @@ def test_a_text_of_another_pattern_is_refused_in_words(api: Api) -> None:
     answer = api.get(f"/machines/{KEY.machine}/trends", parameter="nope")
     (error,) = problem(answer, 422)["errors"]
     assert "such as bearing.B1.kxx" in error["message"]
+
+
+def test_documentation_needs_no_other_host(api: Api) -> None:
+    answer = api.get("/docs")
+    assert answer.status_code == 200
+    assert re.findall(r"(?:https?:)?//[\w.-]+\.\w+[^\s\"']*", answer.text) == []
+    own = re.findall(r"(?:src|href)=\"([^\"]+)\"", answer.text)
+    assert own
+    for address in own:
+        assert api.ask("GET", address).status_code == 200, address
+
+
+def operations(api: Api) -> list[tuple[str, str, dict[str, Any]]]:
+    return [
+        (method, path, operation)
+        for path, item in api.value("/openapi.json")["paths"].items()
+        for method, operation in item.items()
+    ]
+
+
+def test_operation_ids_are_unique_and_names(api: Api) -> None:
+    ids = [operation["operationId"] for _, _, operation in operations(api)]
+    assert len(ids) == len(set(ids))
+    assert all(re.fullmatch(r"[a-z_]+", one) for one in ids)
+
+
+def test_every_operation_says_what_it_does(api: Api) -> None:
+    for method, path, operation in operations(api):
+        assert operation["description"], (method, path)
+        assert path.startswith(PREFIX) or path == "/metrics"
