@@ -1,5 +1,5 @@
 // What can be done with keys alone.
-import { useEffect } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import { Dialog } from "./dialog";
 import { go, place } from "./router";
 import { TABS } from "./tabs";
@@ -21,7 +21,7 @@ const SAID: [string, string][] = [
 ];
 
 export function useShortcuts(toggleKeys: () => void): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const pressed = (event: KeyboardEvent) => {
       // A window that was just closed has the focus until the browser draws again.
       const target = event.target as HTMLElement;

@@ -1,8 +1,8 @@
 // Answers of the service that components share: asked for once, kept, and asked for again when there is news.
-import { useEffect, useState } from "preact/hooks";
+import { useLayoutEffect } from "preact/hooks";
 import { Failure, get } from "./api";
 import { connection, newestEvent, returns } from "./connection";
-import { Store } from "./store";
+import { Store, useStore, useStores } from "./store";
 
 export interface Answer<T> {
   data: T | undefined;
@@ -109,13 +109,11 @@ newestEvent.follow(() => {
   refresh("/fleet");
 });
 
-const NOTHING: Answer<never> = { data: undefined, failure: undefined };
+const NOTHING = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
 
 /** Keep an answer up to date until what is returned is called. */
-function follow(path: string, everyMs: number, news: () => void): () => void {
-  const resource = resourceOf(path);
+function keep(resource: Resource, everyMs: number): () => void {
   resource.followers += 1;
-  const leave = resource.answer.follow(news);
   resource.want();
   const timer =
     everyMs > 0
@@ -124,7 +122,6 @@ function follow(path: string, everyMs: number, news: () => void): () => void {
         }, everyMs)
       : undefined;
   return () => {
-    leave();
     resource.followers -= 1;
     window.clearInterval(timer);
   };
@@ -136,17 +133,17 @@ function follow(path: string, everyMs: number, news: () => void): () => void {
  * everyMs: asked again as often as this while the page is seen; 0: only on news.
  */
 export function useResource<T>(path: string | null, everyMs = 0): Answer<T> {
-  const [, redraw] = useState(0);
-  useEffect(() => (path === null ? undefined : follow(path, everyMs, () => redraw((count) => count + 1))), [path, everyMs]);
-  return path === null ? NOTHING : (resourceOf(path).answer.value as Answer<T>);
+  const resource = path === null ? null : resourceOf(path);
+  useLayoutEffect(() => (resource ? keep(resource, everyMs) : undefined), [resource, everyMs]);
+  return useStore(resource ? resource.answer : NOTHING) as Answer<T>;
 }
 
 /** The same under each of several paths; asked again only on news. */
 export function useResources<T>(paths: string[]): Answer<T>[] {
-  const [, redraw] = useState(0);
-  useEffect(() => {
-    const leave = paths.map((path) => follow(path, 0, () => redraw((count) => count + 1)));
+  const several = paths.map(resourceOf);
+  useLayoutEffect(() => {
+    const leave = several.map((one) => keep(one, 0));
     return () => leave.forEach((one) => one());
-  }, [paths.join(" ")]);
-  return paths.map((path) => resourceOf(path).answer.value as Answer<T>);
+  }, several);
+  return useStores(several.map((one) => one.answer)) as Answer<T>[];
 }

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import threading
 
+import pytest
 from playwright.sync_api import Page, Route, expect
 
 from tests.browser.conftest import Seen
@@ -137,6 +138,25 @@ def test_a_maintenance_is_written_down(seen: Seen, service: Service) -> None:
     expect(seen.page.locator(".marks")).to_contain_text("coupling re-shimmed")
     (entry,) = service.get("/machines/motor-pump/timeline")
     assert (entry["kind"], entry["by"]) == ("maintenance", "anna")
+    assert seen.errors == []
+
+
+LATE_FRAMES = """
+const later = window.setTimeout;
+window.requestAnimationFrame = (then) => later(then, 3000);
+window.setTimeout = (then, ms, ...rest) => later(then, Math.max(ms ?? 0, 3000), ...rest);
+"""
+"""A machine that is too busy to draw; what the service says arrives all the same."""
+
+
+@pytest.mark.parametrize("shown_at", ["", f"machines/{MACHINE}"])
+def test_what_is_answered_before_the_first_frame_is_shown(seen: Seen, shown_at: str) -> None:
+    seen.page.add_init_script(LATE_FRAMES)
+    seen.open(shown_at)
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    seen.page.keyboard.press("?")
+    expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
     assert seen.errors == []
 
 

@@ -1,5 +1,6 @@
 """The page says when what it shows is old: the service cannot read its data, or refuses one of its answers."""
 
+import contextlib
 import re
 from pathlib import Path
 
@@ -101,13 +102,14 @@ def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: 
 def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tmp_path: Path) -> None:
     with server(*FAST) as database:
         one = Service(tmp_path, database=database.url)
-        with one.running():
+        with contextlib.closing(one.client), one.running():
             one.create(MACHINE)
             context = browser.new_context(timezone_id=ZONE.key, locale="en-GB")
             context.set_default_timeout(PATIENCE_MS)
             page = context.new_page()
             page.goto(f"http://127.0.0.1:{one.port}/#/")
             expect(page.locator(".signal")).to_have_text("● live")
+            expect(page.locator("table.fleet")).to_contain_text(MACHINE)
             with database.away():
                 expect(page.locator(".banner")).to_contain_text("answers, but cannot read its data")
                 expect(page.locator("main.stale")).to_contain_text(MACHINE)
@@ -115,4 +117,3 @@ def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tm
             expect(page.locator(".banner")).to_have_count(0)
             expect(page.locator("main.stale")).to_have_count(0)
             context.close()
-        one.client.close()
