@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Engine, create_engine, event, make_url, select
+from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
@@ -177,11 +177,12 @@ def _end_looking(session: Session) -> None:
         session.invalidate()
 
 
-def shown(url: str) -> str:
+def shown(url: str | URL) -> str:
     """A URL without its passwords. Of one that cannot be read only how it begins, where there may be one in it."""
     try:
         parsed = make_url(url)
     except (ArgumentError, ValueError):
+        url = str(url)
         secret = "@" in url or "password" in url.lower()
         return repr(re.match(r"[\w+]*", url)[0] + "…") if secret else repr(url)  # type: ignore[index]
     hidden = {name: "hidden" for name in parsed.query if "password" in name.lower()}
@@ -199,7 +200,7 @@ def require_there(url: str) -> None:
         raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
 
-def engine_of(url: str) -> Engine:
+def engine_of(url: str | URL) -> Engine:
     """Where connections to a database come from; nothing is opened or migrated yet. Raises DatabaseUnusable."""
     try:
         return _engine(url)
@@ -210,7 +211,7 @@ def engine_of(url: str) -> Engine:
 
 
 @contextmanager
-def lent_engine(url: str) -> Iterator[Engine]:
+def lent_engine(url: str | URL) -> Iterator[Engine]:
     """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
     engine = engine_of(url)
     try:
@@ -221,7 +222,7 @@ def lent_engine(url: str) -> Iterator[Engine]:
         engine.dispose()
 
 
-def _engine(url: str) -> Engine:
+def _engine(url: str | URL) -> Engine:
     parsed = make_url(url)
     dialect = parsed.get_dialect().name
     if dialect == "sqlite" and "uri" in parsed.query:

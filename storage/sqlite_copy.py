@@ -5,7 +5,7 @@ import sqlite3
 from contextlib import closing
 from pathlib import Path
 
-from sqlalchemy import Engine
+from sqlalchemy import URL, Engine
 
 from storage.backup_file import Backup, BackupUnusable, require_rows, sync_folder, synced_digest
 from storage.claim import DatabaseUnusable, file_of
@@ -24,7 +24,7 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     if path is None or not path.is_file():
         raise DatabaseUnusable(f"there is no database file {path}")
     with (
-        closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True)) as source,
+        closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as source,
         closing(sqlite3.connect(part, isolation_level=None)) as target,
     ):
         # All pages in one step: a state between two commits, while writers go on in the write-ahead log.
@@ -33,11 +33,11 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
         (verdict,) = target.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
         raise BackupUnusable(f"the database is damaged: {verdict}")
-    return _content(f"sqlite:///{part}", str(path))
+    return _content(part, str(path))
 
 
-def _content(url: str, name: str) -> tuple[str, dict[str, int]]:
-    with lent_engine(url) as engine, engine.connect() as connection:
+def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
+    with lent_engine(URL.create("sqlite", database=str(file))) as engine, engine.connect() as connection:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
@@ -102,7 +102,7 @@ def _remove_beside(path: Path) -> None:
 def _require_whole(path: Path, file: Path, found: Backup) -> None:
     """Raises BackupUnusable where a database file is not what a backup says of itself."""
     try:
-        revision, rows = _content(f"sqlite:///{path}", str(path))
+        revision, rows = _content(path, str(path))
     except DatabaseUnusable as error:
         raise BackupUnusable(f"{file} was not restored whole: {error}") from error
     if revision != found.schema_revision:

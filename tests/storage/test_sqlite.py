@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sqlalchemy import URL
 
 from storage import backup, disk, machines
 from storage.claim import DatabaseUnusable
@@ -197,3 +198,17 @@ def test_a_claim_that_cannot_be_laid_down_is_said(plant: Database, tmp_path: Pat
     (tmp_path / "rundown.db.lock").mkdir()
     with pytest.raises(DatabaseUnusable, match=r"cannot be claimed: .*rundown\.db\.lock"):
         plant.claim()
+
+
+def test_signs_that_mean_something_in_urls_mean_nothing_in_names_of_files(tmp_path: Path) -> None:
+    folder = tmp_path / "50%25 #1"
+    folder.mkdir()
+    database = Database(URL.create("sqlite", database=str(folder / "rundown.db")).render_as_string())
+    with database.transaction() as session:
+        machines.create(session, machine())
+    made = backup.back_up(database.url, folder / "what?mode=ro#2")
+    database.close()
+    assert made.rows["machines"] == 1
+    assert backup.restore(database.url, folder / "what?mode=ro#2", overwrite=True) == made
+    assert {one.name for one in tmp_path.iterdir()} == {folder.name}
+    assert sorted(one.name for one in folder.glob("what*")) == ["what?mode=ro#2", "what?mode=ro#2.json"]
