@@ -162,6 +162,7 @@ export function Histories(props: HistoriesProps) {
               ))}
             </div>
             <Marks markers={markers} />
+            {to === null && <Cut shown={timeline.length} most={MOST_MARKS} of="entries of the timeline" />}
           </>
         )}
       </Shown>

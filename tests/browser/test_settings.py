@@ -1,6 +1,8 @@
 """What is set in the page: limits, suppressions, subscriptions; and two identifications side by side, in a real browser."""
 
 import re
+from collections.abc import Callable
+from typing import Any
 
 from playwright.sync_api import Route, expect
 
@@ -155,18 +157,22 @@ def test_a_report_of_a_past_period_shows_what_was_identified_then(seen: Seen, se
     assert not any(url.endswith(f"/identifications/{found[0]['id']}") for url in asked)
 
 
-def test_trends_say_that_alerts_are_cut(seen: Seen, service: Service) -> None:
+def test_trends_say_that_alerts_and_marks_are_cut(seen: Seen, service: Service) -> None:
     (alert,) = service.get("/alerts", limit=1)
-    count = [199]
+    note = {"kind": "note", "text": "looked at it", "by": "anna", "at": alert["opened_at"]}
+    less = [1]
 
-    def many(route: Route) -> None:  # as of a machine with a long history
-        route.fulfill(json=[alert | {"id": number} for number in range(count[0])])
+    def many(one: dict[str, Any], most: int) -> Callable[[Route], None]:  # as of a machine with a long history
+        return lambda route: route.fulfill(json=[one | {"id": number} for number in range(most - less[0])])
 
-    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), many)
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=200"), many(alert, 200))
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/timeline\?limit=1000"), many(note, 1000))
     seen.open(f"machines/{MACHINE}/trends")
-    cut = seen.page.get_by_text("The newest 200 alerts of the machine are shown; there may be more.")
+    alerts = seen.page.get_by_text("The newest 200 alerts of the machine are shown; there may be more.")
+    marks = seen.page.get_by_text("The newest 1000 entries of the timeline are shown; there may be more.")
     expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
-    expect(cut).to_have_count(0)
-    count[0] = 200
+    expect(alerts.or_(marks)).to_have_count(0)
+    less[0] = 0
     seen.page.reload()
-    expect(cut).to_be_visible()
+    expect(alerts).to_be_visible()
+    expect(marks).to_be_visible()
