@@ -21,9 +21,15 @@ function decoded(part: string): string {
 }
 
 export const place = new Store<Place>(here());
+let shown = window.location.hash;
+
+function arrive(): void {
+  shown = window.location.hash;
+  place.set(here());
+}
 
 export function followAddress(): void {
-  window.addEventListener("hashchange", () => place.set(here()));
+  window.addEventListener("hashchange", arrive);
 }
 
 export function link(parts: string[], query: Record<string, string | null | undefined> = {}): string {
@@ -35,10 +41,11 @@ export function link(parts: string[], query: Record<string, string | null | unde
 
 /** Change some of the query without a new entry in the history. */
 export function choose(changes: Record<string, string | null>): void {
+  if (window.location.hash !== shown) return; // who has gone on already is not brought back
   const { parts, query } = place.value;
   const next = Object.fromEntries([...query.entries(), ...Object.entries(changes)]);
   window.history.replaceState(null, "", link(parts, next));
-  place.set(here());
+  arrive();
 }
 
 export function go(parts: string[], query: Record<string, string | null | undefined> = {}): void {

@@ -143,10 +143,16 @@ def test_a_maintenance_is_written_down(seen: Seen, service: Service) -> None:
 
 LATE_FRAMES = """
 const later = window.setTimeout;
-window.requestAnimationFrame = (then) => later(then, 3000);
-window.setTimeout = (then, ms, ...rest) => later(then, Math.max(ms ?? 0, 3000), ...rest);
+window.requestAnimationFrame = (then) => later(then, 600);
+window.setTimeout = (then, ms, ...rest) => later(then, Math.max(ms ?? 0, 600), ...rest);
 """
 """A machine that is too busy to draw; what the service says arrives all the same."""
+LATE_NEWS_OF_THE_ADDRESS = """
+const listen = window.addEventListener;
+window.addEventListener = (kind, then, ...rest) =>
+  listen.call(window, kind, kind === "hashchange" ? (event) => later(() => then(event), 1500) : then, ...rest);
+"""
+"""… and where one goes meanwhile is told last of all."""
 
 
 @pytest.mark.parametrize("shown_at", ["", f"machines/{MACHINE}"])
@@ -157,6 +163,28 @@ def test_what_is_answered_before_the_first_frame_is_shown(seen: Seen, shown_at: 
     expect(seen.page.locator(".waiting")).to_have_count(0)
     seen.page.keyboard.press("?")
     expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_who_has_gone_on_is_not_brought_back(seen: Seen) -> None:
+    held: list[Route] = []
+    told = seen.page.get_by_role("heading", name="What the data tell")
+    seen.page.add_init_script(LATE_FRAMES + LATE_NEWS_OF_THE_ADDRESS)
+    seen.open(f"machines/{MACHINE}/identified")
+    expect(told).to_be_visible()
+    seen.open(f"machines/{MACHINE}/settings")
+    expect(told).to_have_count(0)
+    # An answer would have it drawn again, and what waits for a frame done before.
+    seen.page.route(re.compile("/identifications"), lambda route: held.append(route))
+    seen.open(f"machines/{MACHINE}/identified")  # what it shows is known by now, and is put into the address
+    expect(told).to_be_visible()
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
+    seen.page.wait_for_timeout(2500)
+    for one in held:
+        one.continue_()
+    seen.page.unroute_all()
+    expect(seen.page.get_by_role("heading", name="disc D1: of single runs")).to_be_visible()
+    assert seen.page.url.endswith("/trends?element=disc.D1")
     assert seen.errors == []
 
 
