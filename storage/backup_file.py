@@ -56,6 +56,7 @@ def read(file: Path) -> Backup:
 
 
 def require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
+    """Raises BackupUnusable where a restored database does not have as many rows in each table as the backup says."""
     # A release may have let go of a table that the one that made the backup had.
     known = found.rows.keys() & Base.metadata.tables.keys() - KEPT_BY_ITSELF
     wrong = [name for name in sorted(known) if rows.get(name) != found.rows[name]]

@@ -81,11 +81,15 @@ function resourceOf(path: string): Resource {
   if (known) return known;
   const made = new Resource(path);
   resources.set(path, made);
-  for (const [name, one] of resources) {
-    if (resources.size <= KEPT) break;
-    if (one.followers === 0 && one !== made) resources.delete(name);
-  }
   return made;
+}
+
+/** Never while something is drawn: what that shows is followed only when all of it is there. */
+function letGo(): void {
+  for (const [path, one] of resources) {
+    if (resources.size <= KEPT) break;
+    if (one.followers === 0) resources.delete(path);
+  }
 }
 
 /** Ask for what will be shown in a moment. */
@@ -124,6 +128,7 @@ function keep(resource: Resource, everyMs: number): () => void {
   return () => {
     resource.followers -= 1;
     window.clearInterval(timer);
+    queueMicrotask(letGo);
   };
 }
 

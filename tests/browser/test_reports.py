@@ -149,6 +149,27 @@ def test_report_says_how_severe_an_alert_was_at_the_end_of_the_period(
     assert seen.errors == []
 
 
+def test_a_report_of_many_alerts_asks_for_the_events_of_each_once(seen: Seen, service: Service) -> None:
+    """More than the page keeps of what nobody follows."""
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    events = service.get(f"/alerts/{alert['id']}/events")
+    later = (datetime.now(UTC) + timedelta(days=9)).isoformat()
+    many = [{**alert, "id": 1000 + number, "updated_at": later} for number in range(80)]
+    asked: list[str] = []
+
+    def told(route: Route) -> None:
+        asked.append(route.request.url)
+        route.fulfill(json=events)
+
+    seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=many))
+    seen.page.route(re.compile(r"/alerts/1\d{3}/events"), told)
+    seen.open(f"reports/{MACHINE}?to={day_ahead(0)}")
+    expect(seen.page.get_by_text("80 alerts, of which 80 open at the end")).to_be_visible()
+    seen.page.wait_for_timeout(1500)
+    assert len(asked) == len(set(asked)) == 80
+    assert seen.errors == []
+
+
 def test_words_on_trends_are_those_of_the_period(seen: Seen, service: Service) -> None:
     last = day_ahead(-10)
     before = next(
