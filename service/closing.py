@@ -10,8 +10,11 @@ from estimator.coverage import coverage
 from estimator.machine import Machine
 from estimator.segmentation import SweepLimits
 from estimator.units import rpm_to_rad_per_s
-from storage import jobs, runs, samples
+from service.wire import OwnFault
+from storage import jobs, quarantine, runs, samples
 from storage.blocks import Samples
+from storage.clock import now
+from storage.quarantine import Rejection
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)
@@ -52,6 +55,7 @@ def sweep_samples(session: Session, machine: Machine, row: RunRow, *, first: int
     Samples shortly before it belong to it too, as far as they do not belong to the run before.
     """
     begin = max(first - round(1e9 * machine.collection.pre_trigger_s), runs.end_before(session, machine.id, first) + 1)
+    damaged: list[str] = []
     found = samples.between(
         session,
         machine.id,
@@ -60,9 +64,25 @@ def sweep_samples(session: Session, machine: Machine, row: RunRow, *, first: int
         first=min(begin, first),
         last=last,
         largest=LARGEST_READ,
+        damaged=damaged,
     )
+    if damaged:
+        quarantine.add(session, [_left_out(row, words) for words in damaged])
     inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))
     return _captured(machine, _once(found.pick(inside)))
+
+
+def _left_out(row: RunRow, words: str) -> Rejection:
+    """A block whose samples were stored once, and are missing in a run."""
+    reason: OwnFault = "damaged_block"
+    return Rejection.of_message(
+        received_at=now(),
+        key=f"run {row.id}",
+        machine_id=row.machine_id,
+        reason=reason,
+        detail=words,
+        payload=b"",
+    )
 
 
 def _captured(machine: Machine, held: Samples) -> Samples:

@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any, Self
 
@@ -94,6 +95,11 @@ class Collector:
         for known in (self._heard, self._heard_late, self._silent, self._settled):
             known.clear()
 
+    def look_again(self, machine_ids: Collection[str]) -> None:
+        """What was done for them is not stored: they are looked at once more."""
+        self._silent.difference_update(machine_ids)
+        self._settled.difference_update(machine_ids)
+
     def seen(self, session: Session, machine_id: str) -> int:
         """Time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
         stored = runs.collector_state(session, machine_id)
@@ -122,12 +128,18 @@ class Collector:
             _roll(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
         runs.save_collector_state(session, machine.id, now.stored())
 
-    def close_silent(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
-        """Close the open run of a machine that has sent nothing for so long; a source that is alive may take its time."""
+    def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
+        """Whether a machine has newly sent nothing for so long; a source that is alive may take its time."""
         heard = self._heard.setdefault(machine_id, time.monotonic())
         waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
-        if not waited or machine_id in self._silent:
-            return
+        return waited and machine_id not in self._silent
+
+    def may_have_late(self, machine_id: str) -> bool:
+        """Whether late samples may wait to be sorted in."""
+        return machine_id not in self._settled
+
+    def close_silent(self, session: Session, machine_id: str) -> None:
+        """Close the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
         now = standing(session, machine_id)
         if now is not None and (now.operating.mode != "unknown" or now.operating.sweep.sweep):
@@ -136,8 +148,6 @@ class Collector:
 
     def settle_late(self, session: Session, machine_id: str) -> None:
         """Sort in what came late, once no more of it comes."""
-        if machine_id in self._settled:
-            return
         now = standing(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)

@@ -99,7 +99,10 @@ class Healing:
     _quiet: dict[tuple[Key, SourceKey | None], None] = field(default_factory=dict)
     """Whose logs are to be asked as soon as there is room, the longest waiting first."""
     _roll_call: "zenoh.Handler[zenoh.Reply] | None" = None
+    _ceased: bool = False
     _heard: Bounded[SourceKey, float] = field(default_factory=Bounded)
+    _answering: Bounded[SourceKey, bool] = field(default_factory=Bounded)
+    """Sources that keep a log."""
     _silent_logs: Bounded[SourceKey, float] = field(default_factory=Bounded)
     _fruitless: Bounded[SourceKey, int] = field(default_factory=Bounded)
 
@@ -124,16 +127,30 @@ class Healing:
 
     def review(self) -> None:
         """What is stored here has changed: begin anew with what is known of the sources, and ask all logs."""
-        everything: tuple[dict[Any, Any], ...] = (
-            self.waiting, self._replays, self._recalls, self._discoveries, self._quiet,
-            self._heard, self._silent_logs, self._fruitless,
-        )  # fmt: skip
-        for known in everything:
-            known.clear()
+        self._drop_questions()
+        known: tuple[dict[SourceKey, Any], ...] = self._heard, self._silent_logs, self._fruitless
+        for one in known:
+            one.clear()
         for key in self.live:
             self.live[key] = {}
             if self.owns(key.machine):
                 self._quiet.setdefault((key, None))
+
+    def cease(self) -> None:
+        """Ask no more, for the service ends: the next one asks the logs. What comes from a source whose log has never answered
+        is taken as it is.
+        """
+        self._ceased = True
+        left = [waiting for source, waiting in self.waiting.items() if source not in self._answering]
+        self._drop_questions()
+        for waiting in left:
+            for arrived in waiting.arrived:
+                self.take(arrived)
+
+    def _drop_questions(self) -> None:
+        asked: tuple[dict[Any, Any], ...] = self.waiting, self._replays, self._recalls, self._discoveries, self._quiet
+        for one in asked:
+            one.clear()
 
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, or let it wait for what is missing before it."""
@@ -145,6 +162,9 @@ class Healing:
         if not self._missing(arrived):
             self.take(arrived)
             self._release_if_healed(source)
+        elif self._ceased:
+            if source not in self._answering:
+                self.take(arrived)
         elif waiting is not None:
             if len(waiting.arrived) < LARGEST_WAITING:
                 bisect.insort(waiting.arrived, arrived, key=lambda one: one.batch.sequence)
@@ -175,6 +195,8 @@ class Healing:
 
     def collect(self, most: int) -> int:
         """Take what logs have answered, at most so many batches; ask again where something is missing. How many there were."""
+        if self._ceased:
+            return 0
         if self._roll_call is not None:
             for reply in _arrived(self._roll_call):
                 if reply is None:
@@ -220,6 +242,7 @@ class Healing:
         arrived = self.read(replay.key, reply)
         if arrived is not None and source_key(arrived.batch) != source:
             return  # another source of the machine keeps a log too
+        self._answering[source] = True
         leading = replay.count == 0
         replay.count += 1
         # What a log begins with is all that it has; a hole behind that is a reply that was damaged or left out.
@@ -270,6 +293,7 @@ class Healing:
                 return
             arrived = None if reply.ok is None else self.read(key, reply.ok)
             if arrived is not None and key in self.live:
+                self._answering[source_key(arrived.batch)] = True
                 self._know(key, source_key(arrived.batch))
                 self._ask(key, source_key(arrived.batch))
 

@@ -86,6 +86,11 @@ class Inbox:
         self._taken_bytes += len(message.payload)
         return message
 
+    def put_back(self, message: Message) -> None:
+        """It could not be dealt with now, and is the next to be taken again."""
+        self._taken_bytes -= len(message.payload)
+        self._waiting.appendleft(message)
+
     def _run(self) -> None:
         closing = False
         while not closing:

@@ -14,7 +14,7 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from service.bounded import Bounded
 from service.healing import Healing
 from service.inbox import Inbox, Message
-from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
+from service.journal import LARGEST_GAP, Arrived, Journal, Outcome, concerns_all
 from service.sharing import Share, Whole, lease_of
 from service.submissions import NotStoring, Submission, Submissions
 from service.wire import (
@@ -23,6 +23,8 @@ from service.wire import (
     ALL_SAMPLES,
     JSON,
     Key,
+    OwnFault,
+    Reason,
     Received,
     Rejected,
     decode_batch,
@@ -86,7 +88,8 @@ class Ingest:
         )
         self._inbox = Inbox()
         self._arrived: list[Arrived] = []
-        self._promises: dict[int, Future[Outcome]] = {}  # by place in `_arrived`
+        self._promises: list[Future[Outcome] | None] = []  # one for each that has arrived
+        self._apart = False  # whether what has arrived is to be stored one by one
         self._refused: list[tuple[Future[Outcome], Rejected]] = []
         self._rejections: list[Rejection] = []
         self._trouble: str | None = None
@@ -137,6 +140,8 @@ class Ingest:
             stopping = self._stop.is_set()
             self._began = time.monotonic()
             try:
+                if self._apart:
+                    self._one_by_one()
                 count = self._cycle()
                 if time.monotonic() >= next_check and not stopping:
                     self._healing.check_tails(quiet_s=TAIL_CHECK_S)
@@ -151,7 +156,7 @@ class Ingest:
                 continue
             except (DataError, IntegrityError) as error:
                 logger.error("the database cannot hold something of %d messages: %s", len(self._arrived), error.orig)
-                self._one_by_one()
+                self._apart = True
                 continue
             except DBAPIError as error:
                 # What was received stays in memory and in the queue until the database takes it.
@@ -163,16 +168,17 @@ class Ingest:
                     return
                 self._stop.wait(RETRY_S)
                 continue
-            except Exception as error:
+            except Exception:
                 # One message must never end the ingest of all others.
-                logger.exception("unexpected error in ingest; the cycle's messages are dropped")
-                self._break_promises(error)
-                self._arrived.clear()
-                self._rejections.clear()
+                self.trouble = "unexpected error; the log has it"
+                logger.exception("unexpected error in ingest; %d messages are stored one by one", len(self._arrived))
                 self._expected.clear()
+                if stopping and self._apart:
+                    return
+                self._apart = True
                 self._stop.wait(RETRY_S)
                 continue
-            if stopping and count == 0 and not self._healing.waiting:
+            if stopping and count == 0:
                 return
             if count == 0 or (count < BACKLOG and not self._healing.asking):
                 self._submissions.wait(HEALING_CYCLE_S if self._healing.asking else CYCLE_S)
@@ -191,16 +197,25 @@ class Ingest:
             self._answer(question)
         if self._stop.is_set():
             self._inbox.close()  # what comes from now on waits in the sources' logs
+            self._healing.cease()
         self._journal.give_way.begin(hurried=len(self._inbox) >= BACKLOG or self._healing.asking)
         taken = 0
         while taken < LARGEST_CYCLE and (message := self._inbox.take()) is not None:
             taken += 1
-            self._admit(message)
+            try:
+                self._admit(message)
+            except DBAPIError:
+                self._inbox.put_back(message)
+                raise
             self._journal.give_way()
         submitted = 0
         while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
             submitted += 1
-            self._submit(submission)
+            try:
+                self._submit(submission)
+            except Exception as error:
+                submission.promise.set_exception(NotStoring(str(error.orig)) if isinstance(error, DBAPIError) else error)
+                raise
         replayed = self._healing.collect(LARGEST_CYCLE)
         self._store()
         return taken + submitted + replayed
@@ -208,39 +223,55 @@ class Ingest:
     def _store(self) -> None:
         if self._arrived or self._rejections:
             outcomes = self._journal.store(self._arrived, self._rejections)
-            for place, promise in self._promises.items():
-                promise.set_result(outcomes[place])
-            for promise, rejected in self._refused:
-                promise.set_exception(rejected)
+            for promise, outcome in zip(self._promises, outcomes, strict=True):
+                if promise is not None:
+                    promise.set_result(outcome)
             self._promises.clear()
-            self._refused.clear()
             self._arrived.clear()
             self._rejections.clear()
+        for promise, rejected in self._refused:
+            promise.set_exception(rejected)
+        self._refused.clear()
 
     def _one_by_one(self) -> None:
-        """Store each message by itself; the one that the database cannot hold is put aside, and stops nothing."""
-        waiting = [(one, self._promises.get(place)) for place, one in enumerate(self._arrived)]
-        self._arrived, self._promises = [], {}
-        rejections, self._rejections = self._rejections, []
+        """Store each message by itself; one that cannot be stored is put aside, and stops nothing.
+
+        Raises what concerns all of them; what is not yet stored is then tried again.
+        """
         try:
-            self._journal.store([], rejections)
-        except (DataError, IntegrityError) as error:
-            logger.error("%d rejections cannot be kept: %s", len(rejections), error.orig)
-        for one, promise in waiting:
+            self._journal.store([], self._rejections)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("%d rejections cannot be kept", len(self._rejections))
+        self._rejections.clear()
+        while self._arrived:
+            one, promise = self._arrived[0], self._promises[0]
             try:
                 outcome = self._stored_alone(one)
-            except (DataError, IntegrityError) as error:
-                rejected = Rejected("undecodable", f"the database cannot hold it: {error.orig}")
-                self._reject(one.key, one.batch.machine, one.payload, rejected, received_at=one.received_at)
-                if promise is not None:
-                    promise.set_exception(rejected)
-            except (DBAPIError, NotHeld):
-                if promise is not None:
-                    self._promises[len(self._arrived)] = promise
-                self._arrived.append(one)  # tried again with all others
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                self._put_aside(one, error, promise)
             else:
                 if promise is not None:
                     promise.set_result(outcome)
+            del self._arrived[0], self._promises[0]
+        self._apart = False
+
+    def _put_aside(self, one: Arrived, error: Exception, promise: Future[Outcome] | None) -> None:
+        answer: Exception
+        reason: Reason | OwnFault
+        if isinstance(error, DBAPIError):
+            reason, detail = "undecodable", f"the database cannot hold it: {error.orig}"
+            answer = Rejected(reason, detail)
+        else:
+            logger.error("%s: a message cannot be stored", one.batch.machine, exc_info=error)
+            reason, detail = "unexpected_error", f"the service's log has it: {type(error).__name__}: {error}"
+            answer = NotStoring("unexpected error; the service's log has it")
+        self._reject(one.key, one.batch.machine, one.payload, reason, detail, received_at=one.received_at)
+        if promise is not None:
+            promise.set_exception(answer)
 
     def _stored_alone(self, one: Arrived) -> Outcome:
         """Tried twice: what another replica wrote at the same moment is there the second time."""
@@ -252,27 +283,25 @@ class Ingest:
 
     def _leave(self, names: Collection[str]) -> None:
         """Drop what is another replica's to store: it fetches it from the sources' logs."""
-        kept = []
-        for place, one in enumerate(self._arrived):
-            promise = self._promises.pop(place, None)
-            if lease_of(one.batch.machine) in names:
-                if promise is not None:
-                    promise.set_exception(NotStoring("another replica takes this machine's samples now"))
-            else:
-                kept.append((one, promise))
-        self._arrived = [one for one, _ in kept]
-        self._promises = {place: promise for place, (_, promise) in enumerate(kept) if promise is not None}
+        arrived, promises = self._arrived, self._promises
+        self._arrived, self._promises = [], []
+        for one, promise in zip(arrived, promises, strict=True):
+            if lease_of(one.batch.machine) not in names:
+                self._arrived.append(one)
+                self._promises.append(promise)
+            elif promise is not None:
+                promise.set_exception(NotStoring("another replica takes this machine's samples now"))
         self._expected.clear()
         self._journal.forget()
 
     def _break_promises(self, error: Exception) -> None:
         """Say to all who wait that what they sent is not known to be durable."""
-        waiting = [*self._promises.values(), *(promise for promise, _ in self._refused)]
+        waiting = [*filter(None, self._promises), *(promise for promise, _ in self._refused)]
         while (submission := self._submissions.take()) is not None:
             waiting.append(submission.promise)
         for promise in waiting:
             promise.set_exception(error)
-        self._promises.clear()
+        self._promises = [None] * len(self._arrived)
         self._refused.clear()
 
     def _answer(self, question: zenoh.Query) -> None:
@@ -299,7 +328,8 @@ class Ingest:
             # Its numbers must stay free for the corrected batch.
             self._journal.require_convertible(batch, received_at=received_at)
         except Rejected as rejected:
-            self._reject(where, submission.machine, submission.body, rejected, received_at=received_at)
+            reason, detail = rejected.reason, rejected.detail
+            self._reject(where, submission.machine, submission.body, reason, detail, received_at=received_at)
             self._refused.append((submission.promise, rejected))
             return
         self._take(Arrived(batch, where, submission.body, received_at), submission.promise)
@@ -334,14 +364,16 @@ class Ingest:
 
     def _refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
         received_at, size = message.received_at, message.size
-        self._reject(message.key, machine, message.payload, rejected, received_at=received_at, size=size)
+        reason, detail = rejected.reason, rejected.detail
+        self._reject(message.key, machine, message.payload, reason, detail, received_at=received_at, size=size)
 
     def _reject(
         self,
         key: str,
         machine: str | None,
         payload: bytes,
-        rejected: Rejected,
+        reason: Reason | OwnFault,
+        detail: str,
         *,
         received_at: int,
         size: int | None = None,
@@ -352,8 +384,8 @@ class Ingest:
                 received_at=received_at,
                 key=key,
                 machine_id=machine,
-                reason=rejected.reason,
-                detail=rejected.detail,
+                reason=reason,
+                detail=detail,
                 payload=payload,
                 size=size,
             )
@@ -364,9 +396,8 @@ class Ingest:
         batch, source = arrived.batch, source_key(arrived.batch)
         if batch.sequence - self._next(source) <= LARGEST_GAP:
             self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
-        if promise is not None:
-            self._promises[len(self._arrived)] = promise
         self._arrived.append(arrived)
+        self._promises.append(promise)
 
     def _require_machine(self, key: Key) -> None:
         plant = self._journal.plant_of(key.machine)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
@@ -19,11 +20,14 @@ from service.bounded import Bounded
 from service.collection import Collector
 from service.giving_way import GivingWay
 from service.order import Order
+from service.putting_off import PutOff
 from service.sharing import Share, Whole
-from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
+from service.wire import Fault, OwnFault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
+from storage.clock import now
 from storage.database import Database
+from storage.leases import NotHeld
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import SourceRow
@@ -78,6 +82,7 @@ class Journal:
         self._orders: Bounded[SourceKey, Order] = Bounded()
         self._plants: dict[str, str] = {}
         self._documents: dict[str, tuple[int, Machine]] = {}
+        self._put_off = PutOff()
         self.give_way = GivingWay()
 
     def next_sequence(self, key: SourceKey) -> int:
@@ -130,14 +135,40 @@ class Journal:
     def close_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
         """Close the runs of machines that have fallen silent, and sort in what came late.
 
+        A machine of which this fails holds up no other: it is tried again, after a longer pause each time.
         alive: machines of which a source is connected.
         """
-        with self._database.transaction() as session:
-            own = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
-            self._share.require(session, own)
-            for machine_id in own:
-                self._collector.close_silent(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
-                self._collector.settle_late(session, machine_id)
+        own: list[str] = []
+        try:
+            with self._database.transaction() as session:
+                own += [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
+                self._share.require(session, own)
+                for machine_id in filter(self._put_off.is_due, own):
+                    self._bring_up_to_date(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
+        except BaseException:
+            self._collector.look_again(own)
+            raise
+
+    def _bring_up_to_date(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
+        silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=alive)
+        late = self._collector.may_have_late(machine_id)
+        if not silent and not late:
+            return
+        try:
+            with session.begin_nested():
+                if silent:
+                    self._collector.close_silent(session, machine_id)
+                if late:
+                    self._collector.settle_late(session, machine_id)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            pause = self._put_off.failed(machine_id)
+            self._collector.look_again([machine_id])
+            logger.exception("%s: its runs cannot be brought up to date; tried again in %.0f s", machine_id, pause)
+            quarantine.add(session, [_not_up_to_date(machine_id, error)])
+        else:
+            self._put_off.succeeded(machine_id)
 
     def forget(self) -> None:
         """Forget what may have gone on without this process; all of it is in the store."""
@@ -286,6 +317,24 @@ def _advance(
     row.next_sequence = max(row.next_sequence, batch.sequence + taken.size)
     if new.size:
         row.last_time = int(new[-1])
+
+
+def concerns_all(error: BaseException) -> bool:
+    """Whether an error is the database's, or of who may write to it: another message would fail as well."""
+    of_one = isinstance(error, DataError | IntegrityError)
+    return isinstance(error, NotHeld | DBAPIError) and not of_one
+
+
+def _not_up_to_date(machine_id: str, error: Exception) -> Rejection:
+    reason: OwnFault = "unexpected_error"
+    return Rejection.of_message(
+        received_at=now(),
+        key=f"runs of {machine_id}",
+        machine_id=machine_id,
+        reason=reason,
+        detail=f"its runs cannot be brought up to date; the service's log has it: {type(error).__name__}: {error}",
+        payload=b"",
+    )
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:

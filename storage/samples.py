@@ -1,15 +1,18 @@
 """Repository of sample blocks and of how far each source has been received."""
 
-from collections.abc import Collection, Sequence
+import logging
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from sqlalchemy import func, select, tuple_
 from sqlalchemy.orm import Session
 
-from storage.blocks import Samples, decode, encode, join
+from storage.blocks import DamagedBlock, Samples, decode, encode, join
 from storage.paging import Keys, ordered
 from storage.tables import SampleBlockRow, SourceRow
+
+logger = logging.getLogger(__name__)
 
 EVER = -(2**63), 2**63 - 1
 """Before and behind all times that a store can count [ns]."""
@@ -75,11 +78,13 @@ def between(
     first: int,
     last: int,
     largest: int | None = None,
+    damaged: list[str] | None = None,
 ) -> Samples:
     """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none.
 
     also: further revisions, measured alike.
     largest: where there may be more of them, every second, third, … is taken, so that not many more than this are in memory.
+    damaged: gets what is wrong with each block that cannot be read; such blocks are left out.
     """
     within = (
         (SampleBlockRow.machine_id == machine_id)
@@ -91,12 +96,13 @@ def between(
     if largest is not None:
         count = session.scalar(select(func.sum(SampleBlockRow.count)).where(within)) or 0
         every = max(1, -(-int(count) // largest))
-    query = select(SampleBlockRow.data).where(within).order_by(SampleBlockRow.time_first, SampleBlockRow.id)
+    query = select(SampleBlockRow.id, SampleBlockRow.data).where(within)
+    query = query.order_by(SampleBlockRow.time_first, SampleBlockRow.id)
     if every > 1:
         query = query.execution_options(yield_per=100)
     parts, passed = [], 0
-    for data in session.scalars(query):
-        block = decode(data).between(first, last)
+    for whole in _readable(machine_id, session.execute(query), damaged):
+        block = whole.between(first, last)
         parts.append(block.pick(slice(-passed % every, None, every)))
         passed += len(block)
     return _by_time(parts, channels)
@@ -109,13 +115,12 @@ def at(session: Session, machine_id: str, *, revision: int, channels: int = 0, t
     while waiting:
         moment = waiting.pop()
         query = (
-            select(SampleBlockRow.data)
+            select(SampleBlockRow.id, SampleBlockRow.data)
             .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision == revision)
             .where(SampleBlockRow.time_last >= moment, SampleBlockRow.time_first <= moment)
             .order_by(SampleBlockRow.id)
         )
-        for data in session.scalars(query):
-            block = decode(data)
+        for block in _readable(machine_id, session.execute(query)):
             which = np.flatnonzero(block.time == moment)
             if which.size:
                 parts.append(block.pick(which[:1]))
@@ -142,7 +147,7 @@ def latest(
     first, last: only samples with first <= time <= last [ns]; None: without an end there.
     """
     query = (
-        select(SampleBlockRow.data, SampleBlockRow.time_last)
+        select(SampleBlockRow.id, SampleBlockRow.data, SampleBlockRow.time_last)
         .where(SampleBlockRow.machine_id == machine_id, SampleBlockRow.revision.in_({revision, *also}))
         .order_by(SampleBlockRow.time_last.desc(), SampleBlockRow.id.desc())
         .execution_options(yield_per=50)
@@ -153,14 +158,15 @@ def latest(
         query = query.where(SampleBlockRow.time_first <= last)
     newest = _by_time([], channels)
     with session.execute(query) as blocks:
-        for data, time_last in blocks:
+        for number, data, time_last in blocks:
             # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
             if len(newest) == count and time_last < newest.time[0]:
                 break
-            block = decode(data).between(EVER[0] if first is None else first, EVER[1] if last is None else last)
-            if len(block):
-                parts = [newest, block] if len(newest) else [block]
-                newest = _by_time(parts, channels).pick(slice(-count, None))
+            for whole in _readable(machine_id, [(number, data)]):
+                block = whole.between(EVER[0] if first is None else first, EVER[1] if last is None else last)
+                if len(block):
+                    parts = [newest, block] if len(newest) else [block]
+                    newest = _by_time(parts, channels).pick(slice(-count, None))
     return newest
 
 
@@ -207,6 +213,18 @@ def source(session: Session, key: SourceKey) -> SourceRow:
         )
         session.add(row)
     return row
+
+
+def _readable(machine_id: str, blocks: Iterable[tuple[int, bytes]], damaged: list[str] | None = None) -> Iterator[Samples]:
+    """What these blocks hold, by id. One that a disk has damaged is left out, so that it does not take others with it."""
+    for number, data in blocks:
+        try:
+            yield decode(data)
+        except DamagedBlock as error:
+            words = f"sample block {number} of machine '{machine_id}' is left out: {error}"
+            logger.error(words)
+            if damaged is not None:
+                damaged.append(words)
 
 
 def _by_time(parts: Sequence[Samples], channels: int) -> Samples:

@@ -5,6 +5,7 @@ The counts are those of the store, so a restart does not set them back.
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import get_args
 
 from fastapi import APIRouter, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -17,6 +18,7 @@ from service.api.access import database
 from service.api.operations import looked_at
 from service.security.requirement import VIEWER
 from service.security.store import Store
+from service.wire import OwnFault, Reason
 from storage import deliveries, jobs, quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.clock import now
@@ -136,7 +138,8 @@ def _kept(store: Store) -> _Kept:
         totals = _bounded(samples.totals(session))
         by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
-        return _Kept(totals, quarantine.counts(session), by_state, on_their_way)
+        rejected = _of_every((*get_args(Reason), *get_args(OwnFault)), quarantine.counts(session))
+        return _Kept(totals, rejected, by_state, on_their_way)
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:

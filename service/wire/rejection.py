@@ -24,6 +24,9 @@ Reason = Literal[
 ]
 """Why a message, a sample or a channel's value is rejected."""
 
+OwnFault = Literal["unexpected_error", "damaged_block"]
+"""Why something is missing with which nothing was wrong when it came: an error of the service, or of what keeps its data."""
+
 
 class Rejected(ValueError):
     """A message or a sample cannot be taken."""

@@ -1,0 +1,168 @@
+"""Errors that nobody foresaw, and a database that goes away at the worst moment: one message's trouble is its own, what was
+received stays, and whoever waits gets an answer."""
+
+from concurrent.futures import Future
+from contextlib import ExitStack
+
+import pytest
+import zenoh
+from sqlalchemy.exc import IntegrityError, OperationalError
+
+from service import healing as healing_module
+from service import ingest as ingest_module
+from service.collection import Collector
+from service.ingest import Ingest
+from service.journal import Arrived, Journal, Outcome
+from service.submissions import NotStoring, Submissions
+from service.wire import MESSAGEPACK, encode_batch, encode_body
+from storage import machines
+from storage.database import Database
+from storage.quarantine import Rejection
+from storage.tables import CollectorRow
+from tests.plant import KEY, batch, machine, wait_until
+from tests.service.ingest.plant_network import Edge, counts, heard, ingesting, put, put_batch, received, rejected, rows
+
+
+@pytest.fixture(autouse=True)
+def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
+
+
+def spoil(database: Database, name: str) -> None:
+    """Where a machine's collection stands can no longer be told."""
+    with database.transaction() as session:
+        session.get_one(CollectorRow, name).state = {"revision": 1, "seen": "yesterday"}
+
+
+def test_what_meets_an_unforeseen_error_is_put_aside_and_stops_nothing(
+    plant: Database, ingest: Ingest, client: zenoh.Session
+) -> None:
+    with plant.transaction() as session:
+        machines.create(session, machine(id="pump-8"))
+    wait_until(lambda: heard(client))
+    put_batch(client, 0, 5)
+    wait_until(lambda: received(plant) == 5)
+    spoil(plant, KEY.machine)
+    put_batch(client, 5, 10)
+    put_batch(client, 0, 5, machine="pump-8")
+    wait_until(lambda: received(plant) == 10)
+    wait_until(lambda: rejected(plant).get("unexpected_error", 0) >= 1)
+    assert {(row.machine_id, row.received) for row in rows(plant)} == {("pump-7", 5), ("pump-8", 5)}
+    assert ingest.alive
+    wait_until(lambda: ingest.trouble is None)
+
+
+class Failing(Journal):
+    """Meets these errors when it stores, one each time, then none."""
+
+    def __init__(self, database: Database, *errors: Exception) -> None:
+        super().__init__(database, Collector())
+        self.errors = list(errors)
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        if arrived and self.errors:
+            raise self.errors.pop(0)
+        return super().store(arrived, rejections)
+
+
+def running(router: zenoh.Session, journal: Journal, submissions: Submissions, until: ExitStack) -> Ingest:
+    ingest = Ingest(router, journal, silence_s=60.0, submissions=submissions)
+    ingest.start()
+    until.callback(ingest.stop)
+    return ingest
+
+
+HELD = IntegrityError("INSERT", {}, Exception("a constraint"))
+AWAY = OperationalError("INSERT", {}, Exception("the server went away"))
+
+
+def test_a_database_that_goes_away_while_messages_are_stored_one_by_one(
+    router: zenoh.Session, plant: Database, client: zenoh.Session
+) -> None:
+    journal, submissions = Failing(plant, HELD, AWAY, AWAY), Submissions()
+    with ExitStack() as until:
+        ingest = running(router, journal, submissions, until)
+        wait_until(lambda: heard(client))
+        for source in ("one", "other"):
+            put(client, encode_batch(batch([900.0] * 5, source=source)))
+        wait_until(lambda: received(plant) == 10)
+        assert ingest.alive
+        assert journal.errors == []
+        assert rejected(plant) == {}
+        wait_until(lambda: ingest.trouble is None)
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        pytest.param((AWAY,), NotStoring, id="the database is away"),
+        pytest.param((RuntimeError("a fault of ours"), RuntimeError("again")), NotStoring, id="unforeseen"),
+        pytest.param((HELD, AWAY), NotStoring, id="away between"),
+    ],
+)
+def test_whoever_waits_over_http_is_answered(
+    router: zenoh.Session, plant: Database, errors: tuple[Exception, ...], expected: type[Exception]
+) -> None:
+    submissions = Submissions()
+    with ExitStack() as until:
+        ingest = running(router, Failing(plant, *errors), submissions, until)
+        body = encode_body(batch([900.0] * 5), MESSAGEPACK)
+        with pytest.raises(expected):
+            submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
+        wait_until(lambda: ingest.trouble is None and submissions.trouble is None)
+        again: Future[Outcome] = submissions.offer(KEY.machine, body, MESSAGEPACK)
+        outcome = again.result(10.0)
+        assert outcome.received + outcome.duplicates == 5
+    assert counts(plant) == (5, 5, 0)
+
+
+class Blind(Journal):
+    """Cannot look something up the first time."""
+
+    blind = True
+
+    def plant_of(self, machine_id: str) -> str | None:
+        if self.blind:
+            self.blind = False
+            raise AWAY
+        return super().plant_of(machine_id)
+
+
+def test_a_message_that_was_in_hand_when_the_database_went_away_is_not_dropped(
+    router: zenoh.Session, plant: Database, client: zenoh.Session
+) -> None:
+    with ExitStack() as until:
+        running(router, Blind(plant, Collector()), Submissions(), until)
+        wait_until(lambda: heard(client))
+        put_batch(client, 0, 5)
+        wait_until(lambda: received(plant) == 5)
+
+
+def test_a_batch_that_was_in_hand_when_the_database_went_away_is_answered(router: zenoh.Session, plant: Database) -> None:
+    submissions = Submissions()
+    with ExitStack() as until:
+        running(router, Blind(plant, Collector()), submissions, until)
+        with pytest.raises(NotStoring, match="went away"):
+            submissions.offer(KEY.machine, encode_body(batch(), MESSAGEPACK), MESSAGEPACK).result(10.0)
+
+
+def received_of(database: Database) -> dict[str, tuple[int, int]]:
+    """Next sequence and received of each source."""
+    return {row.source: (row.next_sequence, row.received) for row in rows(database)}
+
+
+def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 3600.0)
+    with ingesting(router, plant) as ingest:
+        wait_until(lambda: heard(client))
+        edge.publish(5)
+        wait_until(lambda: received(plant) == 5)
+        source, epoch = edge.source.name, edge.source.log.epoch
+        put_batch(client, 100, 105, source=source, epoch=epoch)
+        put_batch(client, 100, 105, source="without-a-log")
+        put_batch(client, 0, 5, source="seen")
+        wait_until(lambda: received(plant) == 10)
+    assert not ingest.alive
+    assert received_of(plant) == {source: (5, 5), "seen": (5, 5), "without-a-log": (105, 5)}

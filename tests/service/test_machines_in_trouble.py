@@ -1,0 +1,110 @@
+"""What is wrong with one machine's stored data holds up no other machine: neither their storing nor their runs."""
+
+import time
+
+import pytest
+from sqlalchemy import select, text
+from sqlalchemy.exc import DBAPIError
+
+from service import putting_off
+from service.journal import Journal
+from service.putting_off import LONGEST_PAUSE_S, PutOff
+from storage import jobs, machines, quarantine, runs
+from storage.database import Database
+from storage.tables import QuarantineRow, RunRow, SampleBlockRow
+from tests.plant import START, arrived, batch, machine, sweep_rpm
+from tests.refusing import refuse
+
+DOWN, STANDSTILL = sweep_rpm(2990.0, 310.0), [250.0] * 2
+
+
+@pytest.fixture
+def two(plant: Database) -> Database:
+    """A database that knows pump-7 and pump-8."""
+    with plant.transaction() as session:
+        machines.create(session, machine(id="pump-8"))
+    return plant
+
+
+def coast_down(journal: Journal, *names: str, first: int = 0, last: int = 30) -> None:
+    for name in names:
+        one = batch([*DOWN, *STANDSTILL][first:last], machine=name, sequence=first, start=START + first * 10**9)
+        journal.store([arrived(one)], [])
+
+
+def run_of(database: Database, name: str) -> RunRow:
+    with database.reading() as session:
+        (row,) = runs.of_machine(session, name)
+        return row
+
+
+def rejections(database: Database) -> list[QuarantineRow]:
+    with database.reading() as session:
+        return list(quarantine.newest(session, reason=None, machine_id=None, limit=100))
+
+
+def damage_the_blocks(database: Database, name: str) -> None:
+    """As a bad disk does."""
+    with database.transaction() as session:
+        for row in session.scalars(select(SampleBlockRow).where(SampleBlockRow.machine_id == name)):
+            row.data = row.data[:-1] + bytes([row.data[-1] ^ 0xFF])
+
+
+def test_a_block_that_cannot_be_read_is_left_out_of_its_run(plant: Database, journal: Journal) -> None:
+    coast_down(journal, "pump-7", last=4)
+    damage_the_blocks(plant, "pump-7")
+    coast_down(journal, "pump-7", first=4, last=42)
+    run = run_of(plant, "pump-7")
+    assert (run.state, run.count) == (runs.CLOSED, 36)
+    with plant.reading() as session:
+        assert len(jobs.of_machine(session, "pump-7", limit=10)) == 1
+    (rejection,) = rejections(plant)
+    assert (rejection.reason, rejection.machine_id, rejection.key) == ("damaged_block", "pump-7", f"run {run.id}")
+    assert "is left out" in rejection.detail
+    assert "checksum" in rejection.detail
+
+
+def test_a_closing_that_was_not_stored_is_done_again(plant: Database, journal: Journal) -> None:
+    coast_down(journal, "pump-7")
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE identification_jobs RENAME TO away"))
+    with pytest.raises(DBAPIError, match="identification_jobs"):
+        journal.close_silent(silence_s=0.0)
+    with plant.transaction() as session:
+        session.execute(text("ALTER TABLE away RENAME TO identification_jobs"))
+    assert run_of(plant, "pump-7").state == runs.OPEN
+    journal.close_silent(silence_s=0.0)
+    assert run_of(plant, "pump-7").state == runs.CLOSED
+
+
+def test_a_machine_that_cannot_be_closed_holds_up_no_other(
+    two: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    coast_down(journal, "pump-7", "pump-8")
+    with two.transaction() as session:
+        refuse(session, "runs", write="UPDATE", when="NEW.machine_id = 'pump-7'")
+    journal.close_silent(silence_s=0.0)
+    assert [run_of(two, name).state for name in ("pump-7", "pump-8")] == [runs.OPEN, runs.CLOSED]
+    (rejection,) = rejections(two)
+    assert (rejection.reason, rejection.key) == ("unexpected_error", "runs of pump-7")
+    assert "refused by the test" in rejection.detail
+    with two.transaction() as session:
+        session.execute(text("DROP TRIGGER refuse" + (" ON runs" if two.kind == "postgresql" else "")))
+    journal.close_silent(silence_s=0.0)
+    assert run_of(two, "pump-7").state == runs.OPEN, "tried again without a pause"
+    now = time.monotonic()
+    monkeypatch.setattr(time, "monotonic", lambda: now + putting_off.FIRST_PAUSE_S)
+    journal.close_silent(silence_s=0.0)
+    assert run_of(two, "pump-7").state == runs.CLOSED
+
+
+def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
+    waiting = PutOff()
+    assert waiting.is_due("pump-7")
+    assert [waiting.failed("pump-7") for _ in range(4)] == [10.0, 20.0, 40.0, 80.0]
+    assert not waiting.is_due("pump-7")
+    assert waiting.is_due("pump-8")
+    assert max(waiting.failed("pump-7") for _ in range(10)) == LONGEST_PAUSE_S
+    waiting.succeeded("pump-7")
+    assert waiting.is_due("pump-7")
+    assert waiting.failed("pump-7") == 10.0
