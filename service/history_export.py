@@ -1,6 +1,7 @@
 """A machine's history as CSV and Parquet files, with `columns.json` beside them saying what each column means."""
 
 import json
+import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +13,8 @@ from sqlalchemy.orm import Session, undefer
 from estimator.channel_status import ChannelStatus
 from estimator.machine import Machine, parse_machine
 from service.column_files import Column, Rows, write
-from storage.blocks import Samples, decode
+from storage import runs
+from storage.blocks import DamagedBlock, Samples
 from storage.database import Database
 from storage.machines import MachineUnknown
 from storage.tables import (
@@ -34,6 +36,8 @@ from storage.tables import (
     SuppressionRow,
     TimelineRow,
 )
+
+logger = logging.getLogger(__name__)
 
 AT_ONCE = 1_000
 
@@ -283,15 +287,19 @@ def _text(value: Any) -> Any:
 
 
 def _samples(session: Session, machine_id: str, revision: int, columns: Sequence[Column]) -> Iterator[Rows]:
-    """Run by run, a piece at a time."""
+    """Run by run, a piece at a time. One that can no longer be read is left out, and the log says so."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.data.is_not(None))
     ordered = query.options(undefer(RunRow.data)).order_by(RunRow.time_first, RunRow.id).execution_options(yield_per=1)
     with session.scalars(ordered) as found:
         for row in found:
             assert row.data is not None
-            held = decode(row.data)
-            for first in range(0, len(held), AT_ONCE):
-                yield _sample_rows(row.id, held.pick(slice(first, first + AT_ONCE)), len(columns))
+            try:
+                held = runs.read(row.id, row.data)
+            except DamagedBlock as error:
+                logger.error("left out: %s", error)
+            else:
+                for first in range(0, len(held), AT_ONCE):
+                    yield _sample_rows(row.id, held.pick(slice(first, first + AT_ONCE)), len(columns))
             session.expunge(row)
 
 

@@ -128,6 +128,8 @@ def decode(data: bytes) -> Samples:
             raise DamagedBlock("sample block is damaged: its checksum does not fit")
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
         return _packed(body, count, channels) if version == _FORMAT else _plain(body, count, channels, version)
+    except DamagedBlock:
+        raise
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
 

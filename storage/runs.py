@@ -116,12 +116,20 @@ def get(session: Session, run_id: int) -> RunRow:
 
 
 def samples(session: Session, run_id: int) -> Samples | None:
-    """The samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased."""
+    """The samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased, DamagedBlock."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.data)])
     if row is None:
         raise RunUnknown(run_id)
     _require_kept(row)
-    return None if row.data is None else decode(row.data)
+    return None if row.data is None else read(run_id, row.data)
+
+
+def read(run_id: int, data: bytes) -> Samples:
+    """What is stored of a run. Raises DamagedBlock."""
+    try:
+        return decode(data)
+    except DamagedBlock as error:
+        raise DamagedBlock(f"the samples of run {run_id} cannot be read: {error}") from error
 
 
 def keep_quality(session: Session, run_id: int, quality: Quality) -> None:

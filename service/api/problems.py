@@ -27,6 +27,7 @@ from service.requesting import NotToIdentify
 from service.security.answer_headers import ALWAYS
 from service.setting_limits import LimitsChanged
 from storage.alerts import AlertUnknown
+from storage.blocks import DamagedBlock
 from storage.claim import DatabaseUnusable
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
@@ -76,6 +77,7 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     Unsuitable: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
     NoModel: (HTTPStatus.CONFLICT, "{0}"),
     SamplesReleased: (HTTPStatus.GONE, "{0}"),
+    DamagedBlock: (HTTPStatus.INTERNAL_SERVER_ERROR, "{0}; look at the disk, and restore a backup"),
     NotToIdentify: (HTTPStatus.CONFLICT, "{0}"),
     JobUnknown: (HTTPStatus.NOT_FOUND, f"no job {{0}}: {OF_MACHINE}/jobs lists those of a machine"),
     AlertUnknown: (HTTPStatus.NOT_FOUND, "no alert {0}: GET /api/v1/alerts lists those there are"),

@@ -92,6 +92,16 @@ def test_damaged_flags_are_told_from_missing_ones(database: Database, kit: Machi
         runs.flags(session, run_id)
 
 
+def test_samples_that_can_no_longer_be_read_are_said_to_be_damaged(database: Database, kit: Machine) -> None:
+    with database.transaction() as session:
+        run_id = closed(session, kit, measured(kit))
+        runs.get(session, run_id).data = b"\x01\x00nonsense"
+    answer = get(database, f"/api/v1/runs/{run_id}/phasors")
+    assert answer.status_code == 500
+    assert answer.json()["detail"].startswith(f"the samples of run {run_id} cannot be read")
+    assert answer.json()["detail"].endswith("restore a backup")
+
+
 def test_a_gate_that_leaves_too_little_is_an_error_with_its_reasons(kit: Machine) -> None:
     samples = measured(kit)
     rules = QualityRules(accepted_rpm=(1040.0, 1100.0))

@@ -29,7 +29,7 @@ from storage.tables import (
     TimelineRow,
 )
 from tests.databases import Databases
-from tests.plant import CHANNELS, KEY, START, identification, machine, samples, sqlite_url, store_identification
+from tests.plant import CHANNELS, KEY, SECOND, START, identification, machine, samples, sqlite_url, store_identification
 
 COUNT = 1234
 SAID: dict[str, type[Base]] = {
@@ -145,6 +145,20 @@ def check_samples(folder: Path, held: Samples) -> None:
         assert np.array_equal(np.array(parts[1])[good], held.phasor.imag[good, number])
         assert np.all(np.isnan(np.array(parts[0])[~good]))
     assert rows[0]["time"] == to_datetime(START).strftime("%Y-%m-%dT%H:%M:%S.000000000Z")
+
+
+def test_a_run_that_cannot_be_read_is_left_out_of_an_export(
+    told: Database, held: Samples, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    with told.transaction() as session:
+        damaged = runs.open_run(session, KEY.machine, revision=1, kind="run-up", direction=1, time_first=START - SECOND)
+        runs.close(damaged, samples=held, state=runs.CLOSED, reason="")
+        assert damaged.data is not None
+        damaged.data = damaged.data[:-1]
+        number = damaged.id
+    said = rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    assert f"samples-1 {COUNT}".split() in [line.split() for line in said.splitlines()]
+    assert f"left out: the samples of run {number} cannot be read: sample block is damaged" in caplog.text
 
 
 def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None:
