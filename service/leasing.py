@@ -89,6 +89,7 @@ class Leasing:
                 self.trouble = str(error.orig if isinstance(error, DBAPIError) else error)
                 logger.error("this replica cannot say that it lives, trying again: %s", self.trouble)
             except Exception:
+                self.trouble = "unexpected error; the log has it"
                 logger.exception("unexpected error in the leasing thread")
 
     def _round(self) -> None:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import zenoh
 from aiohttp import ClientSession, ClientTimeout, DummyCookieJar, TCPConnector
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
+from sqlalchemy.orm import Session
 
 from service import alerting
 from service.alert_life import Severity
@@ -28,7 +29,7 @@ from storage import alerts, deliveries, machines
 from storage.clock import now, to_datetime
 from storage.database import Database
 from storage.plain_text import plain_text
-from storage.tables import AlertEventRow, SubscriptionRow
+from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
 
 logger = logging.getLogger(__name__)
 
@@ -87,6 +88,10 @@ def new_client() -> ClientSession:
     )
 
 
+class Unrecorded(RuntimeError):
+    """How some deliveries ended cannot be written down; they are not sent again before it is."""
+
+
 class Dispatcher:
     """Delivers until it is stopped; what is then under way is delivered again after the next start."""
 
@@ -132,7 +137,11 @@ class Dispatcher:
                     self.trouble = str(error.orig)
                     logger.error("alert deliveries cannot be read or recorded, trying again: %s", error.orig)
                     pause = RETRY_S
+                except Unrecorded as error:
+                    self.trouble = str(error)
+                    pause = RETRY_S
                 except Exception:
+                    self.trouble = "unexpected error; the log has it"
                     logger.exception("unexpected error in the delivery thread")
                     pause = RETRY_S
                 await asyncio.sleep(pause)
@@ -142,12 +151,17 @@ class Dispatcher:
             await asyncio.gather(*left, return_exceptions=True)
 
     async def _look(self, channels: Channels) -> None:
-        """Record what has finished, then begin what is due."""
-        finished = {number: one.result() for number, one in self._under_way.items() if one.done()}
+        """Record what has finished, then begin what is due. Raises Unrecorded, at the end."""
+        finished = {number: _ended(one) for number, one in self._under_way.items() if one.done()}
         if finished:
-            await asyncio.to_thread(self._record, finished)
-            for number in finished:
-                del self._under_way[number], self._tasks[number]
+            for number in await asyncio.to_thread(self._record, finished):
+                del self._under_way[number], self._tasks[number], finished[number]
+        await self._begin(channels)
+        if finished:
+            raise Unrecorded(f"how {len(finished)} alert deliveries ended cannot be recorded; the log says why")
+
+    async def _begin(self, channels: Channels) -> None:
+        """Send what is due."""
         if not self._share.leads(DELIVERY):
             return
         moment = time.monotonic()
@@ -164,38 +178,51 @@ class Dispatcher:
     def _due(self, channels: Channels) -> list[Task]:
         load = Counter(task.subscription_id for task in self._tasks.values())
         busy = [subscription for subscription, count in load.items() if count >= AT_ONCE]
-        found = []
+        found: list[Task] = []
+        unsayable: dict[int, str] = {}
         with self._database.reading() as session:
             for row in deliveries.due(session, now(), busy=busy, limit=LARGEST_TAKE):
                 if row.id in self._tasks or load[row.subscription_id] >= AT_ONCE:
                     continue
-                load[row.subscription_id] += 1
-                subscription = deliveries.get(session, row.subscription_id)
-                event = session.get_one(AlertEventRow, row.event_id)
-                message = Message(alert_event(event), machines.get(session, event.machine_id).plant)
-                found.append(Task(row.id, row.subscription_id, message, channels.of(subscription)))
+                try:
+                    found.append(_task(session, row, channels))
+                    load[row.subscription_id] += 1
+                except (DBAPIError, MemoryError):
+                    raise  # of the moment, not of the row
+                except Exception as error:
+                    logger.exception("delivery %d of event %d cannot be made into a message", row.id, row.event_id)
+                    unsayable[row.id] = f"event {row.event_id} cannot be made into a message: {type(error).__name__}: {error}"
+        if unsayable:
+            self._give_up(unsayable)
         return found
 
-    def _record(self, finished: dict[int, Outcome]) -> None:
+    def _give_up(self, reasons: dict[int, str]) -> None:
+        """Try no more: later events of the same alerts wait behind these."""
+        with self._database.transaction() as session:
+            for number, reason in reasons.items():
+                row = deliveries.delivery(session, number)
+                row.state, row.last_try_at, row.answer = deliveries.GIVEN_UP, now(), plain_text(reason)[:2000]
+
+    def _record(self, finished: dict[int, Outcome]) -> list[int]:
+        """Write down how deliveries ended; returns which need no more of it. One that cannot be stops no other."""
+        done = []
         with self._database.transaction() as session:
             for number, outcome in finished.items():
-                row = deliveries.delivery(session, number)
-                row.attempts += 1
-                row.last_try_at = now()
-                answer = row.answer = plain_text(outcome.answer)[:2000]  # of a stranger: it must not stop what others are told
-                if outcome.result == "delivered":
-                    row.state = deliveries.DELIVERED
-                elif outcome.result == "gone":
-                    row.state = deliveries.GIVEN_UP
-                    subscription = deliveries.get(session, row.subscription_id)
-                    deliveries.disable(session, subscription, f"the receiver answered {answer[:200]}")
-                    logger.warning("subscription '%s' is disabled: its receiver is gone", subscription.name)
-                elif row.attempts > len(RETRIES_S):
-                    row.state = deliveries.GIVEN_UP
-                    logger.warning("delivery %d is given up after %d tries: %s", number, row.attempts, answer[:200])
-                elif row.state == deliveries.PENDING:
-                    wish = min(outcome.retry_after or 0.0, LONGEST_WISH_S)
-                    row.next_try_at = now() + int(max(RETRIES_S[row.attempts - 1], wish) * SECOND)
+                try:
+                    with session.begin_nested():
+                        _note(session, number, outcome)
+                except deliveries.DeliveryUnknown:
+                    logger.warning("delivery %d has ended, and is not in the database any more", number)
+                except (DataError, IntegrityError):
+                    logger.exception("how delivery %d ended cannot be recorded", number)
+                    continue
+                except DBAPIError:
+                    raise  # of the database, which is asked again as a whole
+                except Exception:
+                    logger.exception("how delivery %d ended cannot be recorded", number)
+                    continue
+                done.append(number)
+        return done
 
     def _expire(self) -> None:
         with self._database.reading() as session:
@@ -210,6 +237,9 @@ class Dispatcher:
             targets, messages = await asyncio.to_thread(self._lasting)
         except DBAPIError as error:
             logger.error("lasting alerts cannot be read: %s", error.orig)
+            return
+        except Exception:
+            logger.exception("unexpected error while lasting alerts are read")
             return
         for row in targets:
             channel = channels.of(row)
@@ -228,8 +258,12 @@ class Dispatcher:
             for alert in alerts.find(session, machine_id=None, only_open=True, limit=10_000):
                 if alert.state not in FIRING:
                     continue
-                event = alerts.history(session, alert.id)[-1]
-                found.append(Message(alert_event(event), machines.get(session, alert.machine_id).plant))
+                try:
+                    found.append(_message(session, alerts.history(session, alert.id)[-1]))
+                except (DBAPIError, MemoryError):
+                    raise
+                except Exception:
+                    logger.exception("no Alertmanager is told that alert %d lasts", alert.id)
             return rows, found
 
     async def try_out(self, subscription_id: int) -> Outcome:
@@ -267,6 +301,42 @@ def test_message() -> Message:
         identification=0,
     )
     return Message(event, "test")
+
+
+def _message(session: Session, event: AlertEventRow) -> Message:
+    return Message(alert_event(event), machines.get(session, event.machine_id).plant)
+
+
+def _task(session: Session, row: DeliveryRow, channels: Channels) -> Task:
+    channel = channels.of(deliveries.get(session, row.subscription_id))
+    return Task(row.id, row.subscription_id, _message(session, session.get_one(AlertEventRow, row.event_id)), channel)
+
+
+def _note(session: Session, number: int, outcome: Outcome) -> None:
+    """Write down how a delivery ended, and when it is tried again. Raises DeliveryUnknown."""
+    row = deliveries.delivery(session, number)
+    row.attempts += 1
+    row.last_try_at = now()
+    answer = row.answer = plain_text(outcome.answer)[:2000]  # of a stranger: it must not stop what others are told
+    if outcome.result == "delivered":
+        row.state = deliveries.DELIVERED
+    elif outcome.result == "gone":
+        row.state = deliveries.GIVEN_UP
+        subscription = deliveries.get(session, row.subscription_id)
+        deliveries.disable(session, subscription, f"the receiver answered {answer[:200]}")
+        logger.warning("subscription '%s' is disabled: its receiver is gone", subscription.name)
+    elif row.attempts > len(RETRIES_S):
+        row.state = deliveries.GIVEN_UP
+        logger.warning("delivery %d is given up after %d tries: %s", number, row.attempts, answer[:200])
+    elif row.state == deliveries.PENDING:
+        wish = min(outcome.retry_after or 0.0, LONGEST_WISH_S)
+        row.next_try_at = now() + int(max(RETRIES_S[row.attempts - 1], wish) * SECOND)
+
+
+def _ended(one: asyncio.Task[Outcome]) -> Outcome:
+    """How a delivery ended, also where it broke off in a way that no channel should."""
+    error = asyncio.CancelledError() if one.cancelled() else one.exception()
+    return one.result() if error is None else Outcome("failed", f"{type(error).__name__}: {error}")
 
 
 async def _sent(task: Task) -> Outcome:

@@ -2,13 +2,14 @@
 
 import pytest
 
+from service import leasing
 from service.leasing import Leasing
 from service.sharing import DELIVERY, INGEST, lease_of
 from storage import jobs, leases, replicas
 from storage.database import Database
 from storage.leases import NotHeld
 from storage.tables import JobRow
-from tests.plant import KEY
+from tests.plant import KEY, wait_until
 
 
 def join(database: Database) -> int:
@@ -80,3 +81,28 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
         assert set(leases.holders(session).values()) == {None}
         with pytest.raises(NotHeld, match=lease_of(KEY.machine)):
             living.require(session, [KEY.machine])
+
+
+class Confused(Leasing):
+    """Meets what nobody expected, until it is told that this is over."""
+
+    puzzled = False
+
+    def _round(self) -> None:
+        if self.puzzled:
+            raise LookupError("no such thing")
+        super()._round()
+
+
+def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(leasing, "ROUND_S", 0.02)
+    plant.claim(shared=True)
+    living = Confused(plant, "all")
+    living.start()
+    try:
+        living.puzzled = True
+        wait_until(lambda: living.trouble == "unexpected error; the log has it")
+        living.puzzled = False
+        wait_until(lambda: living.trouble is None)
+    finally:
+        living.stop()

@@ -38,7 +38,8 @@ class Received:
 class Receiver:
     """An HTTP server. `/ok` takes, `/hang` never answers, `/error` answers 500, `/gone` 410, `/redirect` 307 to `/ok`,
     `/rubbish` takes and says what is no text,
-    `/flaky` 503 until `well` is set, `/endless` sends without end, `/late` takes after some milliseconds."""
+    `/flaky` 503 until `well` is set, `/endless` sends without end, `/late` takes after some milliseconds,
+    `/held` once `well` is set."""
 
     port: int = 0
     received: list[Received] = field(default_factory=list)
@@ -67,6 +68,8 @@ def receiver() -> Iterator[Receiver]:
                 return
             if kind == "late":
                 time.sleep(LATE_S)
+            if kind == "held":
+                state.well.wait(60.0)
             status = {"error": 500, "gone": 410, "redirect": 307, "rubbish": 200}.get(kind, 204)
             if kind == "flaky" and not state.well.is_set():
                 status = 503
@@ -105,6 +108,7 @@ def receiver() -> Iterator[Receiver]:
         yield state
     finally:
         state.over.set()
+        state.well.set()
         server.shutdown()
         server.server_close()
         thread.join()

@@ -11,6 +11,7 @@ import pytest
 import zenoh
 from aiosmtpd.controller import Controller
 from aiosmtpd.smtp import SMTP, Envelope, Session
+from sqlalchemy import text
 from standardwebhooks.webhooks import Webhook
 
 from service import alerting
@@ -18,6 +19,7 @@ from service.alerting import Person
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.sharing import Whole
 from service.stream import open_session
 from storage import alerts, deliveries
 from storage.database import Database
@@ -132,6 +134,89 @@ def test_a_receiver_that_is_gone_is_disabled(
     with plant.reading() as session:
         row = deliveries.get(session, subscription)
         assert (row.state, row.reason) == ("disabled", "the receiver answered 410")
+
+
+def test_an_event_that_cannot_be_told_is_given_up_and_holds_up_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    subscription = subscribe(plant, http.url("/ok"), name="historian")
+    damaged = raise_one(plant, found, machine())
+    with plant.transaction() as session:
+        session.execute(text("UPDATE alert_events SET severity = 9"))  # there is no such severity
+        alerting.acknowledge(session, alerts.get(session, damaged), ANNA)
+    raise_one(plant, found, machine(), element="coupling.C2")
+    with delivering(plant, network) as one:
+        wait_until(lambda: states(plant, subscription) == ["given_up", "delivered", "delivered"])
+        wait_until(lambda: one.trouble is None)
+    answer = rows(plant, subscription)[0].answer
+    assert answer == "event 1 cannot be made into a message: ValueError: 9 is not a valid Severity"
+
+
+def test_a_delivery_whose_record_is_gone_holds_up_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    hanging = subscribe(plant, http.url("/hang"), name="hangs")
+    with delivering(plant, network) as one:
+        raise_one(plant, found, machine())
+        wait_until(lambda: len(http.received) == 1)
+        with plant.transaction() as session:
+            session.execute(text("DELETE FROM deliveries"))
+            deliveries.disable(session, deliveries.get(session, hanging), "by request")
+        http.over.set()
+        healthy = subscribe(plant, http.url("/ok"), name="healthy")
+        wait_until(lambda: not one._under_way)
+        raise_one(plant, found, machine(), element="coupling.C2")
+        wait_until(lambda: states(plant, healthy) == ["delivered"])
+        assert one.trouble is None
+
+
+def test_an_ending_that_cannot_be_recorded_is_told_of_and_holds_up_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is not sent again meanwhile: its receiver had it."""
+    monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
+    first, second = (subscribe(plant, http.url(f"/held/{name}"), name=name) for name in ("first", "second"))
+    with delivering(plant, network) as one:
+        raise_one(plant, found, machine())
+        wait_until(lambda: len(http.received) == 2)
+        with plant.transaction() as session:
+            # One more try is a number that no database takes.
+            session.execute(text(f"UPDATE deliveries SET attempts = {2**63 - 1} WHERE subscription_id = {first}"))
+        http.well.set()
+        wait_until(lambda: states(plant, second) == ["delivered"])
+        wait_until(lambda: one.trouble is not None)
+        assert one.trouble == "how 1 alert deliveries ended cannot be recorded; the log says why"
+        raise_one(plant, found, machine(), element="coupling.C2")
+        wait_until(lambda: states(plant, second) == ["delivered"] * 2)
+        assert len(http.at("/held/first")) == 2
+        with plant.transaction() as session:
+            session.execute(text("UPDATE deliveries SET attempts = 0 WHERE state = 'pending'"))
+        wait_until(lambda: states(plant, first) == ["delivered"] * 2)
+        wait_until(lambda: one.trouble is None)
+
+
+def test_what_nobody_expected_is_told_of_until_it_is_over(
+    plant: Database, network: Router, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
+
+    class Confused(Whole):
+        clear = False
+
+        def leads(self, work: str) -> bool:
+            if not self.clear:
+                raise LookupError(work)
+            return True
+
+    share = Confused()
+    one = Dispatcher(plant, network[0], settings(), share)
+    one.start()
+    try:
+        wait_until(lambda: one.trouble == "unexpected error; the log has it")
+        share.clear = True
+        wait_until(lambda: one.trouble is None)
+    finally:
+        one.stop()
 
 
 @pytest.mark.parametrize(
@@ -263,11 +348,11 @@ def test_a_mail_says_what_happened(plant: Database, found: IdentificationRow, ne
     (mail,) = box.mails
     assert mail.rcpt_tos == ["anna@plant.example", "ben@plant.example"]
     assert isinstance(mail.content, bytes)
-    text = mail.content.decode()
-    assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in text
-    assert f"Message-ID: <alert-{alert}-1@localhost>" in text
-    assert f"http://rundown:8080/api/v1/alerts/{alert}" in text
-    assert "Coupling C1 is going out of alignment" in text
+    said = mail.content.decode()
+    assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in said
+    assert f"Message-ID: <alert-{alert}-1@localhost>" in said
+    assert f"http://rundown:8080/api/v1/alerts/{alert}" in said
+    assert "Coupling C1 is going out of alignment" in said
 
 
 @pytest.mark.parametrize(
