@@ -8,10 +8,13 @@ changes between check and use gains nothing.
 import asyncio
 import ipaddress
 import socket
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from yarl import URL
 
+LOOK_UPS = ThreadPoolExecutor(8, thread_name_prefix="look-up")
+"""Of their own: while no name server answers, each takes up its thread for many seconds."""
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
@@ -69,13 +72,25 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     url = parsed(text)
     name = url.host or ""
     try:
-        found = await asyncio.get_running_loop().getaddrinfo(name, url.port, type=socket.SOCK_STREAM)
+        found = await _found(name, url.port)
     except (OSError, UnicodeError) as error:
         raise TargetRefused(f"the host {name} is not known: {error}") from error
-    addresses = [_address(str(one[4][0])) for one in found]
+    addresses = [_address(one) for one in found]
     for address in addresses:
         _require(name, address, allowed)
     return Target(url.with_host(str(addresses[0])), name, url.authority)
+
+
+async def _found(name: str, port: int | None) -> list[str]:
+    """All addresses of a host. One that is given by its address waits for no name server."""
+
+    def ask(flags: socket.AddressInfo | int) -> list[str]:
+        return [str(one[4][0]) for one in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM, flags=flags)]
+
+    try:
+        return ask(socket.AI_NUMERICHOST)
+    except socket.gaierror:
+        return await asyncio.get_running_loop().run_in_executor(LOOK_UPS, ask, 0)
 
 
 def _address(text: str) -> Address:

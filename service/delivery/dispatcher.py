@@ -8,7 +8,9 @@ import logging
 import threading
 import time
 from collections import Counter
+from collections.abc import Coroutine
 from dataclasses import dataclass
+from typing import Any
 
 import zenoh
 from aiohttp import ClientSession, ClientTimeout, DummyCookieJar, TCPConnector
@@ -36,6 +38,8 @@ logger = logging.getLogger(__name__)
 POLL_S = 0.05
 AT_ONCE = 4
 """Deliveries under way to one subscription: a receiver that hangs holds up as many and no more."""
+DEADLINE_S = 30.0
+"""After so long a try has failed, whatever it waits for: a name server, a turn, a server that says a word now and then."""
 LARGEST_TAKE = 500
 """Deliveries begun in one look."""
 RETRIES_S = (5.0, 300.0, 1800.0, 7200.0, 18_000.0, 36_000.0, 50_400.0, 72_000.0, 86_400.0)
@@ -245,7 +249,7 @@ class Dispatcher:
             channel = channels.of(row)
             own = [one for one in messages if deliveries.tells(row, one.plant)]
             if own and isinstance(channel, Alertmanager):
-                outcome = await channel.push(own)
+                outcome = await _in_time(channel.push(own))
                 if outcome.result != "delivered":
                     logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
 
@@ -340,7 +344,13 @@ def _ended(one: asyncio.Task[Outcome]) -> Outcome:
 
 
 async def _sent(task: Task) -> Outcome:
+    return await _in_time(task.channel.send(task.message))
+
+
+async def _in_time(sending: Coroutine[Any, Any, Outcome]) -> Outcome:
     try:
-        return await task.channel.send(task.message)
+        return await asyncio.wait_for(sending, DEADLINE_S)
+    except TimeoutError:
+        return Outcome("failed", f"it was not done within {DEADLINE_S:g} s")
     except Exception as error:  # noqa: BLE001 - whatever a channel meets becomes the delivery's recorded failure
         return Outcome("failed", f"{type(error).__name__}: {error}")

@@ -3,6 +3,7 @@
 import asyncio
 import smtplib
 import ssl
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from email.message import EmailMessage
 
@@ -11,6 +12,9 @@ from service.delivery.cloud_event import event_id
 from service.settings import Settings
 
 TIMEOUT_S = 15.0
+"""For each step of the conversation with the server."""
+MAILING = ThreadPoolExecutor(8, thread_name_prefix="mail")
+"""Threads of their own: a server that hangs takes up all of them."""
 
 
 class NoMailServer(ValueError):
@@ -27,7 +31,8 @@ class Mail:
     async def send(self, message: Message) -> Outcome:
         """Send a mail."""
         try:
-            await asyncio.to_thread(self._send, letter(self.settings, self.target, message))
+            mail = letter(self.settings, self.target, message)
+            await asyncio.get_running_loop().run_in_executor(MAILING, self._send, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
             return Outcome("failed", f"{type(error).__name__}: {error}")
         return Outcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")

@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+import socket
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +18,7 @@ from standardwebhooks.webhooks import Webhook
 
 from service import alerting
 from service.alerting import Person
+from service.delivery import addresses
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
@@ -109,6 +112,44 @@ def test_receivers_that_hang_or_fail_delay_no_other(
         assert time.monotonic() - begun < 5.0
         # A receiver that hangs holds up a few deliveries, not all of them.
         assert max(len(http.at(f"/hang/{number}")) for number in range(10)) <= dispatcher_module.AT_ONCE
+
+
+def test_a_mail_server_that_says_nothing_delays_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dispatcher_module, "DEADLINE_S", 1.0)
+    with socket.create_server(("127.0.0.1", 0), backlog=64) as silent:
+        people = [subscribe(plant, "anna@plant.example", name=f"people {number}", kind="email") for number in range(3)]
+        for number in range(4):
+            raise_one(plant, found, machine(), element=f"coupling.C{number}")
+        healthy = subscribe(plant, http.url("/ok"), name="healthy")
+        with delivering(plant, network, smtp_host="127.0.0.1", smtp_port=silent.getsockname()[1], smtp_security="none") as one:
+            wait_until(lambda: len(one._under_way) == 12)
+            begun = time.monotonic()
+            raise_one(plant, found, machine(), element="bearing.B1")
+            wait_until(lambda: states(plant, healthy) == ["delivered"], seconds=5.0)
+            assert time.monotonic() - begun < 1.0
+            wait_until(lambda: all(row.attempts == 1 for each in people for row in rows(plant, each)[:4]), seconds=5.0)
+    assert {row.answer for each in people for row in rows(plant, each)[:4]} == {"it was not done within 1 s"}
+
+
+def test_name_servers_that_do_not_answer_delay_nobody_who_is_given_by_address(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dispatcher_module, "DEADLINE_S", 0.3)
+    named = subscribe(plant, f"http://localhost:{http.port}/ok", name="named")
+    addressed = subscribe(plant, http.url("/ok"), name="addressed")
+    answered = threading.Event()
+    taken = [addresses.LOOK_UPS.submit(answered.wait, 30.0) for _ in range(addresses.LOOK_UPS._max_workers)]
+    try:
+        with delivering(plant, network):
+            raise_one(plant, found, machine())
+            wait_until(lambda: states(plant, addressed) == ["delivered"], seconds=5.0)
+            wait_until(lambda: rows(plant, named)[0].attempts == 1, seconds=5.0)
+    finally:
+        answered.set()
+    assert all(one.result(5.0) for one in taken)
+    assert rows(plant, named)[0].answer == "it was not done within 0.3 s"
 
 
 def test_a_receiver_that_answers_rubbish_stops_no_other(
