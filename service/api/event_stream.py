@@ -22,6 +22,7 @@ from service.security.requirement import VIEWER
 from service.security.scope import Visibility
 from storage import alerts
 from storage.database import Database
+from storage.tables import AlertEventRow
 
 logger = logging.getLogger(__name__)
 router = APIRouter(tags=["alerts"], dependencies=[VIEWER])
@@ -49,10 +50,14 @@ PAGES = 8
 
 @dataclass(frozen=True)
 class Told:
-    """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into."""
+    """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into.
 
-    event: AlertEvent
-    text: bytes
+    event: None where what is stored cannot be told.
+    """
+
+    number: int
+    event: AlertEvent | None
+    text: bytes = b""
 
 
 @dataclass(eq=False)
@@ -79,6 +84,8 @@ class Broadcaster:
         self._ended = False
         self._pages: OrderedDict[int, list[Told]] = OrderedDict()
         self._lock = threading.Lock()  # of the pages
+        self.trouble: str | None = None
+        """Why those who listen are told nothing at the moment."""
 
     @property
     def clients(self) -> int:
@@ -89,7 +96,8 @@ class Broadcaster:
         """A new client."""
         async with self._joining:
             if self._task is None or self._task.done():
-                self._last = await asyncio.to_thread(self.newest)
+                if not self._clients:  # else they would miss what they have not been told yet
+                    self._last = await asyncio.to_thread(self.newest)
                 self._task = asyncio.create_task(self._run())
             client = Client(self._last)
             if self._ended:
@@ -122,12 +130,11 @@ class Broadcaster:
                     self._pages[first] = page
                     while len(self._pages) > PAGES:
                         self._pages.popitem(last=False)
-        return [one for one in page if one.event.id > after]
+        return [one for one in page if one.number > after]
 
     def _read(self, after: int) -> list[Told]:
         with self._database.reading() as session:
-            events = [alert_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
-        return [Told(event, _text(event)) for event in events]
+            return [_told(row) for row in alerts.events_after(session, after, limit=PAGE)]
 
     def newest(self) -> int:
         """Number of the newest event."""
@@ -139,22 +146,36 @@ class Broadcaster:
             try:
                 for one in await asyncio.to_thread(self._read, self._last):
                     self._hand_out(one)
-                pause = POLL_S
+                self.trouble = None
             except DBAPIError as error:
+                self.trouble = f"alert events cannot be read: {error.orig}"
                 logger.error("alert events cannot be read, trying again: %s", error.orig)
-                pause = RETRY_S
-            await asyncio.sleep(pause)
+            except Exception:
+                self.trouble = "unexpected error; the log has it"
+                logger.exception("unexpected error while alert events are handed out, trying again")
+            await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
             if not self._clients:
+                self.trouble = None  # nobody's
                 return
 
     def _hand_out(self, one: Told) -> None:
-        self._last = one.event.id
+        self._last = one.number
         for client in list(self._clients):
             if client.queue.full():
                 client.slow = True
                 self._clients.discard(client)
             else:
                 client.queue.put_nowait(one)
+
+
+def _told(row: AlertEventRow) -> Told:
+    """One that cannot be told must not stop those behind it."""
+    try:
+        event = alert_event(row)
+        return Told(row.id, event, _text(event))
+    except (ValueError, OverflowError):
+        logger.exception("alert event %d cannot be told in streams", row.id)
+        return Told(row.id, None)
 
 
 def _text(event: AlertEvent) -> bytes:
@@ -167,6 +188,10 @@ async def _anybody_still() -> bool:
 
 def _everything(_event: AlertEvent) -> bool:
     return True
+
+
+def _for(sees: Callable[[AlertEvent], bool], one: Told) -> bool:
+    return one.event is not None and sees(one.event)
 
 
 async def stream(
@@ -190,9 +215,9 @@ async def stream(
         yield f": who comes back with the last id in Last-Event-ID misses nothing\nid: {last}\nretry: 1000\n\n".encode()
         while last < client.joined and (page := await asyncio.to_thread(broadcaster.page, last)):
             for one in page:
-                if sees(one.event):
+                if _for(sees, one):
                     yield one.text
-            last = page[-1].event.id
+            last = page[-1].number
         while not (client.slow and client.queue.empty()):
             try:
                 news = await asyncio.wait_for(client.queue.get(), KEEP_ALIVE_S)
@@ -203,10 +228,10 @@ async def stream(
                 continue
             if not await still():
                 return
-            if news is not None and news.event.id > last:
-                if sees(news.event):
+            if news is not None and news.number > last:
+                if _for(sees, news):
                     yield news.text
-                last = news.event.id
+                last = news.number
     finally:
         broadcaster.leave(client)
 

@@ -27,6 +27,8 @@ ENDED = "its thread has ended"
 async def looked_at(request: Request) -> tuple[dict[str, str], dict[str, int]]:
     """What each part says of itself, `ok` or what is wrong, the database too; and the jobs of all plants by their state."""
     parts: dict[str, str] = request.app.state.parts()
+    if (trouble := request.app.state.broadcaster.trouble) is not None:
+        parts = parts | {"alert_events": trouble}
     counts: dict[str, int] = {}
     try:
         counts = await request.app.state.database_check.jobs()

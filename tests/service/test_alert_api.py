@@ -10,15 +10,17 @@ from typing import Any
 
 import httpx
 import pytest
+from sqlalchemy import text
 
 from benchmarks.serving import served
 from service import alerting
 from service.alerting import Finding
 from service.api import event_stream
-from service.api.event_stream import Broadcaster, stream
+from service.api.event_stream import Broadcaster, Told, stream
 from storage import alerts
 from storage.database import Database
 from storage.tables import AlertRow
+from tests.asking import Api
 from tests.plant import START, identification, store_identification, wait_until
 
 ANNA = {"by": "anna", "comment": "looked at it"}
@@ -285,6 +287,88 @@ def greeting(plant: Database, after: int | None, *, then: Callable[[], object] |
     return asyncio.run(scenario())
 
 
+class Confused(Broadcaster):
+    """Meets what nobody expected, until it is told that this is over."""
+
+    puzzled = False
+
+    def _read(self, after: int) -> list[Told]:
+        if self.puzzled:
+            raise LookupError("no such thing")
+        return super()._read(after)
+
+
+def test_what_nobody_expected_ends_no_stream_and_is_told_of_until_it_is_over(
+    plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(event_stream, "RETRY_S", 0.02)
+    api = Api(plant)
+    broadcaster = api.app.state.broadcaster = Confused(plant)
+
+    async def until(trouble: bool) -> None:
+        deadline = time.monotonic() + 10.0
+        while (broadcaster.trouble is not None) != trouble:
+            assert time.monotonic() < deadline
+            await asyncio.sleep(0.01)
+
+    async def scenario() -> bytes:
+        one = stream(broadcaster, None)
+        await anext(one)
+        broadcaster.puzzled = True
+        await until(trouble=True)
+        ready = await asyncio.to_thread(api.get, "/ready")
+        assert ready.status_code == 503
+        assert ready.json()["parts"]["alert_events"] == "unexpected error; the log has it"
+        await asyncio.to_thread(raised, plant, "coupling.C0")
+        another = stream(broadcaster, None)
+        await anext(another)
+        broadcaster.puzzled = False
+        said = await asyncio.wait_for(anext(one), 10.0)
+        await until(trouble=False)
+        await one.aclose()
+        await another.aclose()
+        return said
+
+    assert asyncio.run(scenario()).startswith(b"id: 1\nevent: alert\n")
+
+
+def test_who_joins_while_nobody_reads_takes_no_event_from_who_was_there(plant: Database) -> None:
+    async def scenario() -> bytes:
+        broadcaster = Broadcaster(plant)
+        one, another = stream(broadcaster, None), stream(broadcaster, None)
+        await anext(one)
+        assert broadcaster._task is not None
+        broadcaster._task.cancel()
+        await asyncio.gather(broadcaster._task, return_exceptions=True)
+        await asyncio.to_thread(raised, plant, "coupling.C0")
+        await anext(another)
+        said = await asyncio.wait_for(anext(one), 10.0)
+        await one.aclose()
+        await another.aclose()
+        return said
+
+    assert asyncio.run(scenario()).startswith(b"id: 1\nevent: alert\n")
+
+
+def test_an_event_that_cannot_be_told_stops_none_behind_it(plant: Database) -> None:
+    raised(plant, "coupling.C0")
+    with plant.transaction() as session:
+        session.execute(text("UPDATE alert_events SET severity = 9"))  # there is no such severity
+
+    async def scenario() -> list[int]:
+        broadcaster = Broadcaster(plant)
+        live, from_the_first = stream(broadcaster, None), stream(broadcaster, 0)
+        for one in (live, from_the_first):
+            await anext(one)
+        await asyncio.to_thread(raised, plant, "coupling.C1")
+        found = [_number(await asyncio.wait_for(anext(one), 10.0)) for one in (live, from_the_first)]
+        await live.aclose()
+        await from_the_first.aclose()
+        return found
+
+    assert asyncio.run(scenario()) == [2, 2]
+
+
 def test_a_wrong_last_event_id_is_refused(api: httpx.Client) -> None:
     refused(api.get("/alert-events/stream", headers={"Last-Event-ID": "yesterday"}), 422)
 
@@ -304,7 +388,7 @@ def test_a_client_that_does_not_read_is_let_go_and_misses_nothing_when_it_comes_
         while broadcaster.clients and time.monotonic() < deadline:
             await asyncio.sleep(0.02)
         assert broadcaster.clients == 0
-        before = [_number(text) async for text in slow]
+        before = [_number(part) async for part in slow]
         again = stream(broadcaster, before[-1])
         await anext(again)
         after = [_number(await asyncio.wait_for(anext(again), 10.0)) for _ in range(10 - len(before))]
@@ -316,5 +400,5 @@ def test_a_client_that_does_not_read_is_let_go_and_misses_nothing_when_it_comes_
     assert before + after == list(range(1, 11))
 
 
-def _number(text: bytes) -> int:
-    return int(text.split(b"\n")[0].removeprefix(b"id: "))
+def _number(part: bytes) -> int:
+    return int(part.split(b"\n")[0].removeprefix(b"id: "))
