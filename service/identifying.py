@@ -8,7 +8,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version as version_of_the_code
 
-from sqlalchemy.exc import DBAPIError, IntegrityError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
@@ -88,9 +88,7 @@ class Identifying:
                 try:
                     self._submit()  # first: no worker need wait for results to be filed
                 finally:
-                    for future in [future for future in self._running if future.done()]:
-                        self._file(future, self._running[future])
-                        del self._running[future]  # only now: what could not be filed is filed later
+                    self._file_done()
                 if time.monotonic() - gathered_at >= self._settings.gathered_interval_s and self._share.leads(GATHERING):
                     gathered_at = time.monotonic()
                     self._ask_gathered()
@@ -150,6 +148,16 @@ class Identifying:
         if away is not None:
             raise away
 
+    def _file_done(self) -> None:
+        """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
+        for future in [future for future in self._running if future.done()]:
+            taken = self._running.pop(future)
+            try:
+                self._file(future, taken)
+            except Exception:
+                self._running[future] = taken
+                raise
+
     def _file(self, future: Future[worker.Outcome], taken: _Taken) -> None:
         job_id = taken.job_id
         try:
@@ -172,8 +180,13 @@ class Identifying:
             return
         try:
             self._store(taken, result)
-        except IntegrityError as error:
+        except (DataError, IntegrityError) as error:
             self._fail(job_id, f"its result cannot be stored: {error.orig}")
+        except (DBAPIError, MemoryError):
+            raise  # of the moment, not of the result
+        except Exception as error:
+            logger.exception("the result of job %d cannot be stored", job_id)
+            self._fail(job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
     def _store(self, taken: _Taken, outcome: worker.Outcome) -> None:
         job_id, result = taken.job_id, outcome.identification
@@ -214,7 +227,11 @@ class Identifying:
 
     def _own(self, session: Session, job_id: int) -> JobRow | None:
         """A job that this replica computes; None when another one has taken it over."""
-        row = jobs.get(session, job_id)
+        try:
+            row = jobs.get(session, job_id)
+        except jobs.JobUnknown:
+            logger.warning("job %d is not in the database any more: its result is left out", job_id)
+            return None
         if (row.state, row.holder) == (jobs.RUNNING, self._share.holder):
             return row
         logger.warning("job %d was taken over by another replica: its result is left to that one", job_id)

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
+from storage.plain_text import plain_text
 from storage.tables import JobRow, ReplicaRow
 
 QUEUED, RUNNING, DONE, FAILED, QUARANTINED = "queued", "running", "done", "failed", "quarantined"
@@ -83,7 +84,8 @@ def take(session: Session, limit: int, *, holder: int | None = None) -> Sequence
 
 def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
     """Record how a job ended: DONE, FAILED or QUARANTINED with the reason."""
-    row.state, row.error, row.finished_at = state, error, now()
+    # What was raised may quote what came from outside.
+    row.state, row.error, row.finished_at = state, None if error is None else plain_text(error), now()
 
 
 def put_back(row: JobRow, error: str) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
+from sqlalchemy.exc import OperationalError
 
 from estimator.machine import Condition, Machine, Operation
 from service import engines, worker
@@ -256,6 +257,60 @@ def test_a_job_that_takes_more_than_it_may_has_three_tries(
         (job,) = jobs.of_machine(session, train.id, limit=10)
         assert job.attempts == attempts
         assert re.search(said, job.error or "")
+
+
+def spoiled(tries: Path, task: worker.Task) -> worker.Outcome:
+    """Of the first try a result that cannot be stored, of the second an error that cannot be. tries: as of `costly`."""
+    with tries.open("a") as counted:
+        counted.write("tried\n")
+    count = len(tries.read_text().splitlines())
+    if count == 1:
+        return worker.Outcome((), None, "without the quality of its run")
+    if count == 2:
+        raise ValueError("half a character: \ud800")
+    return worker.compute(task)
+
+
+def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_other(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    for number in range(3):
+        close_run(database, train, seed=1, start_s=1_700_000_000 + 86_400 * number)
+    with computing(monkeypatch, partial(spoiled, tmp_path / "tries")), identifying(database) as work:
+        wait_until(lambda: counts(database) == {"failed": 2, "done": 1})
+        wait_until(lambda: work.trouble is None)
+    with database.reading() as session:
+        errors = {one.error for one in jobs.of_machine(session, train.id, limit=10)}
+    assert errors == {
+        "its result cannot be stored: IndexError: tuple index out of range",
+        "ValueError: half a character: \\ud800",
+        None,
+    }
+
+
+def test_what_cannot_be_filed_now_is_filed_behind_the_others(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    for number in range(2):
+        close_run(database, train, seed=1, start_s=1_700_000_000 + 86_400 * number)
+    tried: list[int] = []
+    store = Identifying._store
+
+    def away(self: Identifying, taken: Any, outcome: worker.Outcome) -> None:
+        tried.append(taken.job_id)
+        if taken.job_id == 1 and 2 not in tried:
+            raise OperationalError(None, None, OSError("the database is away"))
+        store(self, taken, outcome)
+
+    monkeypatch.setattr(Identifying, "_store", away)
+    monkeypatch.setattr("service.identifying.RETRY_S", 0.05)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 2})
+    assert tried[-2:] == [2, 1]
 
 
 def test_a_job_out_of_time_every_time_does_not_stop_the_next(database: Database, train: Machine) -> None:
