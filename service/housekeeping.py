@@ -45,6 +45,7 @@ class Housekeeping:
         self._use: DiskUse | None = None
         self._said = ""
         self._level = 0
+        self._looked_at = time.monotonic()
         self.trouble: str | None = None
         """Why the last round was not finished; it stands until one is."""
         self.unseen: str | None = None
@@ -102,17 +103,27 @@ class Housekeeping:
                 self._release_blocks(machine_id)
             if self._settings.run_days:
                 self._release_runs(machine_id)
-            if self._stop.is_set():
+            if not self._goes_on():
                 return
-        while disk.give_back(self._database) and not self._stop.wait(PAUSE_S):
+        while disk.give_back(self._database) and self._goes_on(PAUSE_S):
             pass
+
+    def _goes_on(self, pause: float = 0.0) -> bool:
+        """Wait, and look at disk and memory where that is due, as a round of a large fleet takes long; False to stop."""
+        if time.monotonic() >= self._looked_at + LOOK_S:
+            self._look_at_all()
+        return not self._stop.wait(pause)
+
+    def _look_at_all(self) -> None:
+        self._looked_at = time.monotonic()
+        give_back()
+        self.unseen = _tried(self._look)
 
     def _run(self) -> None:
         next_round, pause = time.monotonic(), 0.0
         while not self._stop.wait(pause):
             pause = LOOK_S
-            give_back()
-            self.unseen = _tried(self._look)
+            self._look_at_all()
             if not self._share.leads(RETENTION):
                 self.trouble = None  # it is another replica's
             elif time.monotonic() >= next_round:
@@ -120,30 +131,44 @@ class Housekeeping:
                 self.trouble = _tried(self.round)
 
     def _release_blocks(self, machine_id: str) -> None:
-        while not self._stop.wait(PAUSE_S):
+        with self._database.reading() as session:
+            if not retention.has_blocks(session, machine_id, before=self._blocks_before(session, machine_id)):
+                return
+        while self._goes_on(PAUSE_S):
             with self._database.transaction() as session:
-                newest = retention.newest_sample(session, machine_id)
-                if newest is None:
-                    return
-                before = min(_ago(newest, self._settings.raw_days), *_needed_since(session, machine_id))
+                before = self._blocks_before(session, machine_id)
                 count = retention.release_blocks(session, machine_id, before=before, limit=BLOCKS)
             self.released_blocks += count
             if count < BLOCKS:
                 return
 
+    def _blocks_before(self, session: Session, machine_id: str) -> int:
+        """Time before which a machine's sample blocks are let go of [ns]."""
+        newest = retention.newest_sample(session, machine_id)
+        if newest is None:
+            return 0
+        old = _ago(newest, self._settings.raw_days)
+        # What is needed takes longer to find out, and most have nothing old.
+        return min(old, *_needed_since(session, machine_id)) if retention.has_blocks(session, machine_id, before=old) else old
+
     def _release_runs(self, machine_id: str) -> None:
-        while not self._stop.wait(PAUSE_S):
+        kept = self._settings.baseline_runs
+        with self._database.reading() as session:
+            before = self._runs_before(session, machine_id)
+            if not retention.has_runs(session, machine_id, before=before, baseline_runs=kept):
+                return
+        while self._goes_on(PAUSE_S):
             with self._database.transaction() as session:
-                newest = runs.of_machine(session, machine_id, limit=1)
-                if not newest:
-                    return
-                before = _ago(newest[0].time_last or newest[0].time_first, self._settings.run_days)
-                count = retention.release_runs(
-                    session, machine_id, before=before, baseline_runs=self._settings.baseline_runs, limit=RUNS
-                )
+                before = self._runs_before(session, machine_id)
+                count = retention.release_runs(session, machine_id, before=before, baseline_runs=kept, limit=RUNS)
             self.released_runs += count
             if count < RUNS:
                 return
+
+    def _runs_before(self, session: Session, machine_id: str) -> int:
+        """Time before which a machine's runs lose their samples [ns]."""
+        newest = runs.of_machine(session, machine_id, limit=1)
+        return _ago(newest[0].time_last or newest[0].time_first, self._settings.run_days) if newest else 0
 
     def _look(self) -> None:
         """See how much room is left, and say when that has become too little."""

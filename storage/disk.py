@@ -4,7 +4,7 @@ import shutil
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import func, select
+from sqlalchemy import Connection, func, select
 
 from storage.claim import file_of
 from storage.database import Database
@@ -62,12 +62,18 @@ def give_back(database: Database) -> int:
     """
     if database.kind != "sqlite":
         return 0
+    with database.reading() as session:
+        connection = session.connection()
+        if not _free_pages(connection) or connection.exec_driver_sql("PRAGMA auto_vacuum").scalar() != INCREMENTAL:
+            return 0
     with database.transaction() as session:
         connection = session.connection()
-        free = int(connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0)
-        if not free or connection.exec_driver_sql("PRAGMA auto_vacuum").scalar() != INCREMENTAL:
-            return 0
+        free = _free_pages(connection)
         driver: Any = connection.connection.driver_connection
         # It goes on by a page with each row that is asked for, though it has none to show.
         driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_ONCE})").fetchall()
-        return free - int(connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0)
+        return free - _free_pages(connection)
+
+
+def _free_pages(connection: Connection) -> int:
+    return int(connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0)

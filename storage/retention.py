@@ -5,7 +5,7 @@ Each call is a part of one small transaction of its own, so that ingest never wa
 
 from collections.abc import Sequence
 
-from sqlalchemy import delete, func, select, update
+from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from storage import machines
@@ -22,19 +22,37 @@ def newest_sample(session: Session, machine_id: str) -> int | None:
     return session.scalar(select(func.max(SampleBlockRow.time_last)).where(SampleBlockRow.machine_id == machine_id))
 
 
+def has_blocks(session: Session, machine_id: str, *, before: int) -> bool:
+    """Whether a machine has sample blocks that ended before a time [ns]."""
+    return session.scalar(_ended_blocks(machine_id, before).limit(1)) is not None
+
+
 def release_blocks(session: Session, machine_id: str, *, before: int, limit: int) -> int:
     """Delete the oldest sample blocks of a machine that ended before a time [ns], at most so many; returns how many.
 
     The machine remembers how far back its blocks reach.
     """
     block = SampleBlockRow
-    old = select(block.id, block.time_last).where(block.machine_id == machine_id, block.time_last < before)
-    rows = session.execute(old.order_by(block.time_last, block.id).limit(limit)).all()
+    rows = session.execute(_ended_blocks(machine_id, before).order_by(block.time_last, block.id).limit(limit)).all()
     if rows:
         session.execute(delete(block).where(block.id.in_([number for number, _ in rows])))
         machine = machines.get(session, machine_id)
         machine.blocks_since = max(machine.blocks_since or 0, rows[-1].time_last + 1)
     return len(rows)
+
+
+def _ended_blocks(machine_id: str, before: int) -> Select[int, int]:
+    block = SampleBlockRow
+    return select(block.id, block.time_last).where(block.machine_id == machine_id, block.time_last < before)
+
+
+def has_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int) -> bool:
+    """Whether `release_runs` has anything to let go of."""
+    ended = _ended_runs(machine_id, before)
+    if session.scalar(ended.limit(1)) is None:
+        return False
+    needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
+    return session.scalar(ended.where(RunRow.id.not_in(needed)).limit(1)) is not None
 
 
 def release_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int, limit: int) -> int:
@@ -44,12 +62,18 @@ def release_runs(session: Session, machine_id: str, *, before: int, baseline_run
     """
     run = RunRow
     needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
-    ended = select(run.id).where(run.machine_id == machine_id, run.data.is_not(None), run.time_last < before)
-    old = session.scalars(ended.where(run.id.not_in(needed)).order_by(run.time_first).limit(limit).with_for_update()).all()
+    old = session.scalars(
+        _ended_runs(machine_id, before).where(run.id.not_in(needed)).order_by(run.time_first).limit(limit).with_for_update()
+    ).all()
     # Until they were locked, late samples may have reopened one.
     still = set(old) - needed_runs(session, machine_id, baseline_runs=baseline_runs)
     session.execute(update(run).where(run.id.in_(still)).values(data=None, flags=None, released_at=now()))
     return len(old)
+
+
+def _ended_runs(machine_id: str, before: int) -> Select[int]:
+    run = RunRow
+    return select(run.id).where(run.machine_id == machine_id, run.data.is_not(None), run.time_last < before)
 
 
 def needed_runs(session: Session, machine_id: str, *, baseline_runs: int) -> set[int]:

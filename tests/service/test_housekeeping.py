@@ -245,6 +245,19 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
         assert _earlier(session, job) is None
 
 
+def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
+    plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("storage.database.BUSY_TIMEOUT_MS", 100)
+    feed(journal, 0, 20)
+    add_runs(plant, 25)
+    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30, run_days=1))
+    one.round()
+    with plant.transaction():  # another round would have to wait for its turn to write
+        one.round()
+    assert (one.released_blocks, one.released_runs) == (0, 5)
+
+
 @pytest.mark.parametrize("name", ["raw_days", "run_days"])
 def test_less_than_a_day_is_refused(name: str) -> None:
     half_a_day: dict[str, Any] = {name: 0.5}
@@ -303,6 +316,14 @@ def test_the_room_is_shown_and_warned_of(plant: Database, caplog: pytest.LogCapt
 def test_warnings_come_well_before_the_end(use: DiskUse, said: str) -> None:
     assert said in warning(use)
     assert bool(said) == bool(warning(use))
+
+
+def test_the_room_is_looked_at_during_a_long_round(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(housekeeping, "LOOK_S", 0.0)
+    feed(journal, 0, DAYS)
+    one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001, raw_days=30))
+    one.round()
+    assert "nearly full" in one.warnings[0]
 
 
 def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: Journal) -> None:
