@@ -8,7 +8,7 @@ import ssl
 import time
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, Literal
 from urllib.parse import urlsplit
@@ -25,6 +25,7 @@ from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
 from storage import disk, schema
+from storage.backup_file import newest_in
 from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
@@ -36,6 +37,8 @@ CONNECT_S = 5.0
 ANSWER_S = 15.0
 """A service whose database hangs says so after two bounded waits, for who asks and for the database."""
 EXPIRES_SOON_DAYS = 30
+BACKUP_EVERY = timedelta(hours=30)
+"""One that is made every night is never older, though it takes its time."""
 SKEW_S = 2.0
 """Clocks of the database's and of this machine that differ by more than this want mending."""
 FULL = 0.8
@@ -54,6 +57,8 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
     """Every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
     yield from _database(settings)
     yield from _certificates(settings)
+    if settings.backups:
+        yield _backups(Path(settings.backups))
     yield from _receivers(settings)
     patience = httpx.Timeout(ANSWER_S, connect=CONNECT_S)
     with httpx.Client(base_url=url or _address(settings), timeout=patience, verify=_trust(settings)) as client:
@@ -149,6 +154,17 @@ def _certificate(what: str, file: Path) -> Finding:
         return Finding("wrong", what, f"{file} has expired on {until:%Y-%m-%d}: make a new one")
     level: Level = "warning" if days < EXPIRES_SOON_DAYS else "ok"
     return Finding(level, what, f"{file} is good for {days} days")
+
+
+def _backups(folder: Path) -> Finding:
+    try:
+        newest = newest_in(folder)
+    except OSError as error:
+        return Finding("wrong", "backups", f"{folder} cannot be looked into: {error.strerror}")
+    if newest is None:
+        return Finding("wrong", "backups", f"there is none in {folder}: rundown backup FILE makes one")
+    old = datetime.now(UTC) - newest > BACKUP_EVERY
+    return Finding("warning" if old else "ok", "backups", f"the newest in {folder} is of {newest:%Y-%m-%d %H:%M} UTC")
 
 
 def _receivers(settings: Settings) -> Iterator[Finding]:

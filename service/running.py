@@ -18,6 +18,7 @@ from service.api.event_stream import Broadcaster
 from service.api.http_protocol import HttpProtocol
 from service.api.operations import ENDED
 from service.api.stuck_clients import end_stuck_connections
+from service.backup_watch import BackupWatch
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
@@ -109,6 +110,7 @@ def serve(settings: Settings) -> None:
         identifying = Identifying(database, settings, leasing)
         dispatcher = Dispatcher(database, session, settings, leasing)
         housekeeping = Housekeeping(database, settings, leasing)
+        backup_watch = BackupWatch(settings.backups)
         parts: dict[str, Part] = {"leasing": leasing}
         if settings.role in ("all", "identify"):
             parts |= {"identifying": identifying, "delivery": dispatcher}
@@ -117,6 +119,8 @@ def serve(settings: Settings) -> None:
         for part in [*parts.values(), housekeeping]:
             part.start()
             closing.callback(part.stop)
+        backup_watch.start()
+        closing.callback(backup_watch.stop)
         forwarding = Forwarding(session, database, leasing, submissions)
         closing.callback(forwarding.close)
         closing.callback(LastStates(session, database, leasing).close)
@@ -136,7 +140,7 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings),
+            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
         )
         _prefer_answers()
         config = uvicorn.Config(

@@ -86,6 +86,9 @@ class Settings(BaseSettings):
     disk_budget_gb: Annotated[float, Field(ge=0)] = Field(
         default=0.0, description="how large the database may become before it is warned of; 0: as large as the disk"
     )
+    backups: str = Field(
+        default="", description="folder in which the nightly backups are kept, so that the service tells how old the newest is"
+    )
     log_format: LogFormat = Field(default="text", description="text for people, json for a log collector: an object a line")
     log_level: Literal["DEBUG", "INFO", "WARNING", "ERROR"] = Field(
         default="INFO", description="DEBUG, INFO, WARNING or ERROR"

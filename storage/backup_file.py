@@ -8,6 +8,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +54,24 @@ def read(file: Path) -> Backup:
     if digest != found.sha256:
         raise BackupUnusable(f"{file} is damaged: its SHA-256 is {digest}, {described_by(file).name} says {found.sha256}")
     return found
+
+
+def newest_in(folder: Path) -> datetime | None:
+    """When the newest complete backup in a folder was made, going by what stands beside it; None where there is none.
+
+    Raises OSError.
+    """
+    found = []
+    for description in folder.iterdir():
+        file = description.with_suffix("")
+        if description.suffix == ".json" and file.is_file():
+            try:
+                one = Backup(**json.loads(description.read_text()))
+                if one.size == file.stat().st_size:
+                    found.append(datetime.fromisoformat(one.made_at))
+            except (ValueError, TypeError):
+                continue  # no backup's
+    return max(found, default=None)
 
 
 def require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:

@@ -14,6 +14,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 
 from service.doctor import Finding, examine
 from service.settings import Settings
+from storage.backup import back_up
+from storage.backup_file import described_by
 from storage.database import Database
 from tests.conftest import Stores
 from tests.databases import Databases
@@ -174,6 +176,25 @@ def test_a_service_over_tls_is_found_to_answer(tmp_path: Path, made: Callable[[P
         strange = found(settings(service, tls_certificate=str(others), tls_key=str(secret)))
         assert strange["API"][0] == "wrong"
     service.client.close()
+
+
+def test_the_newest_backup_is_looked_at(stores: Stores, tmp_path: Path) -> None:
+    database = stores.databases("sqlite").copy(stores.empty("sqlite"), tmp_path / "rundown.db")
+    folder = tmp_path / "backups"
+    chosen = Settings(database=database, port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"], backups=str(folder))
+    assert found_without_the_service(chosen)["backups"] == (
+        "wrong",
+        f"{folder} cannot be looked into: No such file or directory",
+    )
+    folder.mkdir()
+    level, words = found_without_the_service(chosen)["backups"]
+    assert (level, words) == ("wrong", f"there is none in {folder}: rundown backup FILE makes one")
+    made = back_up(database, folder / "nightly")
+    level, words = found_without_the_service(chosen)["backups"]
+    assert (level, words[:-4]) == ("ok", f"the newest in {folder} is of {made.made_at[:16].replace('T', ' ')}")
+    description = described_by(folder / "nightly")
+    description.write_text(description.read_text().replace(made.made_at, "2026-01-02T03:04:05Z"))
+    assert found_without_the_service(chosen)["backups"] == ("warning", f"the newest in {folder} is of 2026-01-02 03:04 UTC")
 
 
 def test_room_that_nothing_is_known_of_is_warned_of(stores: Stores, tmp_path: Path) -> None:

@@ -2,9 +2,11 @@
 
 import errno
 import json
+import os
 import sqlite3
 import threading
 from contextlib import closing
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,23 @@ def contents_of(url: str) -> dict[str, list[Any]]:
     found = contents(database)
     database.close()
     return found
+
+
+def test_the_newest_backup_of_a_folder_is_a_complete_one(told: Database, tmp_path: Path) -> None:
+    folder = tmp_path / "backups"
+    folder.mkdir()
+    assert backup_file.newest_in(folder) is None
+    (folder / "notes.json").write_text("{}")
+    (folder / "notes").touch()
+    first = backup.back_up(told.url, folder / "monday")
+    assert str(backup_file.newest_in(folder)) == str(datetime.fromisoformat(first.made_at))
+    backup.back_up(told.url, folder / "cut off")
+    os.truncate(folder / "cut off", 10)
+    assert str(backup_file.newest_in(folder)) == str(datetime.fromisoformat(first.made_at))
+    (folder / "monday").unlink()
+    assert backup_file.newest_in(folder) is None
+    with pytest.raises(FileNotFoundError):
+        backup_file.newest_in(tmp_path / "nowhere")
 
 
 def test_a_backup_is_the_database_and_says_what_it_is(told: Database, target: str, tmp_path: Path) -> None:
