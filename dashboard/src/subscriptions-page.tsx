@@ -77,7 +77,7 @@ function One({ one }: { one: Subscription }) {
         {one.name} <span class="muted">{one.kind}</span> {one.target}
       </h3>
       <p>
-        {one.state === "active" ? "active" : `✕ disabled: ${one.reason ?? "no reason is known"}`}, since <Time at={one.created_at} />
+        {one.state === "active" ? "active" : `✕ disabled: ${one.reason ?? "no reason is known"}`}; added <Time at={one.created_at} />
       </p>
       <p class="buttons">
         {one.state === "active" ? (

@@ -176,3 +176,14 @@ def test_trends_say_that_alerts_and_marks_are_cut(seen: Seen, service: Service) 
     seen.page.reload()
     expect(alerts).to_be_visible()
     expect(marks).to_be_visible()
+
+
+def test_since_when_a_subscription_is_disabled_is_not_made_up(seen: Seen) -> None:
+    """The API tells when it was added only."""
+    added = {"kind": "email", "name": "shift", "target": "shift@example.org", "created_at": "2026-01-02T03:04:05Z"}
+    states = [{"id": 901, "state": "disabled", "reason": "it bounced"}, {"id": 902, "state": "active", "reason": None}]
+    seen.page.route(re.compile(r"/subscriptions\?"), lambda route: route.fulfill(json=[added | one for one in states]))
+    seen.open("subscriptions")
+    said = seen.page.locator(".subscription > p:not(.buttons)")
+    expect(said).to_have_text([re.compile(r"^✕ disabled: it bounced; added \S"), re.compile(r"^active; added \S")])
+    assert seen.errors == []
