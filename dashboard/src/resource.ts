@@ -28,6 +28,8 @@ class Resource {
   followers = 0;
   asked = 0;
   private asking = false;
+  /** Whether there was news while a question was open, whose answer may be from before. */
+  private again = false;
   private answeredAt = 0;
   /** When the first of the refusals in a row was; null without one [ms]. */
   private refusedAt: number | null = null;
@@ -35,13 +37,17 @@ class Resource {
 
   constructor(readonly path: string) {}
 
-  /** Ask unless that was done just now. */
-  want(): void {
-    if (Date.now() - this.asked > FRESH_MS) void this.refresh();
+  /** Ask unless a question is open, or was asked since so long. */
+  want(sinceMs = FRESH_MS): void {
+    if (!this.asking && Date.now() - this.asked >= sinceMs) void this.refresh();
   }
 
+  /** Ask, behind a question that is open. */
   async refresh(): Promise<void> {
-    if (this.asking) return;
+    if (this.asking) {
+      this.again = true;
+      return;
+    }
     this.asking = true;
     this.asked = Date.now();
     try {
@@ -54,6 +60,9 @@ class Resource {
     } finally {
       this.asking = false;
     }
+    const again = this.again;
+    this.again = false;
+    if (again && this.followers > 0) void this.refresh();
   }
 
   private fail(failure: Failure): void {
@@ -122,7 +131,7 @@ function keep(resource: Resource, everyMs: number): () => void {
   const timer =
     everyMs > 0
       ? window.setInterval(() => {
-          if (!document.hidden && Date.now() - resource.asked >= everyMs * 0.9) void resource.refresh();
+          if (!document.hidden) resource.want(everyMs * 0.9);
         }, everyMs)
       : undefined;
   return () => {

@@ -16,6 +16,7 @@ GONE = {"type": "about:blank", "title": "Service Unavailable", "status": 503, "d
 REFUSED = {"type": "about:blank", "title": "Forbidden", "status": 403, "detail": "this key may not see alerts"}
 EVERYTHING = re.compile(r"/api/v1/(?!alert-events/stream)")
 ALERTS = re.compile(rf"/machines/{MACHINE}/alerts\?")
+DEVIATIONS = re.compile("/deviations")
 
 
 def comment(service: Service, words: str) -> int:
@@ -117,3 +118,24 @@ def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tm
             expect(page.locator(".banner")).to_have_count(0)
             expect(page.locator("main.stale")).to_have_count(0)
             context.close()
+
+
+def test_news_that_comes_during_a_question_is_asked_for_behind_it(seen: Seen, service: Service) -> None:
+    held: list[Route] = []
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+
+    def hold_the_first(route: Route) -> None:
+        if held:
+            route.continue_()
+        else:
+            held.append(route)
+
+    seen.page.route(ALERTS, hold_the_first)
+    with seen.page.expect_response(DEVIATIONS):  # asked for on the same news
+        comment(service, "one")
+    stale = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    with seen.page.expect_request(DEVIATIONS):
+        events = comment(service, "two")
+    held[0].fulfill(json=stale)
+    expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events", timeout=3000)  # polled less often than that
