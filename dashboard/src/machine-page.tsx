@@ -17,6 +17,9 @@ import { TrendsView } from "./trends-view";
 
 const STATE_MS = 1000;
 const JOBS_MS = 2000;
+const NEWEST_JOBS = 20;
+/** The service answers with so many at most. */
+const MOST_JOBS = 1000;
 
 export function MachinePage({ id, tab }: { id: string; tab: string }) {
   useState(() => {
@@ -69,7 +72,7 @@ function view(tab: string, machine: Document): ComponentChildren {
 
 function Now({ machine, revision }: { machine: Document; revision: number }) {
   const state = useResource<MachineState>(`/machines/${machine.id}/state`, STATE_MS);
-  const jobs = useResource<Job[]>(`/machines/${machine.id}/jobs?limit=20`, JOBS_MS);
+  const jobs = useJobs(machine.id);
   const now = state.data;
   return (
     <section class="now">
@@ -93,9 +96,21 @@ function Now({ machine, revision }: { machine: Document; revision: number }) {
           <Time at={now?.newest_sample_at} />
         </dd>
       </dl>
-      <Progress state={now} jobs={jobs.data} />
+      <Progress state={now} jobs={jobs} />
     </section>
   );
+}
+
+/** The newest jobs, and where all of these still wait the ones before them: the oldest is computed first. */
+function useJobs(machine: string): Job[] | undefined {
+  const newest = useResource<Job[]>(`/machines/${machine}/jobs?limit=${NEWEST_JOBS}`, JOBS_MS).data;
+  const last = newest?.[NEWEST_JOBS - 1];
+  const more = useResource<Job[]>(last && isOpen(last) ? `/machines/${machine}/jobs?limit=${MOST_JOBS}` : null, JOBS_MS).data;
+  return more ?? newest;
+}
+
+function isOpen(job: Job): boolean {
+  return job.state === "running" || job.state === "queued";
 }
 
 /** A bar while a run is collected or an identification computes; the place is kept when there is none. */

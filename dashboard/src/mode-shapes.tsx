@@ -9,6 +9,8 @@ const WIDTH = 420;
 const HEIGHT = 130;
 const MARGIN = 12;
 const MOST = 8;
+/** Modes damped more than this have no shape that anybody sees. */
+const HEAVY = 0.9;
 
 export function ModeShapes({ machine }: { machine: Document }) {
   const { newest } = useNewest(machine.id);
@@ -22,10 +24,11 @@ export function ModeShapes({ machine }: { machine: Document }) {
           <>
             <p class="muted">At {rpm(found.speed)}. The largest semi-major axis is 1; couplings are dotted lines, bearings triangles.</p>
             {found.modes.length === 0 && <Empty>No mode up to twice the highest speed.</Empty>}
+            <LeftOut modes={found.modes} />
             <div class="modes shapes">
               {drawing &&
                 found.modes
-                  .filter((mode) => mode.damping_ratio < 0.9)
+                  .filter(isFelt)
                   .slice(0, MOST)
                   .map((mode) => <Shape key={mode.frequency_hz} mode={mode} drawing={drawing} />)}
             </div>
@@ -33,6 +36,22 @@ export function ModeShapes({ machine }: { machine: Document }) {
         )}
       </Shown>
     </Panel>
+  );
+}
+
+function isFelt(mode: ModeShape): boolean {
+  return mode.damping_ratio < HEAVY;
+}
+
+/** Which modes have no picture. */
+function LeftOut({ modes }: { modes: ModeShape[] }) {
+  const felt = modes.filter(isFelt).length;
+  const heavy = modes.length - felt;
+  return (
+    <>
+      {felt > MOST && <p class="muted cut">The lowest {MOST} of {felt} modes are shown.</p>}
+      {heavy > 0 && <p class="muted cut">{heavy} that {heavy === 1 ? "is" : "are"} damped by {100 * HEAVY} % or more {heavy === 1 ? "is" : "are"} left out.</p>}
+    </>
   );
 }
 

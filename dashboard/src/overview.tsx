@@ -7,15 +7,17 @@ import { DeviationsPanel } from "./deviations-panel";
 import { LiveRun } from "./live-run";
 import { number, rpm } from "./format";
 import { comparable, useNewestSummary } from "./newest";
-import { Empty, Panel, Shown, Time } from "./parts";
+import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { go, link } from "./router";
 import { Timeline } from "./timeline";
 import { Train } from "./train";
 
+const MOST_ALERTS = 200;
+
 /** Where a machine's open alerts are asked for. */
 export function openAlerts(machine: string): string {
-  return `/machines/${machine}/alerts${query({ open: true })}`;
+  return `/machines/${machine}/alerts${query({ open: true, limit: MOST_ALERTS })}`;
 }
 
 export function Overview({ machine }: { machine: Document }) {
@@ -42,6 +44,7 @@ export function Overview({ machine }: { machine: Document }) {
         <div>
           <Panel title="Open alerts">
             <Alerts answer={alerts} none="No alert is open." />
+            <Cut shown={alerts.data?.length ?? 0} most={MOST_ALERTS} />
           </Panel>
           <LiveRun machine={machine} />
         </div>

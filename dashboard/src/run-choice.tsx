@@ -11,6 +11,8 @@ const LISTED = 200;
 
 export interface Runs {
   all: Run[] | undefined;
+  /** How many the service listed, also those that cannot be chosen. */
+  listed: number;
   run: Run | undefined;
   reference: Run | undefined;
   failure: string | undefined;
@@ -28,7 +30,7 @@ export function useRuns(machine: string): Runs {
   // A run that is named but not there is not quietly replaced by another one.
   const run = query.get("run") ? named("run") : all?.find((one) => one.state === "closed");
   const failure = query.get("run") && all && !run ? `This machine has no run ${query.get("run")} to show.` : answer.failure?.message;
-  return { all, run, reference: named("reference"), failure };
+  return { all, listed: answer.data?.length ?? 0, run, reference: named("reference"), failure };
 }
 
 /** A run that the address names and the list has no longer. */
@@ -38,7 +40,7 @@ function useOlder(listed: Run[] | undefined, id: string | null): { data: Run | u
   return { data, waits: wanted !== null && !data && !failure };
 }
 
-export function RunChoice({ all, run, reference }: Runs) {
+export function RunChoice({ all, listed, run, reference }: Runs) {
   const alike = all?.filter((one) => one.kind === run?.kind && one.id !== run?.id) ?? [];
   return (
     <>
@@ -64,7 +66,7 @@ export function RunChoice({ all, run, reference }: Runs) {
           ))}
         </select>
       </label>
-      <Cut shown={all?.length ?? 0} most={LISTED} />
+      <Cut shown={listed} most={LISTED} of="runs" />
       {alike.length > 0 && (
         <button type="button" onClick={() => choose({ reference: String(alike.at(-1)!.id) })}>
           Over the oldest of its kind

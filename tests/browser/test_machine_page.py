@@ -258,3 +258,34 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
     expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; the other run at 987 rpm$"))
     assert seen.errors == []
+
+
+def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    alerts = [{**alert, "id": 1000 + number} for number in range(200)]
+    run = service.get(f"/machines/{MACHINE}/runs")[0]
+    runs = [{**run, "id": 9000 - number, "state": "closed" if number < 100 else "discarded"} for number in range(200)]
+    job = {"scope": "run", "attempts": 0, "error": None, "created_at": run["started_at"]}
+    jobs = [job | {"id": 90 - at, "runs": [90 - at], "state": "queued" if at < 29 else "running"} for at in range(30)]
+
+    def some_jobs(route: Route) -> None:
+        route.fulfill(json=jobs[:20] if "limit=20" in route.request.url else jobs)
+
+    def many_modes(route: Route) -> None:
+        found = route.fetch().json()
+        shape = {**found["modes"][0], "damping_ratio": 0.01}
+        modes = [{**shape, "frequency_hz": 10.0 + number} for number in range(11)]
+        route.fulfill(json={**found, "modes": [*modes, {**shape, "damping_ratio": 0.95}]})
+
+    seen.page.route(re.compile(r"/alerts\?open=true"), lambda route: route.fulfill(json=alerts))
+    seen.page.route(re.compile(r"/jobs\?limit="), some_jobs)
+    seen.page.route(re.compile(r"/runs\?limit="), lambda route: route.fulfill(json=runs))
+    seen.page.route(re.compile("/model/modes"), many_modes)
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".panel", has=seen.page.locator(".alarm")).locator(".cut")).to_contain_text("The newest 200 ")
+    expect(seen.page.locator(".computing")).to_contain_text("Identifying run 61, 29 waiting")
+    seen.open(f"machines/{MACHINE}/shapes")
+    expect(seen.page.get_by_text("The newest 200 runs are shown; there may be more.")).to_be_visible()
+    expect(seen.page.get_by_text("The lowest 8 of 11 modes are shown")).to_be_visible()
+    expect(seen.page.get_by_text("1 that is damped by 90 % or more is left out")).to_be_visible()
+    assert seen.errors == []
