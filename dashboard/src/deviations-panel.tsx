@@ -6,11 +6,18 @@ import { Empty, Panel, Shown, Time } from "./parts";
 import type { Answer } from "./resource";
 import { link } from "./router";
 
-export function DeviationsPanel({ machine, answer, none }: { machine: Document; answer: Answer<Deviations>; none: boolean }) {
-  if (none) {
+interface Props {
+  machine: Document;
+  answer: Answer<Deviations>;
+  /** Why there is nothing to compare, where that is known. */
+  none: string | null;
+}
+
+export function DeviationsPanel({ machine, answer, none }: Props) {
+  if (none !== null) {
     return (
       <Panel title="Against the baseline">
-        <Empty>No identification was accepted yet.</Empty>
+        <Empty>{none}</Empty>
       </Panel>
     );
   }

@@ -4,13 +4,27 @@ import { Empty, Panel } from "./parts";
 import { useResource, type Answer } from "./resource";
 
 const MS = 15_000;
-/** Looked through for an accepted one. */
+/** Looked through for an accepted one, first and then. */
 const LOOKED_AT = 20;
+/** The service answers with so many at most. */
+const MOST_LOOKED_AT = 1000;
+
+interface NewestSummary extends Answer<IdentificationSummary | null> {
+  lookedAt: number;
+}
 
 /** The newest accepted identification of a single run, or the newest of all; undefined while nothing is known. */
-export function useNewestSummary(machine: string): Answer<IdentificationSummary | null> {
-  const { data, failure, asOf } = useResource<IdentificationSummary[]>(`/machines/${machine}/identifications?limit=${LOOKED_AT}`, MS);
-  return { data: data && (data.find((one) => one.accepted && one.scope === "run") ?? data[0] ?? null), failure, asOf };
+export function useNewestSummary(machine: string): NewestSummary {
+  const newest = useResource<IdentificationSummary[]>(listOf(machine, LOOKED_AT), MS);
+  const among = newest.data?.find(comparable);
+  const further = !among && newest.data?.length === LOOKED_AT;
+  const more = useResource<IdentificationSummary[]>(further ? listOf(machine, MOST_LOOKED_AT) : null);
+  const { data, failure, asOf } = further ? more : newest;
+  return { data: data && (among ?? data.find(comparable) ?? data[0] ?? null), failure, asOf, lookedAt: data?.length ?? 0 };
+}
+
+function listOf(machine: string, limit: number): string {
+  return `/machines/${machine}/identifications?limit=${limit}`;
 }
 
 /** Whether it can be compared with a baseline. */
@@ -18,7 +32,14 @@ export function comparable(one: IdentificationSummary | null | undefined): one i
   return !!one && one.accepted && one.scope === "run";
 }
 
-/** The same with its estimates. */
+/** That none can be compared, in words; null where one can, or nothing is known. */
+export function noneAccepted({ data, lookedAt }: NewestSummary): string | null {
+  if (data === undefined || comparable(data)) return null;
+  if (lookedAt === MOST_LOOKED_AT) return `Of the newest ${MOST_LOOKED_AT} identifications none of a single run was accepted.`;
+  return "No identification of a single run was accepted yet.";
+}
+
+/** The newest one with its estimates. */
 export function useNewest(machine: string): { newest: Identification | undefined; none: boolean; failure: string | undefined } {
   const { data, failure } = useNewestSummary(machine);
   const answer = useResource<Identification>(data ? `/identifications/${data.id}` : null);

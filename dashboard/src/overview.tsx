@@ -6,7 +6,7 @@ import { marksOf } from "./deviations";
 import { DeviationsPanel } from "./deviations-panel";
 import { LiveRun } from "./live-run";
 import { number, rpm } from "./format";
-import { comparable, useNewestSummary } from "./newest";
+import { comparable, noneAccepted, useNewestSummary } from "./newest";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { useResource } from "./resource";
 import { go, link } from "./router";
@@ -22,7 +22,8 @@ export function openAlerts(machine: string): string {
 
 export function Overview({ machine }: { machine: Document }) {
   const alerts = useResource<Alert[]>(openAlerts(machine.id), 10_000);
-  const newest = useNewestSummary(machine.id).data;
+  const summary = useNewestSummary(machine.id);
+  const newest = summary.data;
   const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   return (
@@ -49,7 +50,7 @@ export function Overview({ machine }: { machine: Document }) {
           <LiveRun machine={machine} />
         </div>
         <div>
-          <DeviationsPanel machine={machine} answer={deviations} none={newest !== undefined && !comparable(newest)} />
+          <DeviationsPanel machine={machine} answer={deviations} none={noneAccepted(summary)} />
           <Timeline machine={machine} />
         </div>
       </div>

@@ -260,6 +260,28 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     assert seen.errors == []
 
 
+@pytest.mark.parametrize("accepted_before", [True, False])
+def test_an_accepted_identification_is_looked_for_behind_many_that_were_not(
+    seen: Seen, service: Service, accepted_before: bool
+) -> None:
+    listed = service.get(f"/machines/{MACHINE}/identifications")
+    refused = [{**listed[0], "id": 9000 - number, "accepted": False} for number in range(1000)]
+
+    def answer(route: Route) -> None:
+        short = "limit=20" in route.request.url
+        route.fulfill(json=refused[:20] if short else refused[:900] + listed if accepted_before else refused)
+
+    seen.page.route(re.compile(r"/identifications\?limit="), answer)
+    seen.open(f"machines/{MACHINE}")
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    if accepted_before:
+        expect(panel.get_by_role("row")).not_to_have_count(0)
+    else:
+        expect(panel).to_contain_text("Of the newest 1000 identifications none of a single run was accepted.")
+    expect(panel).not_to_contain_text("accepted yet")
+    assert seen.errors == []
+
+
 def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
     (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
     alerts = [{**alert, "id": 1000 + number} for number in range(200)]
