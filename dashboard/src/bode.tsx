@@ -12,6 +12,8 @@ export interface Shown {
   measured: Sweep;
   reference: Sweep | undefined;
   fit: Bode | undefined;
+  /** Why there is none. */
+  noFit: string;
   /** What points and curve are without. */
   slowRoll: string;
 }
@@ -83,9 +85,9 @@ function lines(shown: Shown, what: "amplitude" | "lag"): { x: number[]; curves: 
   return { x, curves: columns.map((one, at) => made[at]!(one)) };
 }
 
-function Residuals({ fit, channels, range }: Shown & { range: [number, number] }) {
+function Residuals({ fit, noFit, channels, range }: Shown & { range: [number, number] }) {
   const run: MeasuredRun | undefined = fit?.measured[0];
-  if (!run) return <Empty>This run has no accepted identification: there is no curve and nothing is left over.</Empty>;
+  if (!run) return <Empty>{noFit}</Empty>;
   const order = run.speed.map((_, at) => at).sort((a, b) => run.speed[a]! - run.speed[b]!);
   const rows = channels.map((channel) => run.channels.find((one) => one.channel === channel)!);
   const known = rows.some((one) => one.residual_sigma.some((value) => value !== null));

@@ -1,20 +1,27 @@
 // The identification of a run alone, and the slow roll without which the run is shown beside it.
 import type { IdentificationSummary, Run } from "./answers";
-import { query } from "./api";
+import { query, type Failure } from "./api";
 import { useResource } from "./resource";
+
+/** Where there is none yet it is looked for as often as this. */
+const MS = 5000;
 
 export interface FitOfRun {
   identified: IdentificationSummary | undefined;
   /** What phasors and orbits are asked for without; null while it is not known. */
   slowRoll: string | null;
+  /** Why it is not known whether there is one. */
+  failure: Failure | undefined;
 }
 
 /** Points and curve agree only where both are without the same vectors; without a curve those in force are as good as any. */
 export function useFitOf(machine: string, run: Run | undefined): FitOfRun {
-  const listed = useResource<IdentificationSummary[]>(run?.ended_at ? measuredIn(machine, run.started_at, run.ended_at) : null);
+  const path = run?.ended_at ? measuredIn(machine, run.started_at, run.ended_at) : null;
+  const listed = useResource<IdentificationSummary[]>(path);
   const identified = listed.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
+  useResource(identified ? null : path, MS);
   const waits = !run || (run.ended_at && !listed.data && !listed.failure);
-  return { identified, slowRoll: waits ? null : identified ? String(identified.slow_roll_version ?? "none") : "in_force" };
+  return { identified, slowRoll: waits ? null : identified ? String(identified.slow_roll_version ?? "none") : "in_force", failure: listed.failure };
 }
 
 /** Where identifications of a run are asked for: they are measured when it ends. */

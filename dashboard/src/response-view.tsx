@@ -15,12 +15,15 @@ const FIRST_CHANNELS = 2;
 const LIVE_MS = 1500;
 /** Enough for the sharpest resonance of a train. */
 const FITTED_POINTS = 600;
+const NO_FIT = "This run has no accepted identification: there is no curve and nothing is left over.";
+const NOT_THERE = "The curve of this run's identification could not be had.";
+const NOT_KNOWN = "Whether this run was identified is not known: there is no curve yet.";
 
 export function ResponseView({ machine }: { machine: Document }) {
   const asked = useStore(place).query;
   const runs = useRuns(machine.id);
   const { run, reference } = runs;
-  const { identified, slowRoll } = useFitOf(machine.id, run);
+  const { identified, slowRoll, failure } = useFitOf(machine.id, run);
   const without = (of: number) => (slowRoll ? `/runs/${of}/phasors?slow_roll=${slowRoll}` : null);
   const measured = useResource<Phasors>(run ? without(run.id) : null, run?.state === "open" ? LIVE_MS : 0);
   const other = useResource<Phasors>(reference ? without(reference.id) : null);
@@ -48,8 +51,7 @@ export function ResponseView({ machine }: { machine: Document }) {
         </div>
       </Panel>
       {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
-      {measured.failure && <Trouble failure={measured.failure} />}
-      {fit.failure && <Trouble failure={fit.failure} />}
+      {[failure, measured.failure, fit.failure].map((one) => one && one.status > 0 && <Trouble failure={one} />)}
       {!run && runs.failure ? null : waits ? (
         <div class="waiting" style={{ minHeight: "720px" }} />
       ) : (
@@ -59,6 +61,7 @@ export function ResponseView({ machine }: { machine: Document }) {
           measured={bySpeed(measured.data!)}
           reference={other.data && bySpeed(other.data)}
           fit={fit.data}
+          noFit={identified ? NOT_THERE : failure ? NOT_KNOWN : NO_FIT}
           slowRoll={slowRollOf(measured.data!, chosen)}
         />
       )}

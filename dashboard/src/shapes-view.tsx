@@ -4,7 +4,7 @@ import type { Document, Orbit, Orbits } from "./answers";
 import { slowRollWords, useFitOf } from "./fit-of-run";
 import { number, rpm } from "./format";
 import { ModeShapes } from "./mode-shapes";
-import { Empty, Panel, Shown } from "./parts";
+import { Empty, Panel, Shown, Trouble } from "./parts";
 import { nice } from "./polar";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
@@ -33,7 +33,7 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
   const chosen = Number(query.get("rpm")) || Math.round((low + high) / 2);
   const [dragged, setDragged] = useState<number | null>(null);
   const { run, reference } = runs;
-  const { slowRoll } = useFitOf(machine.id, run);
+  const { slowRoll, failure } = useFitOf(machine.id, run);
   const without = (of: number) => (slowRoll ? `/runs/${of}/orbits?rpm=${chosen}&slow_roll=${slowRoll}` : null);
   const answer = useResource<Orbits>(run ? without(run.id) : null);
   const other = useResource<Orbits>(reference ? without(reference.id) : null).data;
@@ -57,6 +57,7 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
           />
         </label>
       </div>
+      {failure && failure.status > 0 && <Trouble failure={failure} />}
       {runs.all?.length === 0 ? (
         <Empty>No run yet.</Empty>
       ) : !run && runs.failure ? (

@@ -260,6 +260,24 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     assert seen.errors == []
 
 
+def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None:
+    answers: list[dict[str, Any]] = [{"status": 503, "json": {"title": "Service Unavailable", "detail": "too much to do"}}]
+    seen.page.route(
+        re.compile(r"/identifications\?from="), lambda route: route.fulfill(**answers[0]) if answers else route.continue_()
+    )
+    seen.open(f"machines/{MACHINE}/response")
+    none = seen.page.get_by_text("This run has no accepted identification")
+    expect(seen.page.get_by_role("alert")).to_have_text("too much to do")
+    expect(seen.page.get_by_text("Whether this run was identified is not known")).to_be_visible()
+    expect(none).to_have_count(0)
+    answers[0] = {"json": []}
+    expect(none).to_be_visible()
+    expect(seen.page.get_by_role("alert")).to_have_count(0)
+    answers.clear()
+    expect(none).to_have_count(0)
+    wait_drawn(seen.page, 3)
+
+
 @pytest.mark.parametrize("accepted_before", [True, False])
 def test_an_accepted_identification_is_looked_for_behind_many_that_were_not(
     seen: Seen, service: Service, accepted_before: bool
