@@ -324,7 +324,7 @@ def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".panel", has=seen.page.locator(".alarm")).locator(".cut")).to_contain_text("The newest 200 ")
     expect(seen.page.locator(".computing")).to_contain_text("Identifying run 61, 29 waiting")
-    seen.open(f"machines/{MACHINE}/shapes")
+    seen.open(f"machines/{MACHINE}/shapes?run={run['id']}")
     expect(seen.page.get_by_text("The newest 200 runs are shown; there may be more.")).to_be_visible()
     expect(seen.page.get_by_text("The lowest 8 of 11 modes are shown")).to_be_visible()
     expect(seen.page.get_by_text("1 that is damped by 90 % or more is left out")).to_be_visible()
