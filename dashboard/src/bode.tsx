@@ -35,9 +35,11 @@ export function Response(shown: Shown) {
   const range: [number, number] = [machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm];
   const amplitude = lines(shown, "amplitude");
   const phase = lines(shown, "lag");
+  const unknown = shown.fit ? channels.filter((channel) => !fittedOf(shown, channel)) : [];
   return (
     <>
       <Panel title="Bode" aside={<Key {...shown} />}>
+        {unknown.length > 0 && <p class="muted">The identification of this run does not know {unknown.join(", ")}: there is no curve, and nothing is left over.</p>}
         <Plot label={`Amplitude of ${channels.join(", ")} over speed`} {...amplitude} xUnit="rpm" yUnit="µm pp" xRange={range} together="bode" height={270} />
         <Plot label={`Phase lag of ${channels.join(", ")} over speed`} {...phase} xUnit="rpm" yUnit="° lag" xRange={range} together="bode" height={190} />
         <Residuals {...shown} range={range} />
@@ -53,6 +55,10 @@ export function Response(shown: Shown) {
   );
 }
 
+function fittedOf({ fit }: Shown, channel: string): Bode["fitted"]["channels"][number] | undefined {
+  return fit?.fitted.channels.find((one) => one.channel === channel);
+}
+
 function Key({ fit, reference, slowRoll }: Shown) {
   const said = ["● measured", ...(fit ? ["— the model with its 95 % band"] : []), ...(reference ? ["○ the other run"] : [])];
   return <p class="muted">{said.join("  ")}; {slowRoll}.</p>;
@@ -66,7 +72,7 @@ function lines(shown: Shown, what: "amplitude" | "lag"): { x: number[]; curves: 
     made.push(curve);
   };
   shown.channels.forEach((channel, style) => {
-    const fitted = shown.fit?.fitted.channels.find((one) => one.channel === channel);
+    const fitted = fittedOf(shown, channel);
     const speeds = shown.fit?.fitted.speed ?? [];
     const curve = fitted && what === "lag" ? unwrapped(fitted.phase) : fitted?.amplitude;
     const near = (points: Points) => (what === "amplitude" ? points.amplitude : curve ? beside(points.rpm, points.lag, speeds, curve) : points.lag);
@@ -89,14 +95,14 @@ function Residuals({ fit, noFit, channels, range }: Shown & { range: [number, nu
   const run: MeasuredRun | undefined = fit?.measured[0];
   if (!run) return <Empty>{noFit}</Empty>;
   const order = run.speed.map((_, at) => at).sort((a, b) => run.speed[a]! - run.speed[b]!);
-  const rows = channels.map((channel) => run.channels.find((one) => one.channel === channel)!);
+  const rows = channels.flatMap((channel, style) => run.channels.filter((one) => one.channel === channel).map((one) => ({ ...one, style })));
   const known = rows.some((one) => one.residual_sigma.some((value) => value !== null));
-  const curves = rows.flatMap((one, style): Curve[] => {
+  const curves = rows.flatMap((one): Curve[] => {
     const values = known ? one.residual_sigma : one.residual;
     const of = (used: boolean) => order.map((at) => (one.used[at] === used ? (values[at] ?? null) : null));
     return [
       { name: `${one.channel}, left out`, y: of(false), faint: true, points: true, line: false },
-      { name: one.channel, style, y: of(true), points: true, line: false },
+      { name: one.channel, style: one.style, y: of(true), points: true, line: false },
     ];
   });
   return (
@@ -116,7 +122,7 @@ function Residuals({ fit, noFit, channels, range }: Shown & { range: [number, nu
 function polarCurves(shown: Shown, channel: string, style: number): PolarCurve[] {
   const curves: PolarCurve[] = [];
   if (shown.reference) curves.push({ name: `${channel}, other run`, style, line: false, faint: true, ...pointsOf(shown.reference, channel) });
-  const fitted = shown.fit?.fitted.channels.find((one) => one.channel === channel);
+  const fitted = fittedOf(shown, channel);
   if (fitted) curves.push({ name: `${channel}, model`, style, line: true, unlabelled: true, rpm: shown.fit!.fitted.speed, amplitude: fitted.amplitude, lag: fitted.phase });
   curves.push({ name: channel, style, line: false, ...pointsOf(shown.measured, channel) });
   return curves;

@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import type { Document, Job, MachineRevision, MachineState } from "./answers";
 import { rpm } from "./format";
+import { Guard } from "./guard";
 import { IdentifiedView } from "./identified-view";
 import { ModelView } from "./model-view";
 import { openAlerts, Overview } from "./overview";
@@ -42,7 +43,7 @@ export function MachinePage({ id, tab }: { id: string; tab: string }) {
               Report
             </a>
           </nav>
-          {view(tab, document)}
+          <Guard key={tab}>{view(tab, document)}</Guard>
         </>
       )}
     </Shown>

@@ -4,6 +4,7 @@ import { AlertsPage } from "./alerts-page";
 import { connection } from "./connection";
 import { Fleet } from "./fleet";
 import { clock } from "./format";
+import { Guard } from "./guard";
 import { Keys, useShortcuts } from "./keys";
 import { MachinePage } from "./machine-page";
 import { Report } from "./report";
@@ -56,7 +57,9 @@ export function Shell() {
       </header>
       <Banner />
       <main id="main" tabIndex={-1} class={stale ? "stale" : undefined}>
-        <Page parts={parts} />
+        <Guard key={parts.slice(0, 2).join("/")}>
+          <Page parts={parts} />
+        </Guard>
       </main>
       {keys && <Keys onClose={() => setKeys(false)} />}
     </>

@@ -278,6 +278,38 @@ def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None
     wait_drawn(seen.page, 3)
 
 
+def test_a_probe_that_an_identification_does_not_know_is_said(seen: Seen) -> None:
+    """It was added to the machine's document afterwards."""
+
+    def without(route: Route) -> None:
+        found = route.fetch().json()
+        for part in (found["fitted"], *found["measured"]):
+            part["channels"] = [one for one in part["channels"] if one["channel"] != "B1Y"]
+        route.fulfill(json=found)
+
+    seen.page.route(re.compile(r"/bode\?"), without)
+    seen.open(f"machines/{MACHINE}/response?channels=B1X,B1Y")
+    expect(seen.page.get_by_text("does not know B1Y: there is no curve")).to_be_visible()
+    wait_drawn(seen.page, 3)
+    assert seen.errors == []
+
+
+def test_a_view_that_fails_says_so_in_its_place_and_can_be_tried_again(seen: Seen) -> None:
+    seen.page.route(re.compile(r"/model/campbell"), lambda route: route.fulfill(json={"curves": None}))
+    seen.open(f"machines/{MACHINE}/model")
+    failed = seen.page.get_by_role("alert")
+    expect(failed).to_contain_text("This view cannot be shown")
+    expect(seen.page.get_by_role("heading", level=1)).to_be_visible()
+    seen.page.get_by_role("link", name="Parameters").click()
+    expect(seen.page.get_by_role("heading", name="What the data tell")).to_be_visible()
+    seen.page.go_back()
+    expect(failed).to_be_visible()
+    seen.page.unroute_all()
+    failed.get_by_role("button", name="Try again").click()
+    expect(seen.page.locator(".plot canvas")).to_have_count(5)
+    expect(failed).to_have_count(0)
+
+
 @pytest.mark.parametrize("accepted_before", [True, False])
 def test_an_accepted_identification_is_looked_for_behind_many_that_were_not(
     seen: Seen, service: Service, accepted_before: bool
