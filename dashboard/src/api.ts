@@ -1,5 +1,5 @@
 // Asking the service, and what is said when it refuses.
-import { heard, missed } from "./connection";
+import { connection, heard, missed, timedOut } from "./connection";
 import { reason } from "./problem";
 import { changeHeaders, refused } from "./session";
 
@@ -11,9 +11,25 @@ export class Failure extends Error {
   constructor(
     readonly status: number,
     message: string,
+    /** The service is there, but the answer did not come in time. */
+    readonly late = false,
   ) {
     super(message);
   }
+
+  /** Whether it is of this question alone: that nobody answers at all is said once, above everything. */
+  get own(): boolean {
+    return this.status > 0 || this.late;
+  }
+}
+
+function unanswered(asked: number, error: unknown): Failure {
+  missed(asked, error);
+  return timedOut(error) && connection.value.state !== "lost" ? late() : new Failure(0, "The service does not answer.");
+}
+
+function late(): Failure {
+  return new Failure(0, `The service is there, but has not answered this within ${PATIENCE_MS / 1000} s.`, true);
 }
 
 async function ask(path: string, options: RequestInit): Promise<Response> {
@@ -22,8 +38,7 @@ async function ask(path: string, options: RequestInit): Promise<Response> {
   try {
     response = await fetch(PREFIX + path, { ...options, signal: AbortSignal.timeout(PATIENCE_MS) });
   } catch (error) {
-    missed(asked, error);
-    throw new Failure(0, "The service does not answer.");
+    throw unanswered(asked, error);
   }
   heard(); // even if it refuses: whether it can read its data is told by the beat
   if (response.ok) return response;
@@ -31,14 +46,22 @@ async function ask(path: string, options: RequestInit): Promise<Response> {
   throw new Failure(response.status, await reason(response));
 }
 
+async function read<T>(response: Response): Promise<T> {
+  try {
+    return (await response.json()) as T;
+  } catch (error) {
+    throw timedOut(error) ? late() : error;
+  }
+}
+
 export async function get<T>(path: string): Promise<T> {
-  return (await (await ask(path, { headers: { accept: "application/json" } })).json()) as T;
+  return read<T>(await ask(path, { headers: { accept: "application/json" } }));
 }
 
 /** The answer, and the ETag with which it can be changed. */
 export async function getToChange<T>(path: string): Promise<[T, string | null]> {
   const response = await ask(path, { headers: { accept: "application/json" }, cache: "no-store" });
-  return [(await response.json()) as T, response.headers.get("etag")];
+  return [await read<T>(response), response.headers.get("etag")];
 }
 
 export function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
@@ -54,7 +77,7 @@ async function send<T>(method: string, path: string, body: unknown, etag: string
   const headers: Record<string, string> = { accept: "application/json", ...changeHeaders() };
   if (body !== null) headers["content-type"] = "application/json";
   if (etag) headers["if-match"] = etag;
-  return (await (await ask(path, { method, headers, body: body === null ? null : JSON.stringify(body) })).json()) as T;
+  return read<T>(await ask(path, { method, headers, body: body === null ? null : JSON.stringify(body) }));
 }
 
 export function query(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {

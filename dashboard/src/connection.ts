@@ -51,10 +51,13 @@ export function heard(): void {
   pages.postMessage(null);
 }
 
+export function timedOut(error: unknown): boolean {
+  return error instanceof DOMException && error.name === "TimeoutError";
+}
+
 /** A question was not answered. asked: when it was asked [ms]. */
 export function missed(asked: number, error: unknown): void {
-  const waited = error instanceof DOMException && error.name === "TimeoutError";
-  if (!waited || heardAt < asked - BEAT_SLACK_MS) lose();
+  if (!timedOut(error) || heardAt < asked - BEAT_SLACK_MS) lose();
 }
 
 function lose(): void {

@@ -44,9 +44,13 @@ export function Cut({ shown, most, what = "newest", of = "" }: { shown: number; 
 export function Trouble({ failure }: { failure: Failure }) {
   return (
     <p class="trouble" role="alert">
-      {failure.message}
+      {said(failure)}
     </p>
   );
+}
+
+function said({ message, late }: Failure): string {
+  return late ? `${message} It is asked again.` : message;
 }
 
 /** Beside data of before: why there are no newer ones. */
@@ -55,7 +59,7 @@ function Aging({ asOf, failure }: { asOf: number; failure: Failure }) {
   if (useStore(connection).state === "troubled" && failure.status >= 500) return null;
   return (
     <p class="trouble aging" role="status">
-      As of {clock(asOf)}, nothing newer: {failure.message}
+      As of {clock(asOf)}, nothing newer: {said(failure)}
     </p>
   );
 }
@@ -75,7 +79,7 @@ export function Shown<T>(props: { answer: Answer<T>; lines?: number; children: (
     );
   }
   // That nobody answers is said once, above everything; it is asked again as soon as somebody does.
-  if (failure && failure.status > 0) return <Trouble failure={failure} />;
+  if (failure?.own) return <Trouble failure={failure} />;
   return <div class="waiting" aria-busy="true" aria-label="loading" style={{ minHeight: `${(props.lines ?? 3) * 1.6}em` }} />;
 }
 

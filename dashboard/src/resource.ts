@@ -31,7 +31,7 @@ class Resource {
   /** Whether there was news while a question was open, whose answer may be from before. */
   private again = false;
   private answeredAt = 0;
-  /** When the first of the refusals in a row was; null without one [ms]. */
+  /** When the first failure in a row was that is of this question alone; null without one [ms]. */
   private refusedAt: number | null = null;
   private retry: number | undefined;
 
@@ -66,8 +66,8 @@ class Resource {
   }
 
   private fail(failure: Failure): void {
-    this.refusedAt = failure.status > 0 ? (this.refusedAt ?? Date.now()) : null;
-    const lasts = this.refusedAt !== null && Date.now() - this.refusedAt >= LASTING_MS;
+    this.refusedAt = failure.own ? (this.refusedAt ?? Date.now()) : null;
+    const lasts = failure.late || (this.refusedAt !== null && Date.now() - this.refusedAt >= LASTING_MS);
     // What was there stays visible while the service is away; what is gone is gone.
     const data = failure.status === 404 ? undefined : this.answer.value.data;
     this.answer.set({ data, failure, asOf: lasts ? this.answeredAt : undefined });

@@ -51,7 +51,7 @@ export function ResponseView({ machine }: { machine: Document }) {
         </div>
       </Panel>
       {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
-      {[failure, measured.failure, fit.failure].map((one) => one && one.status > 0 && <Trouble failure={one} />)}
+      {[failure, measured.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
       {!run && runs.failure ? null : waits ? (
         <div class="waiting" style={{ minHeight: "720px" }} />
       ) : (

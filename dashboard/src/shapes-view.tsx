@@ -57,7 +57,7 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
           />
         </label>
       </div>
-      {failure && failure.status > 0 && <Trouble failure={failure} />}
+      {failure?.own && <Trouble failure={failure} />}
       {runs.all?.length === 0 ? (
         <Empty>No run yet.</Empty>
       ) : !run && runs.failure ? (

@@ -120,6 +120,32 @@ def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tm
             context.close()
 
 
+IMPATIENT = """const wait = AbortSignal.timeout.bind(AbortSignal);
+AbortSignal.timeout = (ms) => wait(ms > 5000 ? 1500 : ms);"""
+"""The twenty seconds that the page waits for an answer, shortened."""
+NEWEST_RUNS = re.compile(rf"/machines/{MACHINE}/runs\?limit=12")
+
+
+def test_an_answer_that_does_not_come_is_told_while_the_service_is_there(seen: Seen, service: Service) -> None:
+    held: list[Route] = []
+    seen.page.add_init_script(IMPATIENT)
+    seen.page.route(NEWEST_RUNS, lambda route: held.append(route))
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    seen.page.route(ALERTS, lambda route: held.append(route))
+    events = comment(service, "not seen yet")
+    runs = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Newest runs"))
+    expect(runs.get_by_role("alert")).to_have_text(re.compile("has not answered this within 20 s. It is asked again"))
+    aging = seen.page.locator(".aging")
+    expect(aging).to_have_text(re.compile(r"As of \d\d:\d\d:\d\d, nothing newer: .*within 20 s. It is asked again"))
+    expect(seen.page.locator(".alarm")).to_be_visible()
+    expect(seen.page.locator(".signal")).to_have_text("● live")
+    seen.page.unroute_all()
+    expect(aging).to_have_count(0)
+    expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events")
+    expect(runs.get_by_role("table")).to_be_visible()
+
+
 def test_news_that_comes_during_a_question_is_asked_for_behind_it(seen: Seen, service: Service) -> None:
     held: list[Route] = []
     seen.open(f"machines/{MACHINE}")
