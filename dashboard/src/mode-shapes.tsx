@@ -12,9 +12,13 @@ const MOST = 8;
 /** Modes damped more than this have no shape that anybody sees. */
 const HEAVY = 0.9;
 
+function modesOf(id: number): string {
+  return `/identifications/${id}/model/modes`;
+}
+
 export function ModeShapes({ machine }: { machine: Document }) {
-  const { newest } = useNewest(machine.id);
-  const answer = useResource<Modes>(newest ? `/identifications/${newest.id}/model/modes` : null);
+  const { newest } = useNewest(machine.id, (id) => [modesOf(id)]);
+  const answer = useResource<Modes>(newest ? modesOf(newest.id) : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
   if (!newest) return null;
   return (

@@ -1,34 +1,44 @@
 // What the identified model says: critical speeds, Campbell diagram, coupling loads over speed, a balancing proposal.
 import type { Balancing, Campbell, CriticalSpeeds, Document, Identification, MisalignmentForce } from "./answers";
 import { angleSense, number, rpm, scaleOf, whirlInWords } from "./format";
-import { Empty, Panel, Shown, Time } from "./parts";
+import { Empty, Panel, Shown, Time, Trouble } from "./parts";
 import { Plot, type Curve } from "./plot";
 import { useResource } from "./resource";
-import { NotIdentified, useNewest } from "./newest";
+import { Awaited, NotIdentified, useNewest } from "./newest";
 
 /** Modes damped more than this are not felt in passing, and left out of the diagram. */
 const HEAVY = 0.5;
 
-export function ModelView({ machine }: { machine: Document }) {
-  const { newest, none, failure } = useNewest(machine.id);
-  if (none) return <NotIdentified />;
-  if (!newest) return <Panel title="Model">{failure ?? <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
-  return <Model machine={machine} newest={newest} />;
+function pathsOf(id: number) {
+  const of = `/identifications/${id}/model`;
+  return { campbell: `${of}/campbell`, criticals: `${of}/critical-speeds`, forces: `${of}/misalignment-force`, balancing: `${of}/balancing` };
 }
 
-export function Model({ machine, newest }: { machine: Document; newest: Identification }) {
-  const of = `/identifications/${newest.id}/model`;
+export function ModelView({ machine }: { machine: Document }) {
+  const { newest, none, failure } = useNewest(machine.id, (id) => Object.values(pathsOf(id)));
+  if (none) return <NotIdentified />;
+  if (!newest) return <Awaited title="Model" failure={failure} />;
+  return (
+    <>
+      {failure?.own && <Trouble failure={failure} />}
+      <Model machine={machine} newest={newest} />
+    </>
+  );
+}
+
+function Model({ machine, newest }: { machine: Document; newest: Identification }) {
+  const paths = pathsOf(newest.id);
   return (
     <>
       <p class="muted">
         The model of identification {newest.id}, measured <Time at={newest.measured_at} /> in a {newest.run_kind}.
       </p>
       <div class="columns">
-        <CampbellPanel machine={machine} path={`${of}/campbell`} />
-        <Criticals machine={machine} path={`${of}/critical-speeds`} />
+        <CampbellPanel machine={machine} path={paths.campbell} />
+        <Criticals machine={machine} path={paths.criticals} />
       </div>
-      <Forces path={`${of}/misalignment-force`} />
-      <BalancingPanel path={`${of}/balancing`} />
+      <Forces path={paths.forces} />
+      <BalancingPanel path={paths.balancing} />
     </>
   );
 }

@@ -1,7 +1,9 @@
 // The identification that speaks for a machine now.
+import { useRef } from "preact/hooks";
 import type { Estimate, Identification, IdentificationSummary } from "./answers";
-import { Empty, Panel } from "./parts";
-import { useResource, type Answer } from "./resource";
+import type { Failure } from "./api";
+import { Empty, Panel, Trouble } from "./parts";
+import { useResource, useResources, type Answer } from "./resource";
 
 const MS = 15_000;
 /** Looked through for an accepted one, first and then. */
@@ -39,17 +41,33 @@ export function noneAccepted({ data, lookedAt }: NewestSummary): string | null {
   return "No identification of a single run was accepted yet.";
 }
 
-/** The newest one with its estimates. */
-export function useNewest(machine: string): { newest: Identification | undefined; none: boolean; failure: string | undefined } {
+interface Newest {
+  newest: Identification | undefined;
+  none: boolean;
+  /** Why there is none, or not the next one. */
+  failure: Failure | undefined;
+}
+
+/** The newest one with its estimates; the one before it until all is there that a view asks of the next one. */
+export function useNewest(machine: string, asked: (id: number) => string[] = () => []): Newest {
   const { data, failure } = useNewestSummary(machine);
-  const answer = useResource<Identification>(data ? `/identifications/${data.id}` : null);
-  return { newest: answer.data, none: data === null, failure: (failure ?? answer.failure)?.message };
+  const next = useResource<Identification>(data ? `/identifications/${data.id}` : null);
+  const parts = useResources<unknown>(next.data ? asked(next.data.id) : []);
+  const shown = useRef<Identification | undefined>(undefined);
+  const complete = parts.every((one) => one.data !== undefined || one.failure);
+  if (next.data && (complete || !shown.current)) shown.current = next.data;
+  return { newest: shown.current, none: data === null, failure: next.data ? undefined : (next.failure ?? failure) };
 }
 
 /** The newest accepted identification of a single run among some, or the newest of all, with its estimates. */
 export function useNewestOf(found: IdentificationSummary[] | undefined): Identification | undefined {
   const one = found?.find((each) => each.accepted && each.scope === "run") ?? found?.[0];
   return useResource<Identification>(one ? `/identifications/${one.id}` : null).data;
+}
+
+/** In the place of a view whose identification is not there yet. */
+export function Awaited({ title, failure }: { title: string; failure: Failure | undefined }) {
+  return <Panel title={title}>{failure?.own ? <Trouble failure={failure} /> : <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
 }
 
 export function NotIdentified() {

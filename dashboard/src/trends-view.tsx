@@ -1,10 +1,11 @@
 // Histories of an element's parameters, with their intervals, what they are compared with, and what was done to the machine.
+import { useEffect } from "preact/hooks";
 import type { Alert, BaselineBand, Document, IdentificationSummary, Sense, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { angleSense, elementName, isCrossCoupled, isUnbalance, number, percent, scaleOf, termName, when } from "./format";
-import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
+import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time, Trouble } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
-import { comparable, elementsOf, NotIdentified, useNewest } from "./newest";
+import { Awaited, comparable, elementsOf, NotIdentified, useNewest } from "./newest";
 import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
@@ -31,19 +32,26 @@ const DERIVED = "derived quantities";
 export function TrendsView({ machine }: { machine: Document }) {
   const { query: chosen } = useStore(place);
   const { newest, none, failure } = useNewest(machine.id);
-  const alerts = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MOST_ALERTS}`, 30_000).data ?? [];
-  if (none) return <NotIdentified />;
-  if (!newest) return <Panel title="Trends">{failure ?? <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
-  const elements = [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])];
+  const told = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MOST_ALERTS}`, 30_000);
+  const alerts = told.data ?? [];
+  const elements = newest ? [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])] : [];
   const open = alerts.find((one) => !one.closed_at)?.element;
   const element = [chosen.get("element"), open, machine.couplings[0] && `coupling.${machine.couplings[0].id}`, elements[0]].find(
     (one) => one && elements.includes(one),
-  )!;
+  );
+  const known = told.data || told.failure ? element : undefined;
+  useEffect(() => {
+    // A later alert does not change what somebody looks at.
+    if (known && !chosen.get("element")) choose({ element: known });
+  }, [known, chosen]);
+  if (none) return <NotIdentified />;
+  if (!newest || !element) return <Awaited title="Trends" failure={failure} />;
   const range = chosen.get("range") ?? "all";
   const days = RANGES.find(([id]) => id === range)?.[2] ?? Infinity;
   const names = element === DERIVED ? newest.derived.map((one) => one.name) : newest.estimates.filter((one) => one.element === element).map((one) => one.parameter);
   return (
     <>
+      {failure?.own && <Trouble failure={failure} />}
       <Panel title="What is shown">
         <div class="choices">
           <Elements elements={elements} chosen={element} alerts={alerts} />

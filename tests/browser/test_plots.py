@@ -355,3 +355,65 @@ def test_a_thinned_trend_and_its_angle_say_so(seen: Seen) -> None:
     expect(said).to_have_count(2)
     expect(seen.page.get_by_text("at the lowest and highest of each stretch, of 4321 points")).to_be_visible()
     assert seen.errors == []
+
+
+NEXT = 9001
+"""An identification that comes while one looks."""
+SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });"""
+SEEN_AGAIN = """() => {
+  for (const away of [true, false]) {
+    window.away = away;
+    document.dispatchEvent(new Event("visibilitychange"));
+  }
+}"""
+"""Who comes back to a page is shown what is new at once, not when the page asks next."""
+
+
+@pytest.mark.parametrize(("tab", "plots"), [("trends", TERMS), ("model", 1)])
+def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, service: Service, tab: str, plots: int) -> None:
+    listed = service.get(f"/machines/{MACHINE}/identifications")
+    real = next(one for one in listed if one["accepted"] and one["scope"] == "run")
+    alerts = service.get(f"/machines/{MACHINE}/alerts")
+    alert = {**alerts[0], "id": 9001, "element": "disc.D1", "severity": "alert", "closed_at": None}
+    held: list[Route] = []
+
+    def later(route: Route) -> None:
+        asked = route.request.url
+        if asked.endswith(f"/{NEXT}") or asked.endswith("/campbell"):
+            held.append(route)
+        else:
+            release(route)
+
+    def release(route: Route) -> None:
+        found = route.fetch(url=route.request.url.replace(str(NEXT), str(real["id"]))).json()
+        route.fulfill(json=found | ({"id": NEXT} if "model" not in route.request.url else {}))
+
+    def is_asked() -> bool:
+        seen.page.wait_for_timeout(50)
+        return len(held) > 0
+
+    def release_one() -> None:
+        until(is_asked, within_s=5, what="the next one is asked for")
+        expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
+        release(held.pop())
+
+    seen.page.add_init_script(SEEN)
+    seen.open(f"machines/{MACHINE}/{tab}")
+    canvas = seen.page.locator(".plot canvas").first
+    until(lambda: canvas.count() == 1 and canvas.evaluate(COUNT) > 20, within_s=15, what="drawn")
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    seen.page.get_by_role("button", name="Zoom in").first.click()
+    expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
+    seen.page.route(re.compile(r"/alerts\?limit="), lambda route: route.fulfill(json=[alert, *alerts]))
+    seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(json=[real | {"id": NEXT}, *listed]))
+    seen.page.route(re.compile(f"/identifications/{NEXT}"), later)
+    seen.page.evaluate(SEEN_AGAIN)
+    release_one()
+    if tab == "model":
+        release_one()
+        expect(seen.page.get_by_text(f"The model of identification {NEXT}, ")).to_be_visible()
+    else:
+        expect(seen.page.get_by_role("button", name="disc D1")).to_contain_text("▲")
+        expect(seen.page.get_by_role("heading", name="coupling C1: of single runs")).to_be_visible()
+    expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
+    assert seen.errors == []
