@@ -361,3 +361,11 @@ def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
     expect(seen.page.get_by_text("The lowest 8 of 11 modes are shown")).to_be_visible()
     expect(seen.page.get_by_text("1 that is damped by 90 % or more is left out")).to_be_visible()
     assert seen.errors == []
+
+
+def test_that_identifications_cannot_be_had_is_said_beside_the_baseline(seen: Seen) -> None:
+    refused = {"title": "Forbidden", "status": 403, "detail": "this key may not see identifications"}
+    seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(status=403, json=refused))
+    seen.open(f"machines/{MACHINE}")
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    expect(panel.get_by_role("alert")).to_have_text("this key may not see identifications")
