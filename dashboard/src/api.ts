@@ -11,7 +11,7 @@ export class Failure extends Error {
   constructor(
     readonly status: number,
     message: string,
-    /** The service is there, but the answer did not come in time. */
+    /** The service is there, but its answer is not yet. */
     readonly late = false,
   ) {
     super(message);
@@ -43,7 +43,8 @@ async function ask(path: string, options: RequestInit): Promise<Response> {
   heard(); // even if it refuses: whether it can read its data is told by the beat
   if (response.ok) return response;
   if (response.status === 401) refused();
-  throw new Failure(response.status, await reason(response));
+  const underWay = response.status === 409 && response.headers.has("retry-after");
+  throw new Failure(response.status, await reason(response), underWay);
 }
 
 async function read<T>(response: Response): Promise<T> {
@@ -64,8 +65,26 @@ export async function getToChange<T>(path: string): Promise<[T, string | null]> 
   return [await read<T>(response), response.headers.get("etag")];
 }
 
-export function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
-  return send<T>("POST", path, body, etag);
+/** By what was asked: the keys of posts that may have been carried out though no answer came. */
+const keys = new Map<string, string>();
+
+function newKey(): string {
+  return [...crypto.getRandomValues(new Uint32Array(4))].map((one) => one.toString(16)).join("-");
+}
+
+/** What is asked again after no answer came goes under the key of before, and is done once. */
+export async function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
+  const asked = path + JSON.stringify(body);
+  const key = keys.get(asked) ?? newKey();
+  keys.set(asked, key);
+  try {
+    const answer = await send<T>("POST", path, body, etag, { "idempotency-key": key });
+    keys.delete(asked);
+    return answer;
+  } catch (error) {
+    if (error instanceof Failure && error.status > 0 && !error.late) keys.delete(asked);
+    throw error;
+  }
 }
 
 export function put<T>(path: string, body: unknown, etag: string | null): Promise<T> {
@@ -73,8 +92,8 @@ export function put<T>(path: string, body: unknown, etag: string | null): Promis
 }
 
 /** body: null for none. etag: of what is to be changed. */
-async function send<T>(method: string, path: string, body: unknown, etag: string | null): Promise<T> {
-  const headers: Record<string, string> = { accept: "application/json", ...changeHeaders() };
+async function send<T>(method: string, path: string, body: unknown, etag: string | null, more: Record<string, string> = {}): Promise<T> {
+  const headers: Record<string, string> = { accept: "application/json", ...changeHeaders(), ...more };
   if (body !== null) headers["content-type"] = "application/json";
   if (etag) headers["if-match"] = etag;
   return read<T>(await ask(path, { method, headers, body: body === null ? null : JSON.stringify(body) }));

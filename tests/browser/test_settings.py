@@ -187,3 +187,33 @@ def test_since_when_a_subscription_is_disabled_is_not_made_up(seen: Seen) -> Non
     said = seen.page.locator(".subscription > p:not(.buttons)")
     expect(said).to_have_text([re.compile(r"^✕ disabled: it bounced; added \S"), re.compile(r"^active; added \S")])
     assert seen.errors == []
+
+
+def test_what_is_asked_again_after_no_answer_came_is_done_once(seen: Seen, service: Service) -> None:
+    before = service.get(f"/machines/{MACHINE}/timeline")
+    asked: list[str | None] = []
+
+    def unanswered(route: Route) -> None:
+        if route.request.method != "POST":
+            route.continue_()
+            return
+        asked.append(route.request.header_value("idempotency-key"))
+        if len(asked) > 1:
+            route.continue_()
+        else:
+            route.fetch()  # it is carried out
+            route.abort()
+
+    seen.page.route(re.compile("/timeline"), unanswered)
+    seen.open(f"machines/{MACHINE}")
+    seen.page.get_by_role("button", name="Write").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("What", exact=True).fill("oil changed")
+    dialog.get_by_label("Your name").fill("anna")
+    dialog.get_by_role("button", name="Write down").click()
+    expect(dialog.get_by_role("alert")).to_contain_text("does not answer")
+    dialog.get_by_role("button", name="Write down").click()
+    expect(dialog).to_have_count(0)
+    assert asked[0] is not None
+    assert asked == [asked[0]] * 2
+    assert len(service.get(f"/machines/{MACHINE}/timeline")) == len(before) + 1
