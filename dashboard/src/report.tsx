@@ -117,6 +117,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
   const then = useAlertsAt(alerts.data, to);
   const during = (then.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
   const cut = [alerts, runs, timeline, identified].some((one) => one.data?.length === MOST);
+  const awaited = !identified.failure && !newest && identified.data?.length !== 0;
   const elements = newest ? reported(elementsOf(newest.estimates), during) : [];
   return (
     <>
@@ -162,6 +163,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
             height={190}
           />
         ))}
+      {awaited && <div class="waiting" style={{ minHeight: "420px" }} />}
       {newest && <Identified machine={machine} found={newest} />}
     </>
   );

@@ -228,3 +228,19 @@ def test_a_period_ends_with_its_last_day_however_long_that_is(
     periods = {(one["from"][0], one["to"][0]) for one in asked if "from" in one}
     assert periods == {(begins, ends)}
     assert seen.errors == []
+
+
+def test_a_report_that_is_printed_too_early_says_so(seen: Seen) -> None:
+    held: list[Route] = []
+    said = "getComputedStyle(document.querySelector('main'), '::before').content"
+    seen.page.route(re.compile(r"/trends\?"), lambda route: held.append(route))
+    seen.open(f"reports/{MACHINE}")
+    expect(seen.page.get_by_role("heading", name="What the data tell")).to_be_visible()
+    assert seen.page.evaluate(said) == "none"
+    seen.page.emulate_media(media="print")
+    assert "parts are missing" in seen.page.evaluate(said)
+    for route in held:
+        route.continue_()
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    assert seen.page.evaluate(said) == "none"
+    assert seen.errors == []
