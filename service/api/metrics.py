@@ -3,6 +3,7 @@
 The counts are those of the store, so a restart does not set them back.
 """
 
+import heapq
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import get_args
@@ -28,6 +29,8 @@ router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 
 LARGEST_MACHINE_COUNT = 1_000
 """Machines that are told apart; …"""
+SILENT_S = 3600.0
+"""A machine of which nothing came for so long is silent; so it is in examples/monitoring/rundown-rules.yml."""
 OTHERS = "*"
 """… the label of all further ones together, which no machine can have as its id."""
 
@@ -37,6 +40,8 @@ class _Kept:
     """What the store knows; nothing of it where it does not answer."""
 
     totals: list[Totals] = field(default_factory=list)
+    ages: Mapping[str, float] = field(default_factory=dict)
+    silent: int | None = None
     rejected: Mapping[str, int] = field(default_factory=dict)
     jobs: Mapping[str, int] = field(default_factory=dict)
     deliveries: Mapping[str, int] = field(default_factory=dict)
@@ -47,6 +52,8 @@ class _Figures(Collector):
 
     def __init__(self, kept: _Kept, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
         self._totals = kept.totals
+        self._ages = kept.ages
+        self._silent = kept.silent
         self._rejected = kept.rejected
         self._by_state = kept.jobs
         self._deliveries = kept.deliveries
@@ -62,15 +69,15 @@ class _Figures(Collector):
         age = GaugeMetricFamily(
             "rundown_newest_sample_age_seconds", "since the newest sample was taken, by its source's clock", labels=["machine"]
         )
-        moment = now()
         for one in self._totals:
             labels = [one.machine_id]
             received.add_metric(labels, one.received)
             duplicates.add_metric(labels, one.duplicates)
             late.add_metric(labels, one.late)
             lost.add_metric(labels, one.lost)
-            if one.last_time:
-                age.add_metric(labels, (moment - one.last_time) / 1e9)
+        # Not of the first ones by id, as the counts are: an alarm must see who is silent.
+        for machine, seconds in heapq.nlargest(LARGEST_MACHINE_COUNT, self._ages.items(), key=lambda one: one[1]):
+            age.add_metric([machine], seconds)
         yield from (received, duplicates, late, lost, age)
         rejected = CounterMetricFamily("rundown_rejected", "messages, samples and values not taken", labels=["reason"])
         for reason, count in self._rejected.items():
@@ -84,6 +91,10 @@ class _Figures(Collector):
         for state, count in self._deliveries.items():
             on_their_way.add_metric([state], count)
         yield on_their_way
+        if self._silent is not None:
+            yield GaugeMetricFamily(
+                "rundown_silent_machines", "machines of which nothing came for an hour", value=self._silent
+            )
         works = GaugeMetricFamily(
             "rundown_part_ok", "1 while a part works: all of them, and samples can be taken", labels=["part"]
         )
@@ -136,16 +147,24 @@ async def read_metrics(request: Request) -> Response:
 
 def _kept(store: Store) -> _Kept:
     with store.reading() as session:
-        totals = _bounded(samples.totals(session))
+        totals = samples.totals(session)
         by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
         rejected = _of_every((*get_args(Reason), *get_args(OwnFault)), quarantine.counts(session))
-        return _Kept(totals, rejected, by_state, on_their_way)
+        ages = _ages(totals)
+        silent = sum(seconds > SILENT_S for seconds in ages.values())
+        return _Kept(_bounded(totals), ages, silent, rejected, by_state, on_their_way)
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:
     """States in which nothing is as well: of a series that begins at 1 a monitoring system sees no rise."""
     return dict.fromkeys(states, 0) | dict(counts)
+
+
+def _ages(totals: list[Totals]) -> dict[str, float]:
+    """Time since the newest sample of each machine that has any [s]."""
+    moment = now()
+    return {one.machine_id: (moment - one.last_time) / 1e9 for one in totals if one.last_time}
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:

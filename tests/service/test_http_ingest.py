@@ -22,11 +22,12 @@ from service.ingest import Ingest
 from service.journal import Journal
 from service.submissions import Busy, NotStoring, Submissions
 from service.wire import BINARY, ENCODINGS, JSON, LARGEST_MESSAGE, MESSAGEPACK, Reason, SampleBatch, encode_body
-from storage import quarantine
+from storage import machines, quarantine
 from storage import samples as sample_store
+from storage.clock import now
 from storage.database import Database
 from tests.asking import Api
-from tests.plant import KEY, SECOND, START, batch, wait_until
+from tests.plant import KEY, SECOND, START, batch, machine, wait_until
 
 PATH = f"/api/v1/machines/{KEY.machine}/samples"
 
@@ -279,6 +280,22 @@ def test_metrics_do_not_grow_without_bound(http: Http, monkeypatch: pytest.Monke
     found = figures(http)
     assert found["rundown_samples_received_total", "*"] == 5
     assert not any(KEY.machine in name for name in found)
+
+
+def test_metrics_show_the_machines_that_are_silent_for_longest(
+    http: Http, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever their ids: an alarm must see them."""
+    monkeypatch.setattr(metrics, "LARGEST_MACHINE_COUNT", 2)
+    with plant.transaction() as session:
+        for number, minutes in enumerate((1, 70, 2, 90, 80)):
+            key = sample_store.SourceKey(f"pump-{number}", "monitor", 1)
+            machines.create(session, machine(id=key.machine_id))
+            sample_store.source(session, key).last_time = now() - 60 * minutes * SECOND
+    found = figures(http)
+    shown = {name[1]: value for name, value in found.items() if name[0] == "rundown_newest_sample_age_seconds"}
+    assert shown == {"pump-3": pytest.approx(5400, abs=60), "pump-4": pytest.approx(4800, abs=60)}
+    assert found["rundown_silent_machines",] == 3
 
 
 def test_every_state_of_jobs_and_deliveries_is_counted_from_nought(http: Http) -> None:
