@@ -245,13 +245,8 @@ class Dispatcher:
         except Exception:
             logger.exception("unexpected error while lasting alerts are read")
             return
-        for row in targets:
-            channel = channels.of(row)
-            own = [one for one in messages if deliveries.tells(row, one.plant)]
-            if own and isinstance(channel, Alertmanager):
-                outcome = await _in_time(channel.push(own))
-                if outcome.result != "delivered":
-                    logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
+        # At the same time: behind some that hang, the others would take the alerts for resolved.
+        await asyncio.gather(*(_remind(row, channels.of(row), messages) for row in targets))
 
     def _lasting(self) -> tuple[list[SubscriptionRow], list[Message]]:
         with self._database.reading() as session:
@@ -341,6 +336,15 @@ def _ended(one: asyncio.Task[Outcome]) -> Outcome:
     """How a delivery ended, also where it broke off in a way that no channel should."""
     error = asyncio.CancelledError() if one.cancelled() else one.exception()
     return one.result() if error is None else Outcome("failed", f"{type(error).__name__}: {error}")
+
+
+async def _remind(row: SubscriptionRow, channel: Channel, messages: list[Message]) -> None:
+    """Tell one Alertmanager of what lasts."""
+    own = [one for one in messages if deliveries.tells(row, one.plant)]
+    if own and isinstance(channel, Alertmanager):
+        outcome = await _in_time(channel.push(own))
+        if outcome.result != "delivered":
+            logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
 
 
 async def _sent(task: Task) -> Outcome:

@@ -152,6 +152,17 @@ def test_name_servers_that_do_not_answer_delay_nobody_who_is_given_by_address(
     assert rows(plant, named)[0].answer == "it was not done within 0.3 s"
 
 
+def test_alertmanagers_that_hang_delay_no_reminder_of_another(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    subscribe(plant, http.url("/hang"), name="hangs", kind="alertmanager")
+    subscribe(plant, http.url("/ok"), name="healthy", kind="alertmanager")
+    raise_one(plant, found, machine())
+    with delivering(plant, network):
+        # Once by the delivery, once as it lasts.
+        wait_until(lambda: len(http.at("/ok/api/v2/alerts")) == 2, seconds=5.0)
+
+
 def test_a_receiver_that_answers_rubbish_stops_no_other(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver
 ) -> None:
