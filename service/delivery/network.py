@@ -1,6 +1,7 @@
 """Alert events on the zenoh network: each published when it happens, the last of each open alert answered to queries."""
 
 import asyncio
+import logging
 import threading
 from dataclasses import dataclass
 
@@ -11,6 +12,8 @@ from service.delivery.channel import Message, Outcome
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, machines
 from storage.database import Database
+
+logger = logging.getLogger(__name__)
 
 ENCODING = "application/json"
 ALL_ALERTS = "rundown/v1/*/*/alerts/*"
@@ -57,6 +60,11 @@ class LastStates:
         with query, self._lock, self._database.reading() as reading:
             plants = {row.id: row.plant for row in machines.every(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
-                key = alert_key(plants[row.machine_id], event := alert_event(alerts.history(reading, row.id)[-1]))
+                try:
+                    event = alert_event(alerts.history(reading, row.id)[-1])
+                except (ValueError, OverflowError):
+                    logger.exception("the last event of alert %d cannot be told on the network", row.id)
+                    continue
+                key = alert_key(plants[row.machine_id], event)
                 if query.key_expr.intersects(zenoh.KeyExpr(key)):
                     query.reply(key, event.model_dump_json().encode(), encoding=ENCODING)

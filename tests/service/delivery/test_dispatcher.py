@@ -370,6 +370,20 @@ def test_the_network_hears_events_and_answers_with_the_last_state(
     states_of.close()
 
 
+def test_an_alert_that_cannot_be_told_keeps_no_other_from_being_answered(
+    plant: Database, found: IdentificationRow, network: Router
+) -> None:
+    session = network[0]
+    numbers = [raise_one(plant, found, machine(), element=f"coupling.C{number}") for number in range(3)]
+    with plant.transaction() as writing:
+        # There is no such severity.
+        writing.execute(text(f"UPDATE alert_events SET severity = 9 WHERE alert_id = {numbers[1]}"))
+    states_of = LastStates(session, plant)
+    replies = [json.loads(bytes(one.ok.payload)) for one in session.get("rundown/v1/**/alerts/*", timeout=5.0) if one.ok]
+    states_of.close()
+    assert {one["alert"] for one in replies} == {numbers[0], numbers[2]}
+
+
 # --- e-mail ---------------------------------------------------------------------------------------------------------
 
 
