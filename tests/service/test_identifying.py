@@ -272,8 +272,13 @@ def spoiled(tries: Path, task: worker.Task) -> worker.Outcome:
 
 
 def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_other(
-    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    database: Database,
+    train: Machine,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    tmp_path: Path,
 ) -> None:
+    caplog.set_level("CRITICAL", logger="service.identifying")  # what it logs cannot be told to another process of tests
     with database.transaction() as session:
         machines.create(session, train)
     for number in range(3):
