@@ -10,11 +10,9 @@ from estimator.coverage import coverage
 from estimator.machine import Machine
 from estimator.segmentation import SweepLimits
 from estimator.units import rpm_to_rad_per_s
-from service.wire import OwnFault
+from service.own_faults import own_fault
 from storage import jobs, quarantine, runs, samples
 from storage.blocks import Samples
-from storage.clock import now
-from storage.quarantine import Rejection
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)
@@ -67,22 +65,10 @@ def sweep_samples(session: Session, machine: Machine, row: RunRow, *, first: int
         damaged=damaged,
     )
     if damaged:
-        quarantine.add(session, [_left_out(row, words) for words in damaged])
+        of = f"run {row.id}"
+        quarantine.add(session, [own_fault("damaged_block", of=of, machine_id=machine.id, detail=words) for words in damaged])
     inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))
     return _captured(machine, _once(found.pick(inside)))
-
-
-def _left_out(row: RunRow, words: str) -> Rejection:
-    """A block whose samples were stored once, and are missing in a run."""
-    reason: OwnFault = "damaged_block"
-    return Rejection.of_message(
-        received_at=now(),
-        key=f"run {row.id}",
-        machine_id=row.machine_id,
-        reason=reason,
-        detail=words,
-        payload=b"",
-    )
 
 
 def _captured(machine: Machine, held: Samples) -> Samples:

@@ -95,18 +95,24 @@ class Housekeeping:
         return found
 
     def round(self) -> None:
-        """Let go of all that is old enough. Raises what the database raises; what was done is done."""
+        """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
         with self._database.reading() as session:
             every = [row.id for row in machines.every(session)]
+        failed: Exception | None = None
         for machine_id in every:
-            if self._settings.raw_days:
-                self._release_blocks(machine_id)
-            if self._settings.run_days:
-                self._release_runs(machine_id)
+            try:
+                self._release(machine_id)
+            except DBAPIError:
+                raise
+            except Exception as error:
+                logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
+                failed = error
             if not self._goes_on():
                 return
         while disk.give_back(self._database) and self._goes_on(PAUSE_S):
             pass
+        if failed is not None:
+            raise failed
 
     def _goes_on(self, pause: float = 0.0) -> bool:
         """Wait, and look at disk and memory where that is due, as a round of a large fleet takes long; False to stop."""
@@ -129,6 +135,12 @@ class Housekeeping:
             elif time.monotonic() >= next_round:
                 next_round = time.monotonic() + INTERVAL_S
                 self.trouble = _tried(self.round)
+
+    def _release(self, machine_id: str) -> None:
+        if self._settings.raw_days:
+            self._release_blocks(machine_id)
+        if self._settings.run_days:
+            self._release_runs(machine_id)
 
     def _release_blocks(self, machine_id: str) -> None:
         with self._database.reading() as session:

@@ -15,9 +15,10 @@ from estimator.identification import Options
 from estimator.machine import parse_machine
 from service import requesting, watching, worker
 from service.engines import EngineAway, engine
+from service.own_faults import unexpected
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
-from storage import derived, identifications, jobs, machines, replicas, runs, slow_roll
+from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.identifications import Origin
@@ -222,8 +223,10 @@ class Identifying:
                 watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
         except DBAPIError:
             raise  # of the database, which is tried again as a whole
-        except Exception:
+        except Exception as error:
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
+            of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
+            quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])
 
     def _own(self, session: Session, job_id: int) -> JobRow | None:
         """A job that this replica computes; None when another one has taken it over."""

@@ -20,12 +20,12 @@ from service.bounded import Bounded
 from service.collection import Collector
 from service.giving_way import GivingWay
 from service.order import Order
+from service.own_faults import unexpected
 from service.putting_off import PutOff
 from service.sharing import Share, Whole
-from service.wire import Fault, OwnFault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
+from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
-from storage.clock import now
 from storage.database import Database
 from storage.leases import NotHeld
 from storage.quarantine import Rejection
@@ -166,7 +166,8 @@ class Journal:
             pause = self._put_off.failed(machine_id)
             self._collector.look_again([machine_id])
             logger.exception("%s: its runs cannot be brought up to date; tried again in %.0f s", machine_id, pause)
-            quarantine.add(session, [_not_up_to_date(machine_id, error)])
+            what = "its runs cannot be brought up to date"
+            quarantine.add(session, [unexpected(error, of=f"runs of {machine_id}", machine_id=machine_id, what=what)])
         else:
             self._put_off.succeeded(machine_id)
 
@@ -323,18 +324,6 @@ def concerns_all(error: BaseException) -> bool:
     """Whether an error is the database's, or of who may write to it: another message would fail as well."""
     of_one = isinstance(error, DataError | IntegrityError)
     return isinstance(error, NotHeld | DBAPIError) and not of_one
-
-
-def _not_up_to_date(machine_id: str, error: Exception) -> Rejection:
-    reason: OwnFault = "unexpected_error"
-    return Rejection.of_message(
-        received_at=now(),
-        key=f"runs of {machine_id}",
-        machine_id=machine_id,
-        reason=reason,
-        detail=f"its runs cannot be brought up to date; the service's log has it: {type(error).__name__}: {error}",
-        payload=b"",
-    )
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:

@@ -19,7 +19,7 @@ from service.sharing import Whole
 from storage import baselines, disk, identifications, jobs, machines, retention, runs
 from storage.database import Database
 from storage.disk import DiskUse
-from storage.tables import RunRow, SampleBlockRow
+from storage.tables import CollectorRow, RunRow, SampleBlockRow
 from tests.asking import Api, problem
 from tests.conftest import Stores
 from tests.databases import Kind
@@ -101,6 +101,21 @@ def test_old_blocks_go_in_small_transactions(plant: Database, journal: Journal, 
     assert done.released_blocks == DAYS - 31
     with plant.reading() as session:
         assert machines.get(session, KEY.machine).blocks_since == START + (DAYS - 32) * DAY_NS + 9 * SECOND + 1
+
+
+def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Database, journal: Journal) -> None:
+    with plant.transaction() as session:
+        machines.create(session, machine(id="a-fan"))
+    for day in (0, DAYS):
+        one = batch([0.0] * 10, machine="a-fan", sequence=day, start=START + day * DAY_NS)
+        journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
+    feed(journal, 0, DAYS)
+    with plant.transaction() as session:
+        session.get_one(CollectorRow, "a-fan").state = {"revision": 1, "seen": "yesterday", "late": "never"}
+    keeping = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    with pytest.raises(IndexError):
+        keeping.round()
+    assert keeping.released_blocks == DAYS - 31
 
 
 def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: Journal) -> None:

@@ -21,7 +21,7 @@ from estimator.machine import Condition, Machine, Operation
 from service import engines, worker
 from service.identifying import Identifying
 from service.settings import Settings
-from storage import derived, identifications, jobs, limits, machines, runs
+from storage import derived, identifications, jobs, limits, machines, quarantine, runs
 from storage.database import Database
 from tests.identification import chapter_3, close_run, counts
 from tests.plant import wait_until
@@ -348,3 +348,22 @@ def test_newest_runs_are_identified_together_on_schedule(database: Database, tra
     with database.reading() as session:
         again, _ = identifications.of_machine(session, train.id)
         assert (again.run_ids, again.samples) == (wanted[1:], 100 + fewer)
+
+
+def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def confused(*_: Any, **__: Any) -> None:
+        raise ZeroDivisionError("a fault of ours")
+
+    monkeypatch.setattr("service.identifying.watching.judge", confused)
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database):
+        wait_until(lambda: counts(database) == {"done": 1})
+    with database.reading() as session:
+        (stored,) = identifications.of_machine(session, train.id)
+        (told,) = quarantine.newest(session, reason="unexpected_error", machine_id=train.id, limit=9)
+    assert told.key == f"identification {stored.id}"
+    assert "ZeroDivisionError: a fault of ours" in told.detail
