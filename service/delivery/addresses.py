@@ -8,12 +8,14 @@ changes between check and use gains nothing.
 import asyncio
 import ipaddress
 import socket
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass
 
 from yarl import URL
 
-LOOK_UPS = ThreadPoolExecutor(8, thread_name_prefix="look-up")
+from service.delivery.daemon_threads import DaemonThreads
+
+LOOK_UPS = DaemonThreads(8, name="look-up")
 """Of their own: while no name server answers, each takes up its thread for many seconds."""
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
@@ -81,16 +83,24 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     return Target(url.with_host(str(addresses[0])), name, url.authority)
 
 
+_under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
+"""A name is looked up once at a time, however many deliveries go there: one that hangs takes up one thread."""
+
+
 async def _found(name: str, port: int | None) -> list[str]:
     """All addresses of a host. One that is given by its address waits for no name server."""
-
-    def ask(flags: socket.AddressInfo | int) -> list[str]:
-        return [str(one[4][0]) for one in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM, flags=flags)]
-
     try:
-        return ask(socket.AI_NUMERICHOST)
+        return _asked(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
-        return await asyncio.get_running_loop().run_in_executor(LOOK_UPS, ask, 0)
+        answer = _under_way.get((name, port))
+        if answer is None or answer.done():
+            answer = _under_way[name, port] = LOOK_UPS.submit(_asked, name, port)
+            answer.add_done_callback(lambda _: _under_way.pop((name, port), None))
+        return await asyncio.shield(asyncio.wrap_future(answer))
+
+
+def _asked(name: str, port: int | None, flags: int = 0) -> list[str]:
+    return [str(one[4][0]) for one in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM, flags=flags)]
 
 
 def _address(text: str) -> Address:

@@ -3,17 +3,17 @@
 import asyncio
 import smtplib
 import ssl
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from email.message import EmailMessage
 
 from service.delivery.channel import Message, Outcome
 from service.delivery.cloud_event import event_id
+from service.delivery.daemon_threads import DaemonThreads
 from service.settings import Settings
 
 TIMEOUT_S = 15.0
 """For each step of the conversation with the server."""
-MAILING = ThreadPoolExecutor(8, thread_name_prefix="mail")
+MAILING = DaemonThreads(8, name="mail")
 """Threads of their own: a server that hangs takes up all of them."""
 
 

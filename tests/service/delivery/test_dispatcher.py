@@ -140,7 +140,7 @@ def test_name_servers_that_do_not_answer_delay_nobody_who_is_given_by_address(
     named = subscribe(plant, f"http://localhost:{http.port}/ok", name="named")
     addressed = subscribe(plant, http.url("/ok"), name="addressed")
     answered = threading.Event()
-    taken = [addresses.LOOK_UPS.submit(answered.wait, 30.0) for _ in range(addresses.LOOK_UPS._max_workers)]
+    taken = [addresses.LOOK_UPS.submit(answered.wait, 30.0) for _ in range(addresses.LOOK_UPS.count)]
     try:
         with delivering(plant, network):
             raise_one(plant, found, machine())
