@@ -21,7 +21,6 @@ class BackupWatch:
     def __init__(self, folder: str) -> None:
         self._folder = folder
         self._newest: datetime | None = None
-        self._looked = False
         self._stop = threading.Event()
 
     def start(self) -> None:
@@ -35,8 +34,8 @@ class BackupWatch:
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric: without end where there is no backup."""
-        if not self._looked:
+        """Figures for a monitoring system, by the name of the metric: without end where none was seen."""
+        if not self._folder:
             return {}
         age = math.inf if self._newest is None else (datetime.now(UTC) - self._newest).total_seconds()
         return {"rundown_backup_age_seconds": age}
@@ -49,4 +48,3 @@ class BackupWatch:
                 self._newest = newest_in(Path(self._folder))
             except OSError as error:
                 logger.warning("backups in %s cannot be looked at: %s", self._folder, error)
-            self._looked = True

@@ -64,11 +64,17 @@ def sweep_samples(session: Session, machine: Machine, row: RunRow, *, first: int
         largest=LARGEST_READ,
         damaged=damaged,
     )
-    if damaged:
-        of = f"run {row.id}"
-        quarantine.add(session, [own_fault("damaged_block", of=of, machine_id=machine.id, detail=words) for words in damaged])
+    tell_damaged(session, row, damaged)
     inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))
     return _captured(machine, _once(found.pick(inside)))
+
+
+def tell_damaged(session: Session, row: RunRow, damaged: list[str]) -> None:
+    """Blocks that a run is without, though their samples were stored once."""
+    of, known = f"run {row.id}", dict.fromkeys(damaged)
+    if known:
+        told = [own_fault("damaged_block", of=of, machine_id=row.machine_id, detail=words) for words in known]
+        quarantine.add(session, told)
 
 
 def _captured(machine: Machine, held: Samples) -> Samples:

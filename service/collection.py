@@ -15,7 +15,7 @@ from estimator.machine import Machine
 from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance, silence
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.speed_bins import ROLLING, SpeedBins, filled
-from service.closing import close_sweep, close_with
+from service.closing import close_sweep, close_with, tell_damaged
 from service.late import Window, noted, settle
 from storage import machines, runs, samples
 from storage.blocks import Samples
@@ -222,13 +222,22 @@ def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, 
     if now.bins.coverage < rules.coverage:
         return
     # Its samples may be gone where the document's recency is longer than the store's.
-    held = samples.at(session, machine.id, revision=now.revision, channels=len(machine.probes), times=now.bins.all_times)
+    damaged: list[str] = []
+    held = samples.at(
+        session,
+        machine.id,
+        revision=now.revision,
+        channels=len(machine.probes),
+        times=now.bins.all_times,
+        damaged=damaged,
+    )
     if len(held):
         began = int(held.time[0])
         row = runs.open_run(
             session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=began
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
+        tell_damaged(session, row, damaged)
         close_with(session, machine, row, held, reason=reason)
     # The next run shares no sample with this one: what is compared later must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

@@ -152,6 +152,17 @@ class Healing:
         for one in asked:
             one.clear()
 
+    def leave(self, machine: str) -> None:
+        """Nothing of a machine is taken any more: what waits for its logs' answers is theirs again."""
+        by_source: tuple[dict[SourceKey, Any], ...] = self.waiting, self._replays, self._recalls
+        for known in by_source:
+            for source in [source for source in known if source.machine_id == machine]:
+                del known[source]
+        for key in [key for key in self._discoveries if key.machine == machine]:
+            del self._discoveries[key]
+        for quiet in [quiet for quiet in self._quiet if quiet[0].machine == machine]:
+            del self._quiet[quiet]
+
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, or let it wait for what is missing before it."""
         source = source_key(arrived.batch)

@@ -15,7 +15,7 @@ from estimator.identification import Options
 from estimator.machine import parse_machine
 from service import requesting, watching, worker
 from service.engines import EngineAway, engine
-from service.own_faults import unexpected
+from service.own_faults import concerns_all, unexpected
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
 from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
@@ -221,9 +221,9 @@ class Identifying:
         try:
             with session.begin_nested():
                 watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
-        except DBAPIError:
-            raise  # of the database, which is tried again as a whole
         except Exception as error:
+            if concerns_all(error):
+                raise  # it is tried again as a whole
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
             of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
             quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])

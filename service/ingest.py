@@ -9,12 +9,14 @@ from dataclasses import replace
 
 import msgspec
 import zenoh
-from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, TimeoutError
 
 from service.bounded import Bounded
 from service.healing import Healing
 from service.inbox import Inbox, Message
-from service.journal import LARGEST_GAP, Arrived, Journal, Outcome, concerns_all
+from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
+from service.own_faults import concerns_all
+from service.putting_off import PutOff
 from service.sharing import Share, Whole, lease_of
 from service.submissions import NotStoring, Submission, Submissions
 from service.wire import (
@@ -55,6 +57,8 @@ STALLED_S = 5.0
 """A cycle that lasts longer waits for the database, and the service is not ready."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
+FREE_FAILURES = 2
+"""So often in a row a machine may meet an unforeseen error before it is put off."""
 
 
 class Ingest:
@@ -84,15 +88,18 @@ class Ingest:
             missing=journal.missing,
             read=self._read_reply,
             take=self._take,
-            owns=self._share.owns,
+            owns=self._takes,
         )
         self._inbox = Inbox()
-        self._arrived: list[Arrived] = []
-        self._promises: list[Future[Outcome] | None] = []  # one for each that has arrived
-        self._apart = False  # whether what has arrived is to be stored one by one
+        self._held: dict[int, tuple[Arrived, Future[Outcome] | None]] = {}  # what is to be stored, by a running number
+        self._count = 0  # of all that were held
+        self._apart = False  # whether what is held is to be stored one by one
+        self._put_off = PutOff(free=FREE_FAILURES)  # machines
+        self._errors = 0  # that nobody foresaw, in a row
         self._refused: list[tuple[Future[Outcome], Rejected]] = []
         self._rejections: list[Rejection] = []
         self._trouble: str | None = None
+        self._unchecked: str | None = None  # why what is done now and then was not done
         self._began = time.monotonic()  # the cycle
 
     def start(self) -> None:
@@ -118,7 +125,7 @@ class Ingest:
         lasts = time.monotonic() - self._began
         if self._trouble is None and lasts > STALLED_S and self.alive:
             return f"storing has not ended for {lasts:.0f} s"
-        return self._trouble
+        return self._trouble or self._unchecked
 
     @trouble.setter
     def trouble(self, words: str | None) -> None:
@@ -144,24 +151,23 @@ class Ingest:
                     self._one_by_one()
                 count = self._cycle()
                 if time.monotonic() >= next_check and not stopping:
-                    self._healing.check_tails(quiet_s=TAIL_CHECK_S)
-                    alive = {key.machine for key in self._healing.live}
-                    self._journal.close_silent(silence_s=self._silence_s, alive=alive)
                     next_check = time.monotonic() + TAIL_CHECK_S
+                    self._check()
                 self.trouble = self._submissions.trouble = None
+                self._errors = 0
             except NotHeld as error:
                 logger.warning("machines were taken over by another replica: %s", error)
                 self._leave(error.names)
                 self._stop.wait(CYCLE_S)
                 continue
             except (DataError, IntegrityError) as error:
-                logger.error("the database cannot hold something of %d messages: %s", len(self._arrived), error.orig)
+                logger.error("the database cannot hold something of %d messages: %s", len(self._held), error.orig)
                 self._apart = True
                 continue
-            except DBAPIError as error:
+            except (DBAPIError, TimeoutError) as error:
                 # What was received stays in memory and in the queue until the database takes it.
-                self.trouble = self._submissions.trouble = str(error.orig)
-                logger.error("samples cannot be stored, trying again: %s", error.orig)
+                self.trouble = self._submissions.trouble = _words(error)
+                logger.error("samples cannot be stored, trying again: %s", self.trouble)
                 self._break_promises(NotStoring(self.trouble))
                 self._expected.clear()
                 if stopping:
@@ -170,18 +176,36 @@ class Ingest:
                 continue
             except Exception:
                 # One message must never end the ingest of all others.
-                self.trouble = "unexpected error; the log has it"
-                logger.exception("unexpected error in ingest; %d messages are stored one by one", len(self._arrived))
-                self._expected.clear()
-                if stopping and self._apart:
-                    return
+                logger.exception("unexpected error in ingest; %d messages are stored one by one", len(self._held))
                 self._apart = True
-                self._stop.wait(RETRY_S)
+                self._errors += 1
+                if self._errors > 1:  # storing one by one was no help
+                    self.trouble = "unexpected error; the log has it"
+                    if stopping:
+                        self._break_promises(NotStoring(self.trouble))
+                        return
+                    self._stop.wait(RETRY_S)
                 continue
             if stopping and count == 0:
                 return
             if count == 0 or (count < BACKLOG and not self._healing.asking):
                 self._submissions.wait(HEALING_CYCLE_S if self._healing.asking else CYCLE_S)
+
+    def _check(self) -> None:
+        """What is done now and then; samples are stored though it fails."""
+        try:
+            self._healing.check_tails(quiet_s=TAIL_CHECK_S)
+            alive = {key.machine for key in self._healing.live}
+            self._journal.close_silent(silence_s=self._silence_s, alive=alive)
+            self._unchecked = None
+        except NotHeld:
+            raise
+        except (DBAPIError, TimeoutError) as error:
+            self._unchecked = f"runs cannot be closed: {_words(error)}"
+            logger.error("runs cannot be closed, trying again: %s", _words(error))
+        except Exception:
+            self._unchecked = "unexpected error; the log has it"
+            logger.exception("unexpected error while logs are asked and runs are closed, trying again")
 
     def _cycle(self) -> int:
         """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
@@ -204,7 +228,7 @@ class Ingest:
             taken += 1
             try:
                 self._admit(message)
-            except DBAPIError:
+            except (DBAPIError, TimeoutError):
                 self._inbox.put_back(message)
                 raise
             self._journal.give_way()
@@ -214,27 +238,30 @@ class Ingest:
             try:
                 self._submit(submission)
             except Exception as error:
-                submission.promise.set_exception(NotStoring(str(error.orig)) if isinstance(error, DBAPIError) else error)
+                submission.promise.set_exception(NotStoring(_words(error)) if concerns_all(error) else error)
                 raise
         replayed = self._healing.collect(LARGEST_CYCLE)
         self._store()
         return taken + submitted + replayed
 
     def _store(self) -> None:
-        if self._arrived or self._rejections:
-            outcomes = self._journal.store(self._arrived, self._rejections)
-            for promise, outcome in zip(self._promises, outcomes, strict=True):
+        if self._held or self._rejections:
+            outcomes = self._journal.store([arrived for arrived, _ in self._held.values()], self._rejections)
+            for (_, promise), outcome in zip(self._held.values(), outcomes, strict=True):
                 if promise is not None:
                     promise.set_result(outcome)
-            self._promises.clear()
-            self._arrived.clear()
+            if self._put_off:
+                for arrived, _ in self._held.values():
+                    self._put_off.succeeded(arrived.batch.machine)
+            self._held.clear()
             self._rejections.clear()
         for promise, rejected in self._refused:
             promise.set_exception(rejected)
         self._refused.clear()
 
     def _one_by_one(self) -> None:
-        """Store each message by itself; one that cannot be stored is put aside, and stops nothing.
+        """Store each message by itself; one that cannot be stored is put aside, and stops nothing. Of the machines of which
+        nothing could be stored, those that failed before are put off.
 
         Raises what concerns all of them; what is not yet stored is then tried again.
         """
@@ -245,19 +272,39 @@ class Ingest:
                 raise
             logger.exception("%d rejections cannot be kept", len(self._rejections))
         self._rejections.clear()
-        while self._arrived:
-            one, promise = self._arrived[0], self._promises[0]
+        stored, failed = set[str](), set[str]()
+        for number, (one, promise) in list(self._held.items()):
             try:
                 outcome = self._stored_alone(one)
             except Exception as error:
                 if concerns_all(error):
                     raise
                 self._put_aside(one, error, promise)
+                if not isinstance(error, DBAPIError):
+                    failed.add(one.batch.machine)
             else:
+                stored.add(one.batch.machine)
                 if promise is not None:
                     promise.set_result(outcome)
-            del self._arrived[0], self._promises[0]
+            del self._held[number]
         self._apart = False
+        for machine in stored:
+            self._put_off.succeeded(machine)
+        for machine in failed - stored:
+            self._put_machine_off(machine)
+
+    def _put_machine_off(self, machine: str) -> None:
+        """Nothing of it is taken for a while, lest it hold up all others again and again; its sources' logs have it."""
+        pause = self._put_off.failed(machine)
+        if pause:
+            logger.error("%s: nothing of it could be stored again; it is left to its sources' logs for %.0f s", machine, pause)
+            self._healing.leave(machine)
+            for source in [source for source in self._expected if source.machine_id == machine]:
+                del self._expected[source]
+
+    def _takes(self, machine: str) -> bool:
+        """Whether a machine's samples are stored here, now."""
+        return self._share.owns(machine) and self._put_off.is_due(machine)
 
     def _put_aside(self, one: Arrived, error: Exception, promise: Future[Outcome] | None) -> None:
         answer: Exception
@@ -283,12 +330,10 @@ class Ingest:
 
     def _leave(self, names: Collection[str]) -> None:
         """Drop what is another replica's to store: it fetches it from the sources' logs."""
-        arrived, promises = self._arrived, self._promises
-        self._arrived, self._promises = [], []
-        for one, promise in zip(arrived, promises, strict=True):
+        held, self._held = self._held, {}
+        for number, (one, promise) in held.items():
             if lease_of(one.batch.machine) not in names:
-                self._arrived.append(one)
-                self._promises.append(promise)
+                self._held[number] = one, promise
             elif promise is not None:
                 promise.set_exception(NotStoring("another replica takes this machine's samples now"))
         self._expected.clear()
@@ -296,12 +341,13 @@ class Ingest:
 
     def _break_promises(self, error: Exception) -> None:
         """Say to all who wait that what they sent is not known to be durable."""
-        waiting = [*filter(None, self._promises), *(promise for promise, _ in self._refused)]
+        waiting = [promise for _, promise in self._held.values() if promise is not None]
+        waiting += [promise for promise, _ in self._refused]
         while (submission := self._submissions.take()) is not None:
             waiting.append(submission.promise)
         for promise in waiting:
             promise.set_exception(error)
-        self._promises = [None] * len(self._arrived)
+        self._held = {number: (one, None) for number, (one, _) in self._held.items()}
         self._refused.clear()
 
     def _answer(self, question: zenoh.Query) -> None:
@@ -318,6 +364,10 @@ class Ingest:
     def _submit(self, submission: Submission) -> None:
         """Queue a batch that came over HTTP: its source keeps no log, so nothing is asked for that may be missing."""
         received_at = now()
+        if not self._put_off.is_due(submission.machine):
+            words = f"unexpected errors with machine '{submission.machine}'; it is tried again later"
+            submission.promise.set_exception(NotStoring(words))
+            return
         where = f"POST /api/v1/machines/{submission.machine}/samples"
         try:
             require_size(len(submission.body))
@@ -342,7 +392,7 @@ class Ingest:
             if self._share.owns(message.key):
                 self._refuse(message, None, rejected)
             return
-        if not self._share.owns(key.machine):
+        if not self._takes(key.machine):
             return
         arrived = self._read(key, message)
         if arrived is not None:
@@ -396,8 +446,8 @@ class Ingest:
         batch, source = arrived.batch, source_key(arrived.batch)
         if batch.sequence - self._next(source) <= LARGEST_GAP:
             self._expected[source] = max(self._next(source), batch.sequence + len(batch.time_ns))
-        self._arrived.append(arrived)
-        self._promises.append(promise)
+        self._held[self._count] = arrived, promise
+        self._count += 1
 
     def _require_machine(self, key: Key) -> None:
         plant = self._journal.plant_of(key.machine)
@@ -410,3 +460,8 @@ class Ingest:
         if source not in self._expected:
             self._expected[source] = self._journal.next_sequence(source)
         return self._expected[source]
+
+
+def _words(error: Exception) -> str:
+    """What the database said, or what said that there is none."""
+    return str(getattr(error, "orig", None) or error)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
@@ -20,14 +19,13 @@ from service.bounded import Bounded
 from service.collection import Collector
 from service.giving_way import GivingWay
 from service.order import Order
-from service.own_faults import unexpected
+from service.own_faults import concerns_all, unexpected
 from service.putting_off import PutOff
 from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
 from storage.database import Database
-from storage.leases import NotHeld
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import SourceRow
@@ -318,12 +316,6 @@ def _advance(
     row.next_sequence = max(row.next_sequence, batch.sequence + taken.size)
     if new.size:
         row.last_time = int(new[-1])
-
-
-def concerns_all(error: BaseException) -> bool:
-    """Whether an error is the database's, or of who may write to it: another message would fail as well."""
-    of_one = isinstance(error, DataError | IntegrityError)
-    return isinstance(error, NotHeld | DBAPIError) and not of_one
 
 
 def _rejection(one: Arrived, reason: str, detail: str) -> Rejection:

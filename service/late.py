@@ -7,6 +7,7 @@ twice as long for more: samples that trickle in over a day cost a dozen identifi
 """
 
 import logging
+from collections.abc import Sequence
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -15,7 +16,7 @@ from estimator.machine import Machine
 from estimator.operating_state import OperatingLimits, OperatingState, advance, silence
 from estimator.segmentation import RunEnded, RunKind
 from estimator.speed_bins import ROLLING
-from service.closing import LARGEST_READ, close_sweep
+from service.closing import LARGEST_READ, close_sweep, tell_damaged
 from storage import machines, runs, samples
 from storage.clock import now
 from storage.tables import RunRow
@@ -87,10 +88,7 @@ def _settled(session: Session, machine_id: str, window: Window, patience_s: floa
     if any(row.state == runs.OPEN or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return False
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
-        # Made anew from the blocks that are left, it would lose what it has.
-        for row in beside:
-            runs.leave_out(row, count)
-        logger.warning("%s: %d samples came too late for their run, whose blocks were let go of", machine_id, count)
+        _leave_out(beside, count, "were let go of")
         return True
     begin = min([first, *(row.time_first for row in beside)]) - BESIDE
     end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
@@ -98,8 +96,14 @@ def _settled(session: Session, machine_id: str, window: Window, patience_s: floa
     def concerned(start: int, stop: int) -> bool:
         return start - before <= last and stop >= first
 
+    damaged: list[str] = []
+    sweeps = _sweeps(session, machine, revision, begin, end, damaged)
+    if beside and damaged:
+        _leave_out(beside, count, "cannot all be read any more")
+        tell_damaged(session, beside[0], damaged)
+        return True
     left = list(beside)
-    for sweep, direction in _sweeps(session, machine, revision, begin, end):
+    for sweep, direction in sweeps:
         if not concerned(sweep.start, sweep.time):
             continue
         known = [row for row in left if row.kind == sweep.kind and _overlap(row, sweep)]
@@ -116,6 +120,13 @@ def _settled(session: Session, machine_id: str, window: Window, patience_s: floa
         if concerned(same.start, same.time):
             _reopen(session, machine, row, same)
     return True
+
+
+def _leave_out(beside: Sequence[RunRow], count: int, words: str) -> None:
+    """Made anew from the blocks that are left, runs would lose what they have."""
+    for row in beside:
+        runs.leave_out(row, count)
+    logger.warning("%s: %d samples came too late for their run, whose blocks %s", beside[0].machine_id, count, words)
 
 
 def _holds(row: RunRow, first: int, last: int) -> bool:
@@ -138,10 +149,21 @@ def _overlap(row: RunRow, sweep: RunEnded) -> bool:
     return _holds(row, sweep.start, sweep.time)
 
 
-def _sweeps(session: Session, machine: Machine, revision: int, begin: int, end: int) -> list[tuple[RunEnded, int]]:
-    """The sweeps between two times [ns] as the store now tells them, each with its sense of rotation."""
+def _sweeps(
+    session: Session, machine: Machine, revision: int, begin: int, end: int, damaged: list[str]
+) -> list[tuple[RunEnded, int]]:
+    """The sweeps between two times [ns] as the store now tells them, each with its sense of rotation. damaged: gets what is
+    wrong with blocks that are left out.
+    """
     held = samples.between(
-        session, machine.id, revision=revision, channels=len(machine.probes), first=begin, last=end, largest=LARGEST_READ
+        session,
+        machine.id,
+        revision=revision,
+        channels=len(machine.probes),
+        first=begin,
+        last=end,
+        largest=LARGEST_READ,
+        damaged=damaged,
     )
     _, first = np.unique(held.time, return_index=True)
     held = held.pick(first)

@@ -7,22 +7,30 @@ LONGEST_PAUSE_S = 3600.0
 
 
 class PutOff:
-    """Which of many, by name, must wait before they are tried again."""
+    """Which of many, by name, must wait before they are tried again. free: so many failures in a row cost no pause."""
 
-    def __init__(self) -> None:
-        self._waiting: dict[str, tuple[float, float]] = {}  # until when, and the pause before that
+    def __init__(self, *, free: int = 0) -> None:
+        self._free = free
+        self._failures: dict[str, int] = {}  # in a row
+        self._until: dict[str, float] = {}
+
+    def __len__(self) -> int:
+        """How many failed when they were last tried."""
+        return len(self._failures)
 
     def is_due(self, name: str) -> bool:
         """Whether it may be tried."""
-        return name not in self._waiting or self._waiting[name][0] <= time.monotonic()
+        return self._until.get(name, 0.0) <= time.monotonic()
 
     def failed(self, name: str) -> float:
         """It waits. Returns how long [s]."""
-        _, before = self._waiting.get(name, (0.0, FIRST_PAUSE_S / 2.0))
-        pause = min(2.0 * before, LONGEST_PAUSE_S)
-        self._waiting[name] = time.monotonic() + pause, pause
+        count = self._failures[name] = self._failures.get(name, 0) + 1
+        doublings = count - self._free - 1
+        pause = 0.0 if doublings < 0 else min(FIRST_PAUSE_S * 2.0 ** min(doublings, 30), LONGEST_PAUSE_S)
+        self._until[name] = time.monotonic() + pause
         return pause
 
     def succeeded(self, name: str) -> None:
         """It need not wait any more."""
-        self._waiting.pop(name, None)
+        self._failures.pop(name, None)
+        self._until.pop(name, None)

@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -68,7 +68,7 @@ def newest_in(folder: Path) -> datetime | None:
             try:
                 one = Backup(**json.loads(description.read_text()))
                 if one.size == file.stat().st_size:
-                    found.append(datetime.fromisoformat(one.made_at))
+                    found.append(datetime.fromisoformat(one.made_at).astimezone(UTC))
             except (ValueError, TypeError):
                 continue  # no backup's
     return max(found, default=None)

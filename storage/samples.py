@@ -108,8 +108,19 @@ def between(
     return _by_time(parts, channels)
 
 
-def at(session: Session, machine_id: str, *, revision: int, channels: int = 0, times: Sequence[int]) -> Samples:
-    """Samples of one revision at these times [ns], ascending; where several sources tell of an instant, one of them."""
+def at(
+    session: Session,
+    machine_id: str,
+    *,
+    revision: int,
+    channels: int = 0,
+    times: Sequence[int],
+    damaged: list[str] | None = None,
+) -> Samples:
+    """Samples of one revision at these times [ns], ascending; where several sources tell of an instant, one of them.
+
+    damaged: as of `between`.
+    """
     parts: list[Samples] = []
     waiting = list(reversed(times))
     while waiting:
@@ -120,7 +131,7 @@ def at(session: Session, machine_id: str, *, revision: int, channels: int = 0, t
             .where(SampleBlockRow.time_last >= moment, SampleBlockRow.time_first <= moment)
             .order_by(SampleBlockRow.id)
         )
-        for block in _readable(machine_id, session.execute(query)):
+        for block in _readable(machine_id, session.execute(query), damaged):
             which = np.flatnonzero(block.time == moment)
             if which.size:
                 parts.append(block.pick(which[:1]))

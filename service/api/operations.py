@@ -12,7 +12,7 @@ from service.api.access import Reading, database, moment, principal
 from service.api.paging import ById, BySource
 from service.api.times import Time
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
-from service.wire import Reason
+from service.wire import OwnFault, Reason
 from storage import quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.database import Database
@@ -103,7 +103,7 @@ def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
 
-WhichReason = Annotated[Reason | None, Query(description="only entries with this reason")]
+WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entries with this reason")]
 
 
 @router.get("/quarantine", operation_id="read_quarantine", dependencies=[VIEWER])

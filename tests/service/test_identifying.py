@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import psutil
 import pytest
-from sqlalchemy.exc import OperationalError
+from sqlalchemy.exc import IntegrityError, OperationalError
 
 from estimator.machine import Condition, Machine, Operation
 from service import engines, worker
@@ -23,6 +23,7 @@ from service.identifying import Identifying
 from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, quarantine, runs
 from storage.database import Database
+from tests.asking import Api
 from tests.identification import chapter_3, close_run, counts
 from tests.plant import wait_until
 
@@ -350,11 +351,16 @@ def test_newest_runs_are_identified_together_on_schedule(database: Database, tra
         assert (again.run_ids, again.samples) == (wanted[1:], 100 + fewer)
 
 
+CONFUSED = ZeroDivisionError("a fault of ours")
+REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database does not take"))
+
+
+@pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
 def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
-    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, error: Exception
 ) -> None:
     def confused(*_: Any, **__: Any) -> None:
-        raise ZeroDivisionError("a fault of ours")
+        raise error
 
     monkeypatch.setattr("service.identifying.watching.judge", confused)
     with database.transaction() as session:
@@ -366,4 +372,5 @@ def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_tol
         (stored,) = identifications.of_machine(session, train.id)
         (told,) = quarantine.newest(session, reason="unexpected_error", machine_id=train.id, limit=9)
     assert told.key == f"identification {stored.id}"
-    assert "ZeroDivisionError: a fault of ours" in told.detail
+    assert type(error).__name__ in told.detail
+    assert Api(database).value("/quarantine", reason="unexpected_error")["entries"][0]["key"] == told.key

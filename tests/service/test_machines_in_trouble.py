@@ -7,6 +7,7 @@ from sqlalchemy import select, text
 from sqlalchemy.exc import DBAPIError
 
 from service import putting_off
+from service.collection import Collector
 from service.journal import Journal
 from service.putting_off import LONGEST_PAUSE_S, PutOff
 from storage import jobs, machines, quarantine, runs
@@ -108,3 +109,33 @@ def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
     waiting.succeeded("pump-7")
     assert waiting.is_due("pump-7")
     assert waiting.failed("pump-7") == 10.0
+
+
+def test_failures_may_be_free() -> None:
+    waiting = PutOff(free=2)
+    assert [waiting.failed("pump-7") for _ in range(4)] == [0.0, 0.0, 10.0, 20.0]
+    assert len(waiting) == 1
+    waiting.succeeded("pump-7")
+    assert len(waiting) == 0
+    assert waiting.failed("pump-7") == 0.0
+
+
+def test_a_late_sample_takes_nothing_from_a_run_whose_blocks_were_damaged(plant: Database) -> None:
+    journal = Journal(plant, Collector(late_s=0.0))
+    coast_down(journal, "pump-7", last=10)
+    coast_down(journal, "pump-7", first=11, last=42)
+    run = run_of(plant, "pump-7")
+    assert (run.state, run.count) == (runs.CLOSED, 39)
+    with plant.transaction() as session:
+        row = session.scalars(select(SampleBlockRow).order_by(SampleBlockRow.id)).first()
+        assert row is not None
+        row.data = row.data[:-1]
+    coast_down(journal, "pump-7", first=10, last=11)
+    journal.close_silent(silence_s=3600.0)
+    kept = run_of(plant, "pump-7")
+    assert (kept.state, kept.count, kept.times_reopened) == (runs.CLOSED, 39, None)
+    with plant.reading() as session:
+        held = runs.samples(session, kept.id)
+    assert held is not None
+    assert len(held) == 39
+    assert [one.reason for one in rejections(plant)] == ["damaged_block"]

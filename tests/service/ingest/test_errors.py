@@ -1,6 +1,7 @@
 """Errors that nobody foresaw, and a database that goes away at the worst moment: one message's trouble is its own, what was
 received stays, and whoever waits gets an answer."""
 
+import time
 from concurrent.futures import Future
 from contextlib import ExitStack
 
@@ -10,6 +11,7 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service import healing as healing_module
 from service import ingest as ingest_module
+from service import putting_off
 from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Arrived, Journal, Outcome
@@ -50,6 +52,40 @@ def test_what_meets_an_unforeseen_error_is_put_aside_and_stops_nothing(
     assert {(row.machine_id, row.received) for row in rows(plant)} == {("pump-7", 5), ("pump-8", 5)}
     assert ingest.alive
     wait_until(lambda: ingest.trouble is None)
+
+
+def test_a_machine_that_fails_again_and_again_is_put_off_and_caught_up_with(
+    plant: Database, ingest: Ingest, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its messages wait in its source's log: nothing is lost, and nobody else is held up by it."""
+    monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
+    with plant.transaction() as session:
+        machines.create(session, machine(id="pump-8"))
+    wait_until(lambda: heard(client))
+    edge.publish(5)
+    wait_until(lambda: received(plant) == 5)
+    with plant.transaction() as session:
+        standing = session.get_one(CollectorRow, KEY.machine).state
+    spoil(plant, KEY.machine)
+    put_off: list[str] = []
+    leave = ingest._healing.leave
+
+    def noted(name: str) -> None:
+        put_off.append(name)
+        leave(name)
+
+    monkeypatch.setattr(ingest._healing, "leave", noted)
+    while not put_off:
+        edge.publish(1)
+        time.sleep(0.15)
+    assert edge.source.sequence < 30
+    with plant.transaction() as session:
+        session.get_one(CollectorRow, KEY.machine).state = standing
+    put_batch(client, 0, 5, machine="pump-8")
+    edge.publish(3)
+    wait_until(lambda: received(plant) == 5 + edge.source.sequence)
+    assert counts_of(plant, KEY.machine) == (edge.source.sequence, edge.source.sequence)
+    assert 3 <= rejected(plant)["unexpected_error"] <= edge.source.sequence
 
 
 class Failing(Journal):
@@ -144,6 +180,12 @@ def test_a_batch_that_was_in_hand_when_the_database_went_away_is_answered(router
         running(router, Blind(plant, Collector()), submissions, until)
         with pytest.raises(NotStoring, match="went away"):
             submissions.offer(KEY.machine, encode_body(batch(), MESSAGEPACK), MESSAGEPACK).result(10.0)
+
+
+def counts_of(database: Database, name: str) -> tuple[int, int]:
+    """Next sequence and received of a machine's only source."""
+    (row,) = (row for row in rows(database) if row.machine_id == name)
+    return row.next_sequence, row.received
 
 
 def received_of(database: Database) -> dict[str, tuple[int, int]]:
