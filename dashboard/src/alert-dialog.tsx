@@ -2,7 +2,7 @@
 import { DEEDS, type Deed } from "./alert-words";
 import { MOST_EVENTS } from "./alerts-at";
 import type { Alert, AlertEvent } from "./answers";
-import { Failure, get, getToChange, post } from "./api";
+import { Failure, get, getToChange, post, type Attempt } from "./api";
 import { AskDialog, Comment } from "./ask-dialog";
 import { refresh } from "./resource";
 
@@ -15,7 +15,7 @@ const HOURS: [number, string][] = [
   [719, "30 days, the longest"],
 ];
 
-async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>): Promise<void> {
+async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>, attempt: Attempt): Promise<void> {
   // The tag is that of the alert as it is now: if it is no longer what was shown, the service's answer says what it has become.
   const [now, etag] = await getToChange<Alert>(`/alerts/${alert.id}`);
   if (deed !== "comments" && now.state !== alert.state) {
@@ -25,15 +25,16 @@ async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>):
   if (deed !== "comments" && now.severity !== alert.severity) {
     throw new Failure(409, `It is of severity ${now.severity} meanwhile, no longer ${alert.severity}. Look again.`);
   }
-  await post(`/alerts/${alert.id}/${deed}`, said, etag);
+  // A deed can be undone, and is done anew then: only a comment must not be there twice.
+  await post(`/alerts/${alert.id}/${deed}`, said, etag, deed === "comments" ? attempt : undefined);
 }
 
 export function AlertDialog({ alert, deed, onClose }: { alert: Alert; deed: Deed; onClose: () => void }) {
-  const submit = async (form: FormData) => {
+  const submit = async (form: FormData, attempt: Attempt) => {
     const said: Record<string, string> = { by: String(form.get("by")).trim(), comment: String(form.get("comment") ?? "") };
     if (deed === "shelve") said.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
     try {
-      await carryOut(alert, deed, said);
+      await carryOut(alert, deed, said, attempt);
     } finally {
       refresh("/alerts");
       refresh("/fleet");

@@ -65,24 +65,22 @@ export async function getToChange<T>(path: string): Promise<[T, string | null]> 
   return [await read<T>(response), response.headers.get("etag")];
 }
 
-/** By what was asked: the keys of posts that may have been carried out though no answer came. */
-const keys = new Map<string, string>();
+/** One attempt of a person, by what was asked: the keys of posts that may have been carried out though no answer came. */
+export type Attempt = Map<string, string>;
 
 function newKey(): string {
   return [...crypto.getRandomValues(new Uint32Array(4))].map((one) => one.toString(16)).join("-");
 }
 
-/** What is asked again after no answer came goes under the key of before, and is done once. */
-export async function post<T>(path: string, body: unknown, etag: string | null = null): Promise<T> {
+/** What is asked again in the same attempt after no answer came goes under the key of before, and is done once. */
+export async function post<T>(path: string, body: unknown, etag: string | null = null, attempt: Attempt = new Map()): Promise<T> {
   const asked = path + JSON.stringify(body);
-  const key = keys.get(asked) ?? newKey();
-  keys.set(asked, key);
+  const key = attempt.get(asked) ?? newKey();
+  attempt.set(asked, key);
   try {
-    const answer = await send<T>("POST", path, body, etag, { "idempotency-key": key });
-    keys.delete(asked);
-    return answer;
+    return await send<T>("POST", path, body, etag, { "idempotency-key": key });
   } catch (error) {
-    if (error instanceof Failure && error.status > 0 && !error.late) keys.delete(asked);
+    if (error instanceof Failure && error.status > 0 && !error.late) attempt.delete(asked);
     throw error;
   }
 }

@@ -1,7 +1,7 @@
 // A form in front of the page: fields, who asks, and what the service answers.
 import type { ComponentChildren } from "preact";
-import { useState } from "preact/hooks";
-import { Failure } from "./api";
+import { useRef, useState } from "preact/hooks";
+import { Failure, type Attempt } from "./api";
 import { Dialog } from "./dialog";
 import { keepName, keptName } from "./person";
 
@@ -11,7 +11,7 @@ interface Props {
   /** Whether who asks is written down. */
   named?: boolean;
   /** Carry it out; what it throws is shown, and the window stays. */
-  onSubmit: (form: FormData) => Promise<void>;
+  onSubmit: (form: FormData, attempt: Attempt) => Promise<void>;
   onClose: () => void;
   children?: ComponentChildren;
 }
@@ -19,6 +19,7 @@ interface Props {
 export function AskDialog({ title, button, named = true, onSubmit, onClose, children }: Props) {
   const [failure, setFailure] = useState<string | null>(null);
   const [busy, setBusy] = useState(false);
+  const attempt = useRef<Attempt>(new Map());
   const submit = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
@@ -26,7 +27,7 @@ export function AskDialog({ title, button, named = true, onSubmit, onClose, chil
     setBusy(true);
     setFailure(null);
     try {
-      await onSubmit(form);
+      await onSubmit(form, attempt.current);
       onClose();
     } catch (error) {
       setFailure(error instanceof Failure ? error.message : String(error));

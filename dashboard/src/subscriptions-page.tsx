@@ -1,7 +1,7 @@
 // Who is told of alerts: subscriptions, what became of each message, and how one is added or turned off.
 import { useState } from "preact/hooks";
 import type { Delivery, NewSubscription, Subscription, TestOutcome } from "./answers";
-import { Failure, getToChange, post } from "./api";
+import { Failure, getToChange, post, type Attempt } from "./api";
 import { AskDialog } from "./ask-dialog";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { refresh, useResource } from "./resource";
@@ -146,9 +146,9 @@ function Log({ subscription }: { subscription: number }) {
 }
 
 function Add({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; onClose: () => void }) {
-  const submit = async (form: FormData) => {
+  const submit = async (form: FormData, attempt: Attempt) => {
     const said = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim() };
-    onAdded(await post<NewSubscription>("/subscriptions", said));
+    onAdded(await post<NewSubscription>("/subscriptions", said, null, attempt));
     refresh("/subscriptions");
   };
   return (

@@ -1,7 +1,7 @@
 // Machines, elements and rules whose alerts call nobody for a while: what is in force, how it begins and ends.
 import { useState } from "preact/hooks";
 import type { Document, Suppression } from "./answers";
-import { getToChange, post } from "./api";
+import { getToChange, post, type Attempt } from "./api";
 import { AskDialog, Comment } from "./ask-dialog";
 import { elementName, elementsOfDocument } from "./format";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
@@ -78,16 +78,17 @@ function scope({ rule, element }: Suppression): string {
 }
 
 function Begin({ machine, onClose }: { machine: Document; onClose: () => void }) {
-  const submit = async (form: FormData) => {
+  const submit = async (form: FormData, attempt: Attempt) => {
     const until = String(form.get("until"));
-    await post(`/machines/${machine.id}/suppressions`, {
+    const said = {
       kind: form.get("kind"),
       rule: form.get("rule") || null,
       element: form.get("element") || null,
       until: until ? new Date(until).toISOString() : null,
       by: String(form.get("by")).trim(),
       comment: form.get("comment"),
-    });
+    };
+    await post(`/machines/${machine.id}/suppressions`, said, null, attempt);
     renew(machine.id);
   };
   return (
@@ -131,9 +132,9 @@ function Begin({ machine, onClose }: { machine: Document; onClose: () => void })
 }
 
 function End({ one, onClose }: { one: Suppression; onClose: () => void }) {
-  const submit = async (form: FormData) => {
+  const submit = async (form: FormData, attempt: Attempt) => {
     const [, etag] = await getToChange<Suppression>(`/suppressions/${one.id}`);
-    await post(`/suppressions/${one.id}/end`, { by: String(form.get("by")).trim(), comment: form.get("comment") }, etag);
+    await post(`/suppressions/${one.id}/end`, { by: String(form.get("by")).trim(), comment: form.get("comment") }, etag, attempt);
     renew(one.machine);
   };
   return (

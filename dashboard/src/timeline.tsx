@@ -1,7 +1,7 @@
 // What people did to a machine, and where they write it down.
 import { useState } from "preact/hooks";
 import type { Document, TimelineEntry } from "./answers";
-import { post } from "./api";
+import { post, type Attempt } from "./api";
 import { AskDialog } from "./ask-dialog";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { refresh, useResource } from "./resource";
@@ -42,11 +42,11 @@ export function Timeline({ machine }: { machine: Document }) {
 }
 
 function Write({ machine, onClose }: { machine: string; onClose: () => void }) {
-  const submit = async (form: FormData) => {
+  const submit = async (form: FormData, attempt: Attempt) => {
     const at = new Date(String(form.get("at"))).toISOString();
     const by = String(form.get("by")).trim();
     try {
-      await post(`/machines/${machine}/timeline`, { at, kind: form.get("kind"), text: form.get("text"), by });
+      await post(`/machines/${machine}/timeline`, { at, kind: form.get("kind"), text: form.get("text"), by }, null, attempt);
     } finally {
       refresh(`/machines/${machine}/`);
     }

@@ -189,6 +189,29 @@ def test_since_when_a_subscription_is_disabled_is_not_made_up(seen: Seen) -> Non
     assert seen.errors == []
 
 
+def test_what_was_undone_meanwhile_is_done_anew(seen: Seen, service: Service) -> None:
+    said = {"kind": "zenoh", "name": "night shift", "target": ""}
+    added = service.client.post("/subscriptions", json=said).raise_for_status().json()["id"]
+    lost: list[Route] = []
+
+    def unanswered(route: Route) -> None:
+        if lost:
+            route.continue_()
+        else:
+            lost.append(route)
+            route.fetch()  # it is carried out
+            route.abort()
+
+    seen.page.route(re.compile("/disable$"), unanswered)
+    seen.open("subscriptions")
+    one = seen.page.locator(f"[data-subscription='{added}']")
+    for button, becomes in (("Disable", "Enable"), ("Enable", "Disable"), ("Disable", "Enable")):
+        one.get_by_role("button", name=button).click()
+        expect(one.get_by_role("button", name=becomes)).to_be_visible()
+    assert len(lost) == 1
+    assert service.get(f"/subscriptions/{added}")["state"] == "disabled"
+
+
 def test_what_is_asked_again_after_no_answer_came_is_done_once(seen: Seen, service: Service) -> None:
     before = service.get(f"/machines/{MACHINE}/timeline")
     asked: list[str | None] = []
