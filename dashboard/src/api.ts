@@ -17,6 +17,11 @@ export class Failure extends Error {
     super(message);
   }
 
+  /** Whether the service said that it does not do this: else it may be done, or answered, yet. */
+  get refused(): boolean {
+    return this.status >= 400 && this.status < 500 && this.status !== 429 && !this.late;
+  }
+
   /** Whether it is of this question alone: that nobody answers at all is said once, above everything. */
   get own(): boolean {
     return this.status > 0 || this.late;
@@ -80,7 +85,7 @@ export async function post<T>(path: string, body: unknown, etag: string | null =
   try {
     return await send<T>("POST", path, body, etag, { "idempotency-key": key });
   } catch (error) {
-    if (error instanceof Failure && error.status > 0 && !error.late) attempt.delete(asked);
+    if (error instanceof Failure && error.refused) attempt.delete(asked);
     throw error;
   }
 }
