@@ -42,6 +42,7 @@ export function Timeline({ machine }: { machine: Document }) {
 }
 
 function Write({ machine, onClose }: { machine: string; onClose: () => void }) {
+  const [opened] = useState(localNow);
   const submit = async (form: FormData, attempt: Attempt) => {
     const at = new Date(String(form.get("at"))).toISOString();
     const by = String(form.get("by")).trim();
@@ -51,8 +52,6 @@ function Write({ machine, onClose }: { machine: string; onClose: () => void }) {
       refresh(`/machines/${machine}/`);
     }
   };
-  const now = new Date();
-  const local = new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
   return (
     <AskDialog title="A note, or a maintenance" button="Write down" onSubmit={submit} onClose={onClose}>
       <label>
@@ -65,7 +64,7 @@ function Write({ machine, onClose }: { machine: string; onClose: () => void }) {
       </label>
       <label>
         When
-        <input type="datetime-local" name="at" required defaultValue={local} />
+        <input type="datetime-local" name="at" required defaultValue={opened} />
       </label>
       <label>
         What
@@ -73,4 +72,10 @@ function Write({ machine, onClose }: { machine: string; onClose: () => void }) {
       </label>
     </AskDialog>
   );
+}
+
+/** The minute, as a field of local time wants it. */
+function localNow(): string {
+  const now = new Date();
+  return new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
 }
