@@ -3,6 +3,7 @@ import { useEffect } from "preact/hooks";
 import type { Bode, Document, Phasors } from "./answers";
 import { Response } from "./bode";
 import { slowRollWords, useFitOf } from "./fit-of-run";
+import { useLastWhole } from "./last-whole";
 import { Empty, Panel, Trouble } from "./parts";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
@@ -28,6 +29,9 @@ export function ResponseView({ machine }: { machine: Document }) {
   const measured = useResource<Phasors>(run ? without(run.id) : null, run?.state === "open" ? LIVE_MS : 0);
   const other = useResource<Phasors>(reference ? without(reference.id) : null);
   const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
+  const isWhole = (!identified || fit.data || fit.failure) && (!reference || other.data || other.failure);
+  const noFit = identified ? NOT_THERE : failure ? NOT_KNOWN : NO_FIT;
+  const whole = useLastWhole(run?.id, measured.data && isWhole ? { measured: measured.data, other: other.data, fit: fit.data, noFit } : undefined);
   useEffect(() => {
     if (run && !asked.get("run")) choose({ run: String(run.id) });
   }, [run?.id]);
@@ -41,7 +45,6 @@ export function ResponseView({ machine }: { machine: Document }) {
   const channels = machine.probes.map((one) => one.id);
   const named = (asked.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
   const chosen = named.length > 0 ? named : channels.slice(0, FIRST_CHANNELS);
-  const waits = !measured.data || (identified && !fit.data && !fit.failure);
   return (
     <>
       <Panel title="What is shown">
@@ -52,18 +55,18 @@ export function ResponseView({ machine }: { machine: Document }) {
       </Panel>
       {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
       {[failure, measured.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
-      {!run && runs.failure ? null : waits ? (
-        <div class="waiting" style={{ minHeight: "720px" }} />
-      ) : (
+      {!run && runs.failure ? null : whole ? (
         <Response
           machine={machine}
           channels={chosen}
-          measured={bySpeed(measured.data!)}
-          reference={other.data && bySpeed(other.data)}
-          fit={fit.data}
-          noFit={identified ? NOT_THERE : failure ? NOT_KNOWN : NO_FIT}
-          slowRoll={slowRollOf(measured.data!, chosen)}
+          measured={bySpeed(whole.measured)}
+          reference={whole.other && bySpeed(whole.other)}
+          fit={whole.fit}
+          noFit={whole.noFit}
+          slowRoll={slowRollOf(whole.measured, chosen)}
         />
+      ) : (
+        <div class="waiting" style={{ minHeight: "720px" }} />
       )}
     </>
   );

@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Document, Orbit, Orbits } from "./answers";
 import { slowRollWords, useFitOf } from "./fit-of-run";
 import { number, rpm } from "./format";
+import { useLastWhole } from "./last-whole";
 import { ModeShapes } from "./mode-shapes";
 import { Empty, Panel, Shown, Trouble } from "./parts";
 import { nice } from "./polar";
@@ -36,7 +37,9 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
   const { slowRoll, failure } = useFitOf(machine.id, run);
   const without = (of: number) => (slowRoll ? `/runs/${of}/orbits?rpm=${chosen}&slow_roll=${slowRoll}` : null);
   const answer = useResource<Orbits>(run ? without(run.id) : null);
-  const other = useResource<Orbits>(reference ? without(reference.id) : null).data;
+  const other = useResource<Orbits>(reference ? without(reference.id) : null);
+  const isWhole = !reference || other.data || other.failure;
+  const whole = useLastWhole(run?.id, answer.data && isWhole ? { found: answer.data, other: other.data } : undefined);
   return (
     <Panel title="1× orbits at the probes">
       <div class="choices">
@@ -65,8 +68,8 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
           {runs.failure}
         </p>
       ) : (
-        <Shown answer={answer} lines={20}>
-          {(found) => <OrbitPlots found={found} other={other} />}
+        <Shown answer={answer.data || !answer.failure?.own ? { ...answer, data: whole } : { ...answer, data: undefined }} lines={20}>
+          {({ found, other }) => <OrbitPlots found={found} other={other} />}
         </Shown>
       )}
     </Panel>

@@ -267,13 +267,23 @@ def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None
     )
     seen.open(f"machines/{MACHINE}/response")
     none = seen.page.get_by_text("This run has no accepted identification")
+    zoomed = seen.page.locator(".uplot[data-zoomed='1']")
+    held: list[Route] = []
     expect(seen.page.get_by_role("alert")).to_have_text("too much to do")
     expect(seen.page.get_by_text("Whether this run was identified is not known")).to_be_visible()
     expect(none).to_have_count(0)
     answers[0] = {"json": []}
     expect(none).to_be_visible()
     expect(seen.page.get_by_role("alert")).to_have_count(0)
-    answers.clear()
+    seen.page.get_by_role("button", name="Zoom in").first.click()
+    expect(zoomed).to_have_count(2)
+    seen.page.route(re.compile(r"/bode\?"), lambda route: held.append(route))
+    with seen.page.expect_request(re.compile(r"/bode\?")):
+        answers.clear()
+    seen.page.wait_for_timeout(200)
+    expect(none).to_be_visible()  # the points alone, until the curve is there
+    expect(zoomed).to_have_count(2)
+    held[0].continue_()
     expect(none).to_have_count(0)
     wait_drawn(seen.page, 3)
 
