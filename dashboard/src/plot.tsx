@@ -94,6 +94,9 @@ const DATES: uPlot.Axis.Values = [
 export function Plot(props: PlotProps) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
+  /** Where the one before was zoomed to. */
+  const before = useRef<[number, number] | null>(null);
+  const madeOf = useRef<PlotProps | null>(null);
   const [at, setAt] = useState<number | null>(null);
   const theme = useStore(shown);
   const latest = useRef(props);
@@ -105,6 +108,8 @@ export function Plot(props: PlotProps) {
     const node = place.current!;
     const made = new uPlot(options(latest, height, node.clientWidth, setAt), data(latest.current), node);
     plot.current = made;
+    madeOf.current = latest.current;
+    if (before.current) zoomTo(made, ...before.current);
     // Made anew as wide as its place: a phone is turned, a window is dragged.
     const sizes = new ResizeObserver(() => {
       if (node.clientWidth > 0 && node.clientWidth !== made.width) made.setSize({ width: node.clientWidth, height });
@@ -112,6 +117,7 @@ export function Plot(props: PlotProps) {
     sizes.observe(node);
     return () => {
       sizes.disconnect();
+      before.current = zoomed(made) ? [made.scales.x!.min!, made.scales.x!.max!] : null;
       made.destroy();
       plot.current = null;
     };
@@ -119,7 +125,7 @@ export function Plot(props: PlotProps) {
 
   useEffect(() => {
     const made = plot.current;
-    if (!made) return;
+    if (!made || madeOf.current === props) return;
     const kept = zoomed(made);
     made.setData(data(props), !kept);
     if (kept) made.redraw();
@@ -243,9 +249,13 @@ function zoom(made: uPlot, factor: number, left = made.cursor.left ?? -1): void 
   if (min === undefined || max === undefined || min === null || max === null) return;
   const middle = left >= 0 ? made.posToVal(left, "x") : (min + max) / 2;
   for (const one of together(made)) {
-    one.root.dataset.zoomed = "1";
-    one.setScale("x", { min: middle - (middle - min) * factor, max: middle + (max - middle) * factor });
+    zoomTo(one, middle - (middle - min) * factor, middle + (max - middle) * factor);
   }
+}
+
+function zoomTo(made: uPlot, min: number, max: number): void {
+  made.root.dataset.zoomed = "1";
+  made.setScale("x", { min, max });
 }
 
 /** An axis that says its unit [px]. */

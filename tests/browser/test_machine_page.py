@@ -286,6 +286,7 @@ def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None
     held[0].continue_()
     expect(none).to_have_count(0)
     wait_drawn(seen.page, 3)
+    expect(zoomed).to_have_count(2)
 
 
 def test_a_probe_that_an_identification_does_not_know_is_said(seen: Seen) -> None:
