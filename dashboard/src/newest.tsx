@@ -54,9 +54,11 @@ export function useNewest(machine: string, asked: (id: number) => string[] = () 
   const next = useResource<Identification>(data ? `/identifications/${data.id}` : null);
   const parts = useResources<unknown>(next.data ? asked(next.data.id) : []);
   const shown = useRef<Identification | undefined>(undefined);
-  const complete = parts.every((one) => one.data !== undefined || one.failure);
+  // A part that is refused for good is not waited for: the view says why it is not there.
+  const complete = parts.every((one) => one.data !== undefined || one.failure?.refused);
   if (next.data && (complete || !shown.current)) shown.current = next.data;
-  return { newest: shown.current, none: data === null, failure: next.data ? undefined : (next.failure ?? failure) };
+  const missing = next.data ? parts.find((one) => shown.current !== next.data && one.failure)?.failure : (next.failure ?? failure);
+  return { newest: shown.current, none: data === null, failure: missing };
 }
 
 /** The newest accepted identification of a single run among some, or the newest of all, with its estimates. */
