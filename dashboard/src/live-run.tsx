@@ -1,7 +1,7 @@
 // The run that is being collected, drawn while it grows.
 import type { Document, MachineState, Phasors } from "./answers";
 import { slowRollWords } from "./fit-of-run";
-import { Panel } from "./parts";
+import { Aging, Panel } from "./parts";
 import { Plot } from "./plot";
 import { useResource } from "./resource";
 import { bySpeed } from "./sweep";
@@ -10,11 +10,13 @@ const MS = 1500;
 
 export function LiveRun({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
-  const phasors = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, MS).data;
+  const answer = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, MS);
   if (!run) return null;
+  const phasors = answer.data;
   const sweep = phasors && bySpeed(phasors);
   return (
     <Panel title={`Run ${run.id}, as it comes`} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
+      <Aging answer={answer} />
       {sweep ? (
         <Plot
           label={`Amplitude over speed of run ${run.id} so far`}

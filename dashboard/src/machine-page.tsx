@@ -7,8 +7,8 @@ import { Guard } from "./guard";
 import { IdentifiedView } from "./identified-view";
 import { ModelView } from "./model-view";
 import { openAlerts, Overview } from "./overview";
-import { Empty, Mode, Shown, Time } from "./parts";
-import { foresee, useResource } from "./resource";
+import { Aging, Empty, Mode, Shown, Time } from "./parts";
+import { foresee, useResource, type Answer } from "./resource";
 import { ResponseView } from "./response-view";
 import { link } from "./router";
 import { SettingsView } from "./settings-view";
@@ -97,17 +97,18 @@ function Now({ machine, revision }: { machine: Document; revision: number }) {
           <Time at={now?.newest_sample_at} />
         </dd>
       </dl>
-      <Progress state={now} jobs={jobs} />
+      <Progress state={now} jobs={jobs.data} />
+      <Aging answer={state.asOf === undefined ? jobs : state} />
     </section>
   );
 }
 
 /** The newest jobs, and where all of these still wait the ones before them: the oldest is computed first. */
-function useJobs(machine: string): Job[] | undefined {
-  const newest = useResource<Job[]>(`/machines/${machine}/jobs?limit=${NEWEST_JOBS}`, JOBS_MS).data;
-  const last = newest?.[NEWEST_JOBS - 1];
-  const more = useResource<Job[]>(last && isOpen(last) ? `/machines/${machine}/jobs?limit=${MOST_JOBS}` : null, JOBS_MS).data;
-  return more ?? newest;
+function useJobs(machine: string): Answer<Job[]> {
+  const newest = useResource<Job[]>(`/machines/${machine}/jobs?limit=${NEWEST_JOBS}`, JOBS_MS);
+  const last = newest.data?.[NEWEST_JOBS - 1];
+  const more = useResource<Job[]>(last && isOpen(last) ? `/machines/${machine}/jobs?limit=${MOST_JOBS}` : null, JOBS_MS);
+  return more.data ? more : newest;
 }
 
 function isOpen(job: Job): boolean {

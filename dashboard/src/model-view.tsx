@@ -1,10 +1,10 @@
 // What the identified model says: critical speeds, Campbell diagram, coupling loads over speed, a balancing proposal.
 import type { Balancing, Campbell, CriticalSpeeds, Document, Identification, MisalignmentForce } from "./answers";
 import { angleSense, number, rpm, scaleOf, whirlInWords } from "./format";
-import { Empty, Panel, Shown, Time, Trouble } from "./parts";
+import { Empty, Panel, Shown, Time } from "./parts";
 import { Plot, type Curve } from "./plot";
 import { useResource } from "./resource";
-import { Awaited, NotIdentified, useNewest } from "./newest";
+import { Awaited, Behind, NotIdentified, useNewest } from "./newest";
 
 /** Modes damped more than this are not felt in passing, and left out of the diagram. */
 const HEAVY = 0.5;
@@ -15,12 +15,12 @@ function pathsOf(id: number) {
 }
 
 export function ModelView({ machine }: { machine: Document }) {
-  const { newest, none, failure } = useNewest(machine.id, (id) => Object.values(pathsOf(id)));
+  const { newest, none, failure, listed } = useNewest(machine.id, (id) => Object.values(pathsOf(id)));
   if (none) return <NotIdentified />;
   if (!newest) return <Awaited title="Model" failure={failure} />;
   return (
     <>
-      {failure?.own && <Trouble failure={failure} />}
+      <Behind failure={failure} listed={listed} />
       <Model machine={machine} newest={newest} />
     </>
   );

@@ -2,7 +2,7 @@
 import { useRef } from "preact/hooks";
 import type { Estimate, Identification, IdentificationSummary } from "./answers";
 import type { Failure } from "./api";
-import { Empty, Panel, Trouble } from "./parts";
+import { Aging, Empty, Panel, Trouble } from "./parts";
 import { useResource, useResources, type Answer } from "./resource";
 
 const MS = 15_000;
@@ -46,11 +46,14 @@ interface Newest {
   none: boolean;
   /** Why there is none, or not the next one. */
   failure: Failure | undefined;
+  /** What it was found in. */
+  listed: Answer<unknown>;
 }
 
 /** The newest one with its estimates; the one before it until all is there that a view asks of the next one. */
 export function useNewest(machine: string, asked: (id: number) => string[] = () => []): Newest {
-  const { data, failure } = useNewestSummary(machine);
+  const listed = useNewestSummary(machine);
+  const { data, failure } = listed;
   const next = useResource<Identification>(data ? `/identifications/${data.id}` : null);
   const parts = useResources<unknown>(next.data ? asked(next.data.id) : []);
   const shown = useRef<Identification | undefined>(undefined);
@@ -58,7 +61,7 @@ export function useNewest(machine: string, asked: (id: number) => string[] = () 
   const complete = parts.every((one) => one.data !== undefined || one.failure?.refused);
   if (next.data && (complete || !shown.current)) shown.current = next.data;
   const missing = next.data ? parts.find((one) => shown.current !== next.data && one.failure)?.failure : (next.failure ?? failure);
-  return { newest: shown.current, none: data === null, failure: missing };
+  return { newest: shown.current, none: data === null, failure: missing, listed };
 }
 
 /** The newest accepted identification of a single run among some, or the newest of all, with its estimates. */
@@ -70,6 +73,11 @@ export function useNewestOf(found: IdentificationSummary[] | undefined): Identif
 /** In the place of a view whose identification is not there yet. */
 export function Awaited({ title, failure }: { title: string; failure: Failure | undefined }) {
   return <Panel title={title}>{failure?.own ? <Trouble failure={failure} /> : <div class="waiting" style={{ minHeight: "420px" }} />}</Panel>;
+}
+
+/** Above a view: why it does not show the next identification, or of when the newest is. */
+export function Behind({ failure, listed }: Pick<Newest, "failure" | "listed">) {
+  return failure?.own ? <Trouble failure={failure} /> : <Aging answer={listed} />;
 }
 
 export function NotIdentified() {

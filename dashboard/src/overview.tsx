@@ -50,7 +50,7 @@ export function Overview({ machine }: { machine: Document }) {
           <LiveRun machine={machine} />
         </div>
         <div>
-          <DeviationsPanel machine={machine} answer={newest ? deviations : { data: undefined, failure: summary.failure }} none={noneAccepted(summary)} />
+          <DeviationsPanel machine={machine} answer={newest ? { ...deviations, failure: deviations.failure ?? summary.failure, asOf: deviations.asOf ?? summary.asOf } : { data: undefined, failure: summary.failure }} none={noneAccepted(summary)} />
           <Timeline machine={machine} />
         </div>
       </div>

@@ -53,10 +53,12 @@ function said({ message, late }: Failure): string {
   return late ? `${message} It is asked again.` : message;
 }
 
-/** Beside data of before: why there are no newer ones. */
-function Aging({ asOf, failure }: { asOf: number; failure: Failure }) {
+/** Beside data that grow old: of when they are, and why there are no newer ones. */
+export function Aging({ answer: { data, failure, asOf } }: { answer: Answer<unknown> }) {
+  const { state } = useStore(connection);
+  if (data === undefined || asOf === undefined || !failure) return null;
   // What is wrong with the whole service is said once, above everything.
-  if (useStore(connection).state === "troubled" && failure.status >= 500) return null;
+  if (state === "troubled" && failure.status >= 500) return null;
   return (
     <p class="trouble aging" role="status">
       As of {clock(asOf)}, nothing newer: {said(failure)}
@@ -69,11 +71,11 @@ function Aging({ asOf, failure }: { asOf: number; failure: Failure }) {
  * `lines` keeps the place free meanwhile.
  */
 export function Shown<T>(props: { answer: Answer<T>; lines?: number; children: (data: T) => ComponentChildren }) {
-  const { data, failure, asOf } = props.answer;
+  const { data, failure } = props.answer;
   if (data !== undefined) {
     return (
       <>
-        {asOf !== undefined && failure && <Aging asOf={asOf} failure={failure} />}
+        <Aging answer={props.answer} />
         {props.children(data)}
       </>
     );

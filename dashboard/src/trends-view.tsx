@@ -3,9 +3,9 @@ import { useEffect } from "preact/hooks";
 import type { Alert, BaselineBand, Document, IdentificationSummary, Sense, Series, TimelineEntry, Trends, TrendTest, TrendTests } from "./answers";
 import { PREFIX, query } from "./api";
 import { angleSense, elementName, isCrossCoupled, isUnbalance, number, percent, scaleOf, termName, when } from "./format";
-import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time, Trouble } from "./parts";
+import { Cut, Panel, Severity, SEVERITY_GLYPHS, Shown, Time } from "./parts";
 import { MARKS, Names, Plot, type Curve, type Marker } from "./plot";
-import { Awaited, comparable, elementsOf, NotIdentified, useNewest } from "./newest";
+import { Awaited, Behind, comparable, elementsOf, NotIdentified, useNewest } from "./newest";
 import { useResource } from "./resource";
 import { choose, go, place } from "./router";
 import { useStore } from "./store";
@@ -31,7 +31,7 @@ const DERIVED = "derived quantities";
 
 export function TrendsView({ machine }: { machine: Document }) {
   const { query: chosen } = useStore(place);
-  const { newest, none, failure } = useNewest(machine.id);
+  const { newest, none, failure, listed } = useNewest(machine.id);
   const told = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MOST_ALERTS}`, 30_000);
   const alerts = told.data ?? [];
   const elements = newest ? [...elementsOf(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])] : [];
@@ -51,7 +51,7 @@ export function TrendsView({ machine }: { machine: Document }) {
   const names = element === DERIVED ? newest.derived.map((one) => one.name) : newest.estimates.filter((one) => one.element === element).map((one) => one.parameter);
   return (
     <>
-      {failure?.own && <Trouble failure={failure} />}
+      <Behind failure={failure} listed={listed} />
       <Panel title="What is shown">
         <div class="choices">
           <Elements elements={elements} chosen={element} alerts={alerts} />

@@ -1,4 +1,4 @@
-"""What is drawn on the page, and the fingers that move it."""
+"""What is drawn on the page, whether it is seen, and the fingers that move it."""
 
 from playwright.sync_api import Locator, Page, expect
 
@@ -11,6 +11,14 @@ COUNT = """(canvas) => {
   return count;
 }"""
 """Opaque bluish pixels: the first curve of a plot is blue, while axes, grid, bands and markers are not."""
+SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });"""
+SEEN_AGAIN = """() => {
+  for (const away of [true, false]) {
+    window.away = away;
+    document.dispatchEvent(new Event("visibilitychange"));
+  }
+}"""
+"""Who comes back to a page is shown what is new at once, not when the page asks next."""
 
 
 def drawn(page: Page) -> list[int]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from playwright.sync_api import Browser, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
+from tests.browser.drawing import SEEN, SEEN_AGAIN
 from tests.browser.story import MACHINE, ZONE
 from tests.end_to_end.processes import Service
 from tests.postgresql import FAST, server
@@ -75,6 +76,23 @@ def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, servi
     seen.page.unroute_all()
     expect(aging).to_have_count(0)
     expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events")
+
+
+def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(seen: Seen) -> None:
+    seen.page.add_init_script(SEEN)
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    seen.page.route(re.compile(r"/(state$|identifications\?limit=)"), lambda route: route.fulfill(status=403, json=REFUSED))
+    seen.page.evaluate(SEEN_AGAIN)
+    said = re.compile(r"As of \d\d:\d\d:\d\d, nothing newer: this key may not see alerts")
+    expect(seen.page.locator(".now .aging")).to_have_text(said)
+    baseline = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    expect(baseline.locator(".aging")).to_have_text(said)
+    for tab in ("Trends", "Model"):
+        seen.page.get_by_role("link", name=tab, exact=True).click()
+        expect(seen.page.locator(".aging")).to_have_count(2)
+    seen.page.unroute_all()
+    expect(seen.page.locator(".aging")).to_have_count(0)
 
 
 def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: Service) -> None:

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.drawing import COUNT, drawn, looks, pinch, swipe, wait_drawn
+from tests.browser.drawing import COUNT, SEEN, SEEN_AGAIN, drawn, looks, pinch, swipe, wait_drawn
 from tests.browser.story import MACHINE
 from tests.end_to_end.processes import Service, until
 
@@ -359,14 +359,6 @@ def test_a_thinned_trend_and_its_angle_say_so(seen: Seen) -> None:
 
 NEXT = 9001
 """An identification that comes while one looks."""
-SEEN = """Object.defineProperty(document, "hidden", { get: () => window.away === true });"""
-SEEN_AGAIN = """() => {
-  for (const away of [true, false]) {
-    window.away = away;
-    document.dispatchEvent(new Event("visibilitychange"));
-  }
-}"""
-"""Who comes back to a page is shown what is new at once, not when the page asks next."""
 
 
 @pytest.mark.parametrize(("tab", "plots"), [("trends", TERMS), ("model", 1)])
