@@ -18,6 +18,7 @@ const RANGES: [string, string, number][] = [
   ["year", "1 year", 366],
   ["all", "all", Infinity],
 ];
+const MS = 30_000;
 const DAY_MS = 86_400_000;
 /** The service answers with so many entries of the timeline at most. */
 const MOST_MARKS = 1000;
@@ -127,11 +128,11 @@ export function Histories(props: HistoriesProps) {
   const { machine, element, names, newest, from = null, to = null, shownDays = Infinity, scope, alerts } = props;
   const wanted = { parameter: names, from, to, scope };
   const asked = query({ ...wanted, max_points: MOST_POINTS });
-  const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, 30_000);
+  const answer = useResource<Trends>(`/machines/${machine}/trends${asked}`, MS);
   const judged = scope === "run" && element !== DERIVED && comparable(newest);
   // Without an identification the tests are up to the newest of all.
   const identification = to === null ? null : newest.id;
-  const judgement = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names, identification })}` : null);
+  const judgement = useResource<TrendTests>(judged ? `/machines/${machine}/trend-tests${query({ parameter: names, identification })}` : null, to === null ? MS : 0);
   const tests = judgement.data;
   // Words that come later than the plots would move them.
   const awaited = judged && !tests && !judgement.failure;
