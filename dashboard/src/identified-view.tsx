@@ -23,7 +23,7 @@ export function IdentifiedView({ machine }: { machine: Document }) {
   const answer = useResource<Identification>(asked ? `/identifications/${asked}` : null);
   useEffect(() => {
     if (asked && !query.get("identification")) choose({ identification: asked });
-  }, [asked]);
+  }, [asked, query]);
   if (list.data?.length === 0) return <NotIdentified />;
   return (
     <>

@@ -1,5 +1,4 @@
 // Choosing a run, one beside it, and channels, for the Bode and polar plots.
-import { useEffect } from "preact/hooks";
 import type { Bode, Document, Phasors } from "./answers";
 import { Response } from "./bode";
 import { slowRollWords, useFitOf } from "./fit-of-run";
@@ -32,9 +31,6 @@ export function ResponseView({ machine }: { machine: Document }) {
   const isWhole = (!identified || fit.data || fit.failure) && (!reference || other.data || other.failure);
   const noFit = identified ? NOT_THERE : failure ? NOT_KNOWN : NO_FIT;
   const whole = useLastWhole(run?.id, measured.data && isWhole ? { measured: measured.data, other: other.data, fit: fit.data, noFit } : undefined);
-  useEffect(() => {
-    if (run && !asked.get("run")) choose({ run: String(run.id) });
-  }, [run?.id]);
   if (runs.all?.length === 0) {
     return (
       <Panel title="Bode and polar">

@@ -1,4 +1,5 @@
 // Choosing a run, and one to compare it with.
+import { useEffect } from "preact/hooks";
 import type { Run } from "./answers";
 import { when } from "./format";
 import { Cut } from "./parts";
@@ -29,6 +30,9 @@ export function useRuns(machine: string): Runs {
   const named = (name: string) => all?.find((one) => String(one.id) === query.get(name));
   // A run that is named but not there is not quietly replaced by another one.
   const run = query.get("run") ? named("run") : all?.find((one) => one.state === "closed");
+  useEffect(() => {
+    if (run && !query.get("run")) choose({ run: String(run.id) });
+  }, [run?.id, query]);
   const failure = query.get("run") && all && !run ? `This machine has no run ${query.get("run")} to show.` : answer.failure?.message;
   return { all, listed: answer.data?.length ?? 0, run, reference: named("reference"), failure };
 }

@@ -243,6 +243,24 @@ def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, coun
     assert seen.errors == []
 
 
+@pytest.mark.parametrize(
+    ("tab", "link", "chosen"),
+    [
+        ("response", "Bode and polar", "run"),
+        ("shapes", "Orbits and modes", "run"),
+        ("identified", "Parameters", "identification"),
+    ],
+)
+def test_what_is_chosen_by_itself_is_in_the_address_also_the_second_time(seen: Seen, tab: str, link: str, chosen: str) -> None:
+    seen.open(f"machines/{MACHINE}/{tab}")
+    whole = re.compile(rf"/{tab}\?{chosen}=\d+$")
+    expect(seen.page).to_have_url(whole)
+    seen.page.evaluate("window.addEventListener('hashchange', () => { window.gone = true; })")
+    seen.page.get_by_role("link", name=link, exact=True).click()
+    seen.page.wait_for_function("window.gone")
+    expect(seen.page).to_have_url(whole)
+
+
 def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service) -> None:
     """Each run has its own nearest sample, which may be far away."""
     closed = [run for run in service.get(f"/machines/{MACHINE}/runs") if run["state"] == "closed"]
