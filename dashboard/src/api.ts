@@ -56,7 +56,8 @@ async function read<T>(response: Response): Promise<T> {
   try {
     return (await response.json()) as T;
   } catch (error) {
-    throw timedOut(error) ? late() : error;
+    if (timedOut(error)) throw late();
+    throw new Failure(response.status, error instanceof SyntaxError ? "The service's answer is no JSON." : "The service's answer broke off.");
   }
 }
 

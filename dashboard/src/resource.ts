@@ -74,7 +74,7 @@ class Resource {
     const { state } = connection.value;
     if (state === "lost" || state === "troubled") return; // all is asked for again when that is over
     if (failure.status === 0) this.askAgain(AGAIN_MS);
-    else if (data !== undefined || failure.status === 429 || failure.status >= 500) this.askAgain(lasts ? LATER_MS : SOON_MS);
+    else if (data !== undefined || !failure.refused) this.askAgain(lasts ? LATER_MS : SOON_MS);
   }
 
   private askAgain(afterMs: number): void {

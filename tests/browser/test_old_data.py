@@ -164,6 +164,15 @@ def test_an_answer_that_does_not_come_is_told_while_the_service_is_there(seen: S
     expect(runs.get_by_role("table")).to_be_visible()
 
 
+def test_an_answer_that_is_cut_off_is_told(seen: Seen) -> None:
+    seen.page.route(NEWEST_RUNS, lambda route: route.fulfill(body='[{"id": 1', content_type="application/json"))
+    seen.open(f"machines/{MACHINE}")
+    runs = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Newest runs"))
+    expect(runs.get_by_role("alert")).to_have_text("The service's answer is no JSON.")
+    seen.page.unroute_all()
+    expect(runs.get_by_role("table")).to_be_visible()
+
+
 def test_news_that_comes_during_a_question_is_asked_for_behind_it(seen: Seen, service: Service) -> None:
     held: list[Route] = []
     seen.open(f"machines/{MACHINE}")
