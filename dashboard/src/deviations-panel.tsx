@@ -1,19 +1,22 @@
 // The newest identification beside the baseline, element by element.
 import type { Deviations, Document } from "./answers";
+import type { Failure } from "./api";
 import { CHANGED, inWords, largest } from "./deviations";
 import { elementName, number } from "./format";
-import { Empty, Panel, Shown, Time } from "./parts";
+import { Empty, Panel, Shown, Time, Trouble } from "./parts";
 import type { Answer } from "./resource";
 import { link } from "./router";
 
 interface Props {
   machine: Document;
   answer: Answer<Deviations>;
+  /** Why the next one is not there yet. */
+  next: Failure | undefined;
   /** Why there is nothing to compare, where that is known. */
   none: string | null;
 }
 
-export function DeviationsPanel({ machine, answer, none }: Props) {
+export function DeviationsPanel({ machine, answer, next, none }: Props) {
   if (none !== null) {
     return (
       <Panel title="Against the baseline">
@@ -23,6 +26,7 @@ export function DeviationsPanel({ machine, answer, none }: Props) {
   }
   return (
     <Panel title="Against the baseline" aside={answer.data && <About found={answer.data} />}>
+      {next?.own && <Trouble failure={next} />}
       <Shown answer={answer} lines={12}>
         {(found) => (found.missing ? <Empty>{found.missing}</Empty> : <Table machine={machine.id} found={found} />)}
       </Shown>

@@ -11,7 +11,7 @@ const LOOKED_AT = 20;
 /** The service answers with so many at most. */
 const MOST_LOOKED_AT = 1000;
 
-interface NewestSummary extends Answer<IdentificationSummary | null> {
+export interface NewestSummary extends Answer<IdentificationSummary | null> {
   lookedAt: number;
 }
 

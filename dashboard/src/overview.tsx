@@ -1,14 +1,15 @@
 // The machine at a glance: the train with what has changed, its alerts, its newest runs.
 import type { Alert, Deviations, Document, Drawing, Run } from "./answers";
 import { Alerts } from "./alerts";
-import { query } from "./api";
+import { query, type Failure } from "./api";
 import { marksOf } from "./deviations";
 import { DeviationsPanel } from "./deviations-panel";
+import { useLastWhole } from "./last-whole";
 import { LiveRun } from "./live-run";
 import { number, rpm } from "./format";
-import { comparable, noneAccepted, useNewestSummary } from "./newest";
+import { comparable, noneAccepted, useNewestSummary, type NewestSummary } from "./newest";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
-import { useResource } from "./resource";
+import { useResource, type Answer } from "./resource";
 import { go, link } from "./router";
 import { Timeline } from "./timeline";
 import { Train } from "./train";
@@ -23,8 +24,7 @@ export function openAlerts(machine: string): string {
 export function Overview({ machine }: { machine: Document }) {
   const alerts = useResource<Alert[]>(openAlerts(machine.id), 10_000);
   const summary = useNewestSummary(machine.id);
-  const newest = summary.data;
-  const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
+  const { deviations, next } = useDeviations(machine.id, summary);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   return (
     <>
@@ -50,13 +50,23 @@ export function Overview({ machine }: { machine: Document }) {
           <LiveRun machine={machine} />
         </div>
         <div>
-          <DeviationsPanel machine={machine} answer={newest ? { ...deviations, failure: deviations.failure ?? summary.failure, asOf: deviations.asOf ?? summary.asOf } : { data: undefined, failure: summary.failure }} none={noneAccepted(summary)} />
+          <DeviationsPanel machine={machine} answer={deviations} next={next} none={noneAccepted(summary)} />
           <Timeline machine={machine} />
         </div>
       </div>
       <Runs machine={machine} />
     </>
   );
+}
+
+/** How the newest identification compares, or the one before it until that is known; then why it is not known, of the next. */
+function useDeviations(machine: string, { data: newest, failure, asOf }: NewestSummary): { deviations: Answer<Deviations>; next: Failure | undefined } {
+  const found = useResource<Deviations>(comparable(newest) ? `/machines/${machine}/deviations?identification=${newest.id}` : null);
+  const before = useLastWhole(machine, found.data);
+  if (found.data || found.failure?.refused || !before || !comparable(newest)) {
+    return { deviations: { data: found.data, failure: found.failure ?? failure, asOf: found.asOf ?? asOf }, next: undefined };
+  }
+  return { deviations: { data: before, failure, asOf }, next: found.failure };
 }
 
 export function Legend() {

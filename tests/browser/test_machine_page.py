@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.drawing import drawn, wait_drawn
+from tests.browser.drawing import SEEN, SEEN_AGAIN, drawn, wait_drawn
 from tests.browser.story import MACHINE
 from tests.end_to_end.processes import Service, until
 
@@ -359,6 +359,25 @@ def test_an_accepted_identification_is_looked_for_behind_many_that_were_not(
         expect(panel).to_contain_text("Of the newest 1000 identifications none of a single run was accepted.")
     expect(panel).not_to_contain_text("accepted yet")
     assert seen.errors == []
+
+
+def test_the_baseline_stays_until_the_next_identification_is_compared(seen: Seen, service: Service) -> None:
+    listed = service.get(f"/machines/{MACHINE}/identifications")
+    real = next(one for one in listed if one["accepted"] and one["scope"] == "run")
+    held: list[Route] = []
+    seen.page.add_init_script(SEEN)
+    seen.open(f"machines/{MACHINE}")
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    expect(panel.get_by_role("table")).to_be_visible()
+    seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(json=[real | {"id": 9001}, *listed]))
+    seen.page.route(re.compile("identification=9001"), lambda route: held.append(route))
+    with seen.page.expect_request(re.compile("identification=9001")):
+        seen.page.evaluate(SEEN_AGAIN)
+    seen.page.wait_for_timeout(200)
+    expect(panel.get_by_role("table")).to_be_visible()
+    held[0].fulfill(status=404, json={"title": "Not Found", "detail": "it is gone"})
+    expect(panel.get_by_role("alert")).to_have_text("it is gone")
+    expect(panel.get_by_role("table")).to_have_count(0)
 
 
 def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
