@@ -65,9 +65,9 @@ export function useNewest(machine: string, asked: (id: number) => string[] = () 
 }
 
 /** The newest accepted identification of a single run among some, or the newest of all, with its estimates. */
-export function useNewestOf(found: IdentificationSummary[] | undefined): Identification | undefined {
+export function useNewestOf(found: IdentificationSummary[] | undefined): Answer<Identification> {
   const one = found?.find((each) => each.accepted && each.scope === "run") ?? found?.[0];
-  return useResource<Identification>(one ? `/identifications/${one.id}` : null).data;
+  return useResource<Identification>(one ? `/identifications/${one.id}` : null);
 }
 
 /** In the place of a view whose identification is not there yet. */

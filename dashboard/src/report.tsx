@@ -8,13 +8,13 @@ import { marksOf } from "./deviations";
 import { elementName, rpm } from "./format";
 import { Identified } from "./identified-view";
 import { Legend } from "./overview";
-import { Empty, Panel, Severity, Shown, Time } from "./parts";
+import { Empty, Panel, Severity, Shown, Time, Trouble } from "./parts";
 import { useResource } from "./resource";
 import { choose, link, place } from "./router";
 import { useStore } from "./store";
 import { onPaper } from "./theme";
 import { Train } from "./train";
-import { comparable, elementsOf, useNewestOf } from "./newest";
+import { Awaited, comparable, elementsOf, useNewestOf } from "./newest";
 import { Histories } from "./trends-view";
 
 const PERIOD_DAYS = 90;
@@ -113,11 +113,13 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
   const runs = useResource<Run[]>(`/machines/${machine.id}/runs${query({ from, to, limit: MOST })}`);
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine.id}/timeline${query({ from, to, limit: MOST })}`);
   const identified = useResource<IdentificationSummary[]>(`/machines/${machine.id}/identifications${query({ from, to, limit: MOST })}`);
-  const newest = useNewestOf(identified.data);
+  const found = useNewestOf(identified.data);
+  const newest = found.data;
+  const refused = found.failure ?? identified.failure;
   const then = useAlertsAt(alerts.data, to);
   const during = (then.data ?? []).filter((one) => one.opened_at <= to && (one.closed_at ?? to) >= from);
   const cut = [alerts, runs, timeline, identified].some((one) => one.data?.length === MOST);
-  const awaited = !identified.failure && !newest && identified.data?.length !== 0;
+  const awaited = !newest && identified.data?.length !== 0;
   const elements = newest ? reported(elementsOf(newest.estimates), during) : [];
   return (
     <>
@@ -163,7 +165,7 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
             height={190}
           />
         ))}
-      {awaited && <div class="waiting" style={{ minHeight: "420px" }} />}
+      {awaited && <Awaited title="What was identified" failure={refused} />}
       {newest && <Identified machine={machine} found={newest} />}
     </>
   );
@@ -172,22 +174,33 @@ function Body({ machine, from, to }: { machine: Document; from: string; to: stri
 /** The train as it was at the end of the period. */
 function MarkedTrain({ machine, newest, open }: { machine: Document; newest: Identification | undefined; open: Alert[] }) {
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
-  const deviations = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null).data;
-  if (!drawing.data) return null;
+  const changes = useResource<Deviations>(comparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
+  const awaited = comparable(newest) && !changes.data && !changes.failure?.own;
   return (
-    <>
-      <Legend />
-      <Train name={machine.name} drawing={drawing.data} marks={marksOf(open, deviations)} chosen={null} onChoose={() => undefined} />
-      <p class="muted">
-        {deviations && !deviations.missing && (
-          <>
-            Changes are those of identification {deviations.identification} (<Time at={deviations.measured_at} />) against its baseline.{" "}
-          </>
-        )}
-        {deviations?.missing && `No changes are marked: ${deviations.missing}. `}
-        Alerts are those open at the end of the period.
-      </p>
-    </>
+    <Shown answer={awaited ? { data: undefined, failure: drawing.failure } : drawing} lines={15}>
+      {(found) => (
+        <>
+          <Legend />
+          <Train name={machine.name} drawing={found} marks={marksOf(open, changes.data)} chosen={null} onChoose={() => undefined} />
+          {!changes.data && changes.failure && <Trouble failure={changes.failure} />}
+          <Marked changes={changes.data} />
+        </>
+      )}
+    </Shown>
+  );
+}
+
+function Marked({ changes }: { changes: Deviations | undefined }) {
+  return (
+    <p class="muted">
+      {changes && !changes.missing && (
+        <>
+          Changes are those of identification {changes.identification} (<Time at={changes.measured_at} />) against its baseline.{" "}
+        </>
+      )}
+      {changes?.missing && `No changes are marked: ${changes.missing}. `}
+      Alerts are those open at the end of the period.
+    </p>
   );
 }
 

@@ -230,10 +230,11 @@ def test_a_period_ends_with_its_last_day_however_long_that_is(
     assert seen.errors == []
 
 
-def test_a_report_that_is_printed_too_early_says_so(seen: Seen) -> None:
+@pytest.mark.parametrize("late", [r"/trends\?", "/drawing", "/deviations"])
+def test_a_report_that_is_printed_too_early_says_so(seen: Seen, late: str) -> None:
     held: list[Route] = []
     said = "getComputedStyle(document.querySelector('main'), '::before').content"
-    seen.page.route(re.compile(r"/trends\?"), lambda route: held.append(route))
+    seen.page.route(re.compile(late), lambda route: held.append(route))
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.get_by_role("heading", name="What the data tell")).to_be_visible()
     assert seen.page.evaluate(said) == "none"
@@ -244,3 +245,11 @@ def test_a_report_that_is_printed_too_early_says_so(seen: Seen) -> None:
     expect(seen.page.locator(".waiting")).to_have_count(0)
     assert seen.page.evaluate(said) == "none"
     assert seen.errors == []
+
+
+def test_a_report_says_why_its_identification_is_not_there(seen: Seen) -> None:
+    refused = {"title": "Forbidden", "status": 403, "detail": "this key may not see identifications"}
+    seen.page.route(re.compile(r"/identifications/\d+$"), lambda route: route.fulfill(status=403, json=refused))
+    seen.open(f"reports/{MACHINE}")
+    expect(seen.page.get_by_role("alert")).to_have_text("this key may not see identifications")
+    expect(seen.page.locator(".waiting")).to_have_count(0)
