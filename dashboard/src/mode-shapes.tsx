@@ -3,7 +3,7 @@ import type { Displacement, Document, Drawing, Modes, ModeShape } from "./answer
 import { number, rpm, whirlInWords } from "./format";
 import { Empty, Panel, Shown } from "./parts";
 import { useResource } from "./resource";
-import { useNewest } from "./newest";
+import { Awaited, Behind, NotIdentified, useNewest } from "./newest";
 
 const WIDTH = 420;
 const HEIGHT = 130;
@@ -17,12 +17,14 @@ function modesOf(id: number): string {
 }
 
 export function ModeShapes({ machine }: { machine: Document }) {
-  const { newest } = useNewest(machine.id, (id) => [modesOf(id)]);
+  const { newest, none, failure, listed } = useNewest(machine.id, (id) => [modesOf(id)]);
   const answer = useResource<Modes>(newest ? modesOf(newest.id) : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
-  if (!newest) return null;
+  if (none) return <NotIdentified />;
+  if (!newest) return <Awaited title="Mode shapes" failure={failure} />;
   return (
     <Panel title={`Mode shapes of identification ${newest.id}`} aside={<p class="muted">solid: x, dashed: y, shaded: the orbits' semi-major axis</p>}>
+      <Behind failure={failure} listed={listed} />
       <Shown answer={answer} lines={20}>
         {(found) => (
           <>
