@@ -50,7 +50,7 @@ export function ResponseView({ machine }: { machine: Document }) {
         </div>
       </Panel>
       {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
-      {[failure, measured.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
+      {[failure, measured.failure, other.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
       {!run && runs.failure ? null : whole ? (
         <Response
           machine={machine}
