@@ -18,11 +18,10 @@ export interface NewestSummary extends Answer<IdentificationSummary | null> {
 /** The newest accepted identification of a single run, or the newest of all; undefined while nothing is known. */
 export function useNewestSummary(machine: string): NewestSummary {
   const newest = useResource<IdentificationSummary[]>(listOf(machine, LOOKED_AT), MS);
-  const among = newest.data?.find(comparable);
-  const further = !among && newest.data?.length === LOOKED_AT;
+  const further = !newest.data?.some(comparable) && newest.data?.length === LOOKED_AT;
   const more = useResource<IdentificationSummary[]>(further ? listOf(machine, MOST_LOOKED_AT) : null);
   const { data, failure, asOf } = further ? more : newest;
-  return { data: data && (among ?? data.find(comparable) ?? data[0] ?? null), failure, asOf, lookedAt: data?.length ?? 0 };
+  return { data: data && (data.find(comparable) ?? newest.data?.[0] ?? null), failure, asOf, lookedAt: data?.length ?? 0 };
 }
 
 function listOf(machine: string, limit: number): string {
