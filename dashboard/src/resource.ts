@@ -62,7 +62,9 @@ class Resource {
     }
     const again = this.again;
     this.again = false;
-    if (again && this.followers > 0) void this.refresh();
+    if (!again) return;
+    if (this.followers > 0) void this.refresh();
+    else this.asked = 0; // who comes back asks at once
   }
 
   private fail(failure: Failure): void {
