@@ -162,6 +162,9 @@ class Healing:
             del self._discoveries[key]
         for quiet in [quiet for quiet in self._quiet if quiet[0].machine == machine]:
             del self._quiet[quiet]
+        for key in self.live:
+            if key.machine == machine:
+                self.live[key] = {}  # who is there is found out anew, and asked for what was counted as lost
 
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, or let it wait for what is missing before it."""

@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from collections import Counter
 from collections.abc import Collection
 from concurrent.futures import Future
 from dataclasses import replace
@@ -55,8 +56,12 @@ TAIL_CHECK_S = 2.0
 """How often a live source's log is asked for samples that never came."""
 STALLED_S = 5.0
 """A cycle that lasts longer waits for the database, and the service is not ready."""
+UNEXPECTED = "unexpected error; the service's log has it"
+"""What is answered to who waits."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
+MOST_TRIES = 50
+"""Messages of a machine that are tried by themselves though none of them could be stored; the others are left to the logs."""
 FREE_FAILURES = 2
 """So often in a row a machine may meet an unforeseen error before it is put off."""
 
@@ -228,9 +233,12 @@ class Ingest:
             taken += 1
             try:
                 self._admit(message)
-            except (DBAPIError, TimeoutError):
-                self._inbox.put_back(message)
-                raise
+            except Exception as error:
+                if concerns_all(error):
+                    self._inbox.put_back(message)
+                    raise
+                logger.exception("a message under %s cannot be looked at", message.key[:200])
+                self._refuse_unexpected(message.key, None, message.payload, error, received_at=message.received_at)
             self._journal.give_way()
         submitted = 0
         while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
@@ -238,8 +246,14 @@ class Ingest:
             try:
                 self._submit(submission)
             except Exception as error:
-                submission.promise.set_exception(NotStoring(_words(error)) if concerns_all(error) else error)
-                raise
+                if concerns_all(error):
+                    submission.promise.set_exception(NotStoring(_words(error)))
+                    raise
+                logger.exception("%s: a batch over HTTP cannot be looked at", submission.machine)
+                where = f"POST /api/v1/machines/{submission.machine}/samples"
+                self._refuse_unexpected(where, submission.machine, submission.body, error, received_at=now())
+                submission.promise.set_exception(NotStoring(UNEXPECTED))
+                self._put_machine_off(submission.machine)
         replayed = self._healing.collect(LARGEST_CYCLE)
         self._store()
         return taken + submitted + replayed
@@ -272,30 +286,34 @@ class Ingest:
                 raise
             logger.exception("%d rejections cannot be kept", len(self._rejections))
         self._rejections.clear()
-        stored, failed = set[str](), set[str]()
+        stored, failed = set[str](), Counter[str]()
         for number, (one, promise) in list(self._held.items()):
-            try:
-                outcome = self._stored_alone(one)
-            except Exception as error:
-                if concerns_all(error):
-                    raise
-                self._put_aside(one, error, promise)
-                if not isinstance(error, DBAPIError):
-                    failed.add(one.batch.machine)
-            else:
-                stored.add(one.batch.machine)
+            machine = one.batch.machine
+            if failed[machine] >= MOST_TRIES and machine not in stored:
                 if promise is not None:
-                    promise.set_result(outcome)
+                    promise.set_exception(NotStoring(UNEXPECTED))
+            else:
+                try:
+                    outcome = self._stored_alone(one)
+                except Exception as error:
+                    if concerns_all(error):
+                        raise
+                    failed[machine] += 1
+                    self._put_aside(one, error, promise)
+                else:
+                    stored.add(machine)
+                    if promise is not None:
+                        promise.set_result(outcome)
             del self._held[number]
         self._apart = False
         for machine in stored:
             self._put_off.succeeded(machine)
-        for machine in failed - stored:
-            self._put_machine_off(machine)
+        for machine in failed.keys() - stored:
+            self._put_machine_off(machine, failures=failed[machine])
 
-    def _put_machine_off(self, machine: str) -> None:
+    def _put_machine_off(self, machine: str, *, failures: int = 1) -> None:
         """Nothing of it is taken for a while, lest it hold up all others again and again; its sources' logs have it."""
-        pause = self._put_off.failed(machine)
+        pause = self._put_off.failed(machine, at_once=failures >= MOST_TRIES)
         if pause:
             logger.error("%s: nothing of it could be stored again; it is left to its sources' logs for %.0f s", machine, pause)
             self._healing.leave(machine)
@@ -314,8 +332,8 @@ class Ingest:
             answer = Rejected(reason, detail)
         else:
             logger.error("%s: a message cannot be stored", one.batch.machine, exc_info=error)
-            reason, detail = "unexpected_error", f"the service's log has it: {type(error).__name__}: {error}"
-            answer = NotStoring("unexpected error; the service's log has it")
+            reason, detail = "unexpected_error", _unexpected(error)
+            answer = NotStoring(UNEXPECTED)
         self._reject(one.key, one.batch.machine, one.payload, reason, detail, received_at=one.received_at)
         if promise is not None:
             promise.set_exception(answer)
@@ -417,6 +435,9 @@ class Ingest:
         reason, detail = rejected.reason, rejected.detail
         self._reject(message.key, machine, message.payload, reason, detail, received_at=received_at, size=size)
 
+    def _refuse_unexpected(self, key: str, machine: str | None, payload: bytes, error: Exception, *, received_at: int) -> None:
+        self._reject(key, machine, payload, "unexpected_error", _unexpected(error), received_at=received_at)
+
     def _reject(
         self,
         key: str,
@@ -465,3 +486,7 @@ class Ingest:
 def _words(error: Exception) -> str:
     """What the database said, or what said that there is none."""
     return str(getattr(error, "orig", None) or error)
+
+
+def _unexpected(error: Exception) -> str:
+    return f"the service's log has it: {type(error).__name__}: {error}"

@@ -22,9 +22,12 @@ class PutOff:
         """Whether it may be tried."""
         return self._until.get(name, 0.0) <= time.monotonic()
 
-    def failed(self, name: str) -> float:
-        """It waits. Returns how long [s]."""
-        count = self._failures[name] = self._failures.get(name, 0) + 1
+    def failed(self, name: str, *, at_once: bool = False) -> float:
+        """It waits; at once also where that failure would be free. Returns how long [s]."""
+        count = self._failures.get(name, 0) + 1
+        if at_once:
+            count = max(count, self._free + 1)
+        self._failures[name] = count
         doublings = count - self._free - 1
         pause = 0.0 if doublings < 0 else min(FIRST_PAUSE_S * 2.0 ** min(doublings, 30), LONGEST_PAUSE_S)
         self._until[name] = time.monotonic() + pause

@@ -30,7 +30,7 @@ export function ResponseView({ machine }: { machine: Document }) {
   const fit = useResource<Bode>(identified && run ? `/identifications/${identified.id}/bode?run=${run.id}&points=${FITTED_POINTS}` : null);
   const isWhole = (!identified || fit.data || fit.failure) && (!reference || other.data || other.failure);
   const noFit = identified ? NOT_THERE : failure ? NOT_KNOWN : NO_FIT;
-  const whole = useLastWhole(run?.id, measured.data && isWhole ? { measured: measured.data, other: other.data, fit: fit.data, noFit } : undefined);
+  const whole = useLastWhole(run?.id, measured.data && isWhole ? { measured: measured.data, other: other.data, beside: reference?.id, fit: fit.data, noFit } : undefined);
   if (runs.all?.length === 0) {
     return (
       <Panel title="Bode and polar">
@@ -53,10 +53,11 @@ export function ResponseView({ machine }: { machine: Document }) {
       {[failure, measured.failure, other.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
       {!run && runs.failure ? null : whole ? (
         <Response
+          key={run?.id}
           machine={machine}
           channels={chosen}
           measured={bySpeed(whole.measured)}
-          reference={whole.other && bySpeed(whole.other)}
+          reference={whole.beside === reference?.id && whole.other ? bySpeed(whole.other) : undefined}
           fit={whole.fit}
           noFit={whole.noFit}
           slowRoll={slowRollOf(whole.measured, chosen)}

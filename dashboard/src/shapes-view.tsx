@@ -39,7 +39,7 @@ function OrbitsPanel({ machine, runs }: { machine: Document; runs: Runs }) {
   const answer = useResource<Orbits>(run ? without(run.id) : null);
   const other = useResource<Orbits>(reference ? without(reference.id) : null);
   const isWhole = !reference || other.data || other.failure;
-  const whole = useLastWhole(run?.id, answer.data && isWhole ? { found: answer.data, other: other.data } : undefined);
+  const whole = useLastWhole([run?.id, reference?.id, chosen].join(), answer.data && isWhole ? { found: answer.data, other: other.data } : undefined);
   return (
     <Panel title="1× orbits at the probes">
       <div class="choices">

@@ -75,6 +75,7 @@ export function TrendsView({ machine }: { machine: Document }) {
         <Cut shown={alerts.length} most={MOST_ALERTS} of="alerts of the machine" />
       </Panel>
       <Histories
+        key={[element, range, chosen.get("scope")].join()}
         machine={machine.id}
         rotation={machine.rotation}
         element={element}

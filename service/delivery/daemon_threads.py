@@ -13,13 +13,12 @@ T = TypeVar("T")
 
 
 class DaemonThreads(Executor):
-    """So many threads at most, begun as they are needed."""
+    """So many threads, begun with the first pieces of work."""
 
     def __init__(self, count: int, *, name: str) -> None:
         self.count = count
         self._name = name
         self._waiting: queue.SimpleQueue[tuple[Future[Any], Callable[[], Any]]] = queue.SimpleQueue()
-        self._idle = threading.Semaphore(0)
         self._begun = 0
         self._lock = threading.Lock()
 
@@ -28,18 +27,14 @@ class DaemonThreads(Executor):
         future: Future[T] = Future()
         self._waiting.put((future, lambda: fn(*args, **kwargs)))
         with self._lock:
-            if not self._idle.acquire(blocking=False) and self._begun < self.count:
+            if self._begun < self.count:
                 self._begun += 1
                 threading.Thread(target=self._work, name=f"{self._name}-{self._begun}", daemon=True).start()
         return future
 
     def _work(self) -> None:
         while True:
-            try:
-                future, work = self._waiting.get_nowait()
-            except queue.Empty:
-                self._idle.release()
-                future, work = self._waiting.get()
+            future, work = self._waiting.get()
             if future.set_running_or_notify_cancel():
                 try:
                     result = work()

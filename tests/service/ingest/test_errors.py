@@ -7,6 +7,7 @@ from contextlib import ExitStack
 
 import pytest
 import zenoh
+from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service import healing as healing_module
@@ -20,7 +21,7 @@ from service.wire import MESSAGEPACK, encode_batch, encode_body
 from storage import machines
 from storage.database import Database
 from storage.quarantine import Rejection
-from storage.tables import CollectorRow
+from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, batch, machine, wait_until
 from tests.service.ingest.plant_network import Edge, counts, heard, ingesting, put, put_batch, received, rejected, rows
 
@@ -54,11 +55,19 @@ def test_what_meets_an_unforeseen_error_is_put_aside_and_stops_nothing(
     wait_until(lambda: ingest.trouble is None)
 
 
-def test_a_machine_that_fails_again_and_again_is_put_off_and_caught_up_with(
-    plant: Database, ingest: Ingest, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("most_tries", "fewest"), [(50, 3), (1, 1)], ids=["again and again", "all of many at once"])
+def test_a_machine_that_fails_is_put_off_and_caught_up_with(
+    plant: Database,
+    ingest: Ingest,
+    client: zenoh.Session,
+    edge: Edge,
+    monkeypatch: pytest.MonkeyPatch,
+    most_tries: int,
+    fewest: int,
 ) -> None:
     """Its messages wait in its source's log: nothing is lost, and nobody else is held up by it."""
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
+    monkeypatch.setattr(ingest_module, "MOST_TRIES", most_tries)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     wait_until(lambda: heard(client))
@@ -85,7 +94,26 @@ def test_a_machine_that_fails_again_and_again_is_put_off_and_caught_up_with(
     edge.publish(3)
     wait_until(lambda: received(plant) == 5 + edge.source.sequence)
     assert counts_of(plant, KEY.machine) == (edge.source.sequence, edge.source.sequence)
-    assert 3 <= rejected(plant)["unexpected_error"] <= edge.source.sequence
+    assert fewest <= rejected(plant)["unexpected_error"] <= edge.source.sequence
+
+
+def test_a_machine_that_fails_over_http_holds_up_no_other(router: zenoh.Session, plant: Database) -> None:
+    with plant.transaction() as session:
+        machines.create(session, machine(id="pump-8"))
+        session.scalars(select(RevisionRow).where(RevisionRow.machine_id == KEY.machine)).one().document = {}
+    submissions = Submissions()
+    with ExitStack() as until:
+        ingest = running(router, Journal(plant, Collector()), submissions, until)
+        body = encode_body(batch([900.0] * 5), MESSAGEPACK)
+        for _ in range(3):
+            with pytest.raises(NotStoring, match="log has it"):
+                submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
+        with pytest.raises(NotStoring, match="tried again later"):
+            submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
+        other = encode_body(batch([900.0] * 5, machine="pump-8"), MESSAGEPACK)
+        assert submissions.offer("pump-8", other, MESSAGEPACK).result(10.0).received == 5
+        assert ingest.trouble is None
+    assert rejected(plant) == {"unexpected_error": 3}
 
 
 class Failing(Journal):
