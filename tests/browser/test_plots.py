@@ -412,4 +412,9 @@ def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, serv
         expect(seen.page.get_by_role("button", name="disc D1")).to_contain_text("▲")
         expect(seen.page.get_by_role("heading", name="coupling C1: of single runs")).to_be_visible()
     expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
+    if tab == "trends":  # what one chooses is shown whole
+        period = seen.page.get_by_role("button", pressed=False).filter(has_text="year").first
+        period.click()
+        expect(seen.page.locator(".uplot")).to_have_count(plots)
+        expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(0)
     assert [one for one in seen.errors if "503" not in one] == []
