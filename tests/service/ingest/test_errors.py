@@ -23,7 +23,18 @@ from storage.database import Database
 from storage.quarantine import Rejection
 from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, batch, machine, wait_until
-from tests.service.ingest.plant_network import Edge, counts, heard, ingesting, put, put_batch, received, rejected, rows
+from tests.service.ingest.plant_network import (
+    DroppedOnTheWay,
+    Edge,
+    counts,
+    heard,
+    ingesting,
+    put,
+    put_batch,
+    received,
+    rejected,
+    rows,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -95,6 +106,30 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
     wait_until(lambda: received(plant) == 5 + edge.source.sequence)
     assert counts_of(plant, KEY.machine) == (edge.source.sequence, edge.source.sequence)
     assert fewest <= rejected(plant)["unexpected_error"] <= edge.source.sequence
+
+
+def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off(
+    plant: Database, ingest: Ingest, client: zenoh.Session, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
+    monkeypatch.setattr(ingest_module, "MOST_TRIES", 1)
+    wait_until(lambda: heard(client))
+    lossy.publish()
+    wait_until(lambda: received(plant) == 5)
+    lossy.leave()
+    for dropped in (True, True, False):
+        lossy.publish(dropped=dropped)
+    wait_until(lambda: counts(plant) == (20, 10, 10))
+    with plant.transaction() as session:
+        standing = session.get_one(CollectorRow, KEY.machine).state
+    spoil(plant, KEY.machine)
+    lossy.come()
+    wait_until(lambda: rejected(plant).get("unexpected_error", 0) > 0)
+    wait_until(lambda: not ingest._put_off.is_due(KEY.machine))
+    with plant.transaction() as session:
+        session.get_one(CollectorRow, KEY.machine).state = standing
+    wait_until(lambda: counts(plant) == (20, 20, 0))
 
 
 def test_a_machine_that_fails_over_http_holds_up_no_other(router: zenoh.Session, plant: Database) -> None:
