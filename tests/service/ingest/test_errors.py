@@ -112,6 +112,7 @@ def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off
     plant: Database, ingest: Ingest, client: zenoh.Session, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
     monkeypatch.setattr(ingest_module, "MOST_TRIES", 1)
     wait_until(lambda: heard(client))
