@@ -162,9 +162,10 @@ class Healing:
             del self._discoveries[key]
         for quiet in [quiet for quiet in self._quiet if quiet[0].machine == machine]:
             del self._quiet[quiet]
-        for key in self.live:
+        for key, sources in self.live.items():
             if key.machine == machine:
-                self.live[key] = {}  # who is there is found out anew, and asked for what was counted as lost
+                # What was counted as lost is asked for as soon as its samples are taken again.
+                self._silent_logs.update(dict.fromkeys(sources.values(), time.monotonic()))
 
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, or let it wait for what is missing before it."""

@@ -233,14 +233,11 @@ class Ingest:
             taken += 1
             try:
                 self._admit(message)
-            except Exception as error:
-                if concerns_all(error):
-                    self._inbox.put_back(message)
-                    raise
-                logger.exception("a message under %s cannot be looked at", message.key[:200])
-                self._refuse_unexpected(message.key, None, message.payload, error, received_at=message.received_at)
+            except (DBAPIError, TimeoutError):
+                self._inbox.put_back(message)
+                raise
             self._journal.give_way()
-        submitted = 0
+        submitted, failing = 0, set[str]()
         while submitted < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
             submitted += 1
             try:
@@ -253,9 +250,12 @@ class Ingest:
                 where = f"POST /api/v1/machines/{submission.machine}/samples"
                 self._refuse_unexpected(where, submission.machine, submission.body, error, received_at=now())
                 submission.promise.set_exception(NotStoring(UNEXPECTED))
-                self._put_machine_off(submission.machine)
+                failing.add(submission.machine)
         replayed = self._healing.collect(LARGEST_CYCLE)
+        failing -= {arrived.batch.machine for arrived, _ in self._held.values()}
         self._store()
+        for machine in failing:
+            self._put_machine_off(machine)
         return taken + submitted + replayed
 
     def _store(self) -> None:
@@ -286,10 +286,13 @@ class Ingest:
                 raise
             logger.exception("%d rejections cannot be kept", len(self._rejections))
         self._rejections.clear()
-        stored, failed = set[str](), Counter[str]()
+        stored, failed, left = set[str](), Counter[str](), set[str]()
         for number, (one, promise) in list(self._held.items()):
             machine = one.batch.machine
-            if failed[machine] >= MOST_TRIES and machine not in stored:
+            # More each time: behind many that cannot be stored there may be some that can.
+            most = MOST_TRIES << min(self._put_off.failures(machine), 6)
+            if failed[machine] >= most and machine not in stored:
+                left.add(machine)
                 if promise is not None:
                     promise.set_exception(NotStoring(UNEXPECTED))
             else:
@@ -309,11 +312,11 @@ class Ingest:
         for machine in stored:
             self._put_off.succeeded(machine)
         for machine in failed.keys() - stored:
-            self._put_machine_off(machine, failures=failed[machine])
+            self._put_machine_off(machine, at_once=machine in left)
 
-    def _put_machine_off(self, machine: str, *, failures: int = 1) -> None:
+    def _put_machine_off(self, machine: str, *, at_once: bool = False) -> None:
         """Nothing of it is taken for a while, lest it hold up all others again and again; its sources' logs have it."""
-        pause = self._put_off.failed(machine, at_once=failures >= MOST_TRIES)
+        pause = self._put_off.failed(machine, at_once=at_once)
         if pause:
             logger.error("%s: nothing of it could be stored again; it is left to its sources' logs for %.0f s", machine, pause)
             self._healing.leave(machine)
@@ -427,6 +430,12 @@ class Ingest:
             self._require_machine(key)
         except Rejected as rejected:
             self._refuse(message, key.machine, rejected)
+            return None
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("a message under %s cannot be looked at", message.key)
+            self._refuse_unexpected(message.key, key.machine, message.payload, error, received_at=message.received_at)
             return None
         return Arrived(batch, message.key, message.payload, message.received_at)
 

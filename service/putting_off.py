@@ -18,6 +18,10 @@ class PutOff:
         """How many failed when they were last tried."""
         return len(self._failures)
 
+    def failures(self, name: str) -> int:
+        """How often in a row it failed."""
+        return self._failures.get(name, 0)
+
     def is_due(self, name: str) -> bool:
         """Whether it may be tried."""
         return self._until.get(name, 0.0) <= time.monotonic()

@@ -216,6 +216,29 @@ def test_whoever_waits_over_http_is_answered(
     assert counts(plant) == (5, 5, 0)
 
 
+class Confused(Journal):
+    """Meets an error that nobody foresaw where it looks up one machine."""
+
+    def plant_of(self, machine_id: str) -> str | None:
+        if machine_id == "pump-9":
+            raise ZeroDivisionError("a fault of ours")
+        return super().plant_of(machine_id)
+
+
+def test_a_message_that_cannot_be_looked_at_is_put_aside_by_itself(
+    router: zenoh.Session, plant: Database, client: zenoh.Session
+) -> None:
+    with ExitStack() as until:
+        ingest = running(router, Confused(plant, Collector()), Submissions(), until)
+        wait_until(lambda: heard(client))
+        for number in range(5):
+            put_batch(client, 0, 5, machine="pump-9", source=f"source-{number}")
+            put_batch(client, 5 * number, 5 * number + 5)
+        wait_until(lambda: received(plant) == 25)
+        assert ingest.trouble is None
+    assert rejected(plant) == {"unexpected_error": 5}
+
+
 class Blind(Journal):
     """Cannot look something up the first time."""
 
