@@ -29,6 +29,7 @@ from storage.backup_file import newest_in
 from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
+from storage.errors import words
 from storage.private_files import readable_by_others
 
 Level = Literal["ok", "warning", "wrong"]
@@ -82,7 +83,7 @@ def _database(settings: Settings) -> Iterator[Finding]:
             revision = schema.revision_of(connection)
             skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
     except (SQLAlchemyError, DatabaseUnusable) as error:
-        reason = str(getattr(error, "orig", None) or error).strip().splitlines()[0]
+        reason = words(error).strip().splitlines()[0]
         yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
         return
     yield Finding("ok", what, f"{version} answers")

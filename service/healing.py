@@ -81,7 +81,7 @@ class Healing:
     """Decides what can be stored now, what waits, and what is gone.
 
     expected: number of the next sample of a source. missing: the holes before it. read: a reply as a batch, None when it is
-    rejected. take: store a batch. owns: whether a machine's samples are stored here.
+    rejected. take: store a batch. owns: whether a machine's samples are stored here. takes: whether a source's are stored now.
     """
 
     session: zenoh.Session
@@ -90,6 +90,7 @@ class Healing:
     read: Callable[[Key, zenoh.Sample], Arrived | None]
     take: Callable[[Arrived], None]
     owns: Callable[[str], bool]
+    takes: Callable[[SourceKey], bool]
     live: dict[Key, dict[str, SourceKey]] = field(default_factory=dict)
     """Machines of which a source is connected, and the newest start of each of their sources, once known."""
     waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
@@ -105,6 +106,8 @@ class Healing:
     """Sources that keep a log."""
     _silent_logs: Bounded[SourceKey, float] = field(default_factory=Bounded)
     _fruitless: Bounded[SourceKey, int] = field(default_factory=Bounded)
+    _left: Bounded[SourceKey, None] = field(default_factory=Bounded)
+    """Sources whose holes are to be asked for as soon as their samples are taken again."""
 
     @property
     def asking(self) -> bool:
@@ -128,7 +131,7 @@ class Healing:
     def review(self) -> None:
         """What is stored here has changed: begin anew with what is known of the sources, and ask all logs."""
         self._drop_questions()
-        known: tuple[dict[SourceKey, Any], ...] = self._heard, self._silent_logs, self._fruitless
+        known: tuple[dict[SourceKey, Any], ...] = self._heard, self._silent_logs, self._fruitless, self._left
         for one in known:
             one.clear()
         for key in self.live:
@@ -152,31 +155,24 @@ class Healing:
         for one in asked:
             one.clear()
 
-    def leave(self, machine: str) -> None:
-        """Nothing of a machine is taken any more: what waits for its logs' answers is theirs again."""
-        by_source: tuple[dict[SourceKey, Any], ...] = self.waiting, self._replays, self._recalls
-        for known in by_source:
-            for source in [source for source in known if source.machine_id == machine]:
-                del known[source]
-        for key in [key for key in self._discoveries if key.machine == machine]:
-            del self._discoveries[key]
-        for quiet in [quiet for quiet in self._quiet if quiet[0].machine == machine]:
-            del self._quiet[quiet]
-        for key, sources in self.live.items():
-            if key.machine == machine:
-                # What was counted as lost is asked for as soon as its samples are taken again.
-                self._silent_logs.update(dict.fromkeys(sources.values(), time.monotonic()))
+    def leave(self, source: SourceKey) -> None:
+        """Nothing of a source is taken for a while: what waits for its log's answers is the log's again."""
+        asked: tuple[dict[SourceKey, Any], ...] = self.waiting, self._replays, self._recalls
+        for one in asked:
+            one.pop(source, None)
+        self._left[source] = None
 
     def place(self, key: Key, arrived: Arrived) -> None:
-        """Take a published batch, or let it wait for what is missing before it."""
+        """Take a published batch, let it wait for what is missing before it, or leave it to its source's log."""
         source = source_key(arrived.batch)
         if key in self.live:
             self._know(key, source)
         self._heard[source] = time.monotonic()
         waiting = self.waiting.get(source)
+        if not self.takes(source):
+            return
         if not self._missing(arrived):
             self.take(arrived)
-            self._release_if_healed(source)
         elif self._ceased:
             if source not in self._answering:
                 self.take(arrived)
@@ -204,6 +200,9 @@ class Healing:
                 if self._silent_logs.get(source, math.inf) <= time.monotonic():
                     del self._silent_logs[source]
                     self._recall(key, source)
+                if source in self._left and self.takes(source):
+                    del self._left[source]
+                    self._recall(key, source)
                 # While samples come, their numbers show every gap; only a quiet source can hide one.
                 if time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
                     self._quiet.setdefault((key, source))
@@ -224,6 +223,8 @@ class Healing:
             quiet = next(iter(self._quiet))
             del self._quiet[quiet]
             self._ask_quiet(*quiet)
+        for source in list(self.waiting):
+            self._release_if_healed(source)
         count = sum(self._collect_recall(source) for source in list(self._recalls))
         for source, replay in list(self._replays.items()):
             for reply in _arrived(replay.answers):
@@ -246,8 +247,8 @@ class Healing:
         return 0 < arrived.batch.sequence - self.expected(source_key(arrived.batch)) <= LARGEST_GAP
 
     def _ask(self, key: Key, source: SourceKey) -> None:
-        """Ask a log for what follows the last sample known, unless that is being done, or too much else."""
-        if source in self._replays or len(self._replays) >= MOST_QUERIES:
+        """Ask a log for what follows the last sample known, unless that is being done, too much else, or none is taken."""
+        if source in self._replays or len(self._replays) >= MOST_QUERIES or not self.takes(source):
             return
         first = self.expected(source)
         trusting = self._fruitless.get(source) == first
@@ -319,7 +320,10 @@ class Healing:
             self._recall(key, source)
 
     def _recall(self, key: Key, source: SourceKey) -> None:
-        """Ask the log for what was counted as lost."""
+        """Ask the log for what was counted as lost, now or as soon as it is taken."""
+        if not self.takes(source):
+            self._left[source] = None
+            return
         holes = [(hole[0], hole[1]) for hole in self.missing(source)]
         if holes and source not in self._recalls:
             self._recalls[source] = _Recall(key, holes)

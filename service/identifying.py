@@ -15,12 +15,13 @@ from estimator.identification import Options
 from estimator.machine import parse_machine
 from service import requesting, watching, worker
 from service.engines import EngineAway, engine
-from service.own_faults import concerns_all, unexpected
+from service.own_faults import unexpected
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
 from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.database import Database
+from storage.errors import concerns_all
 from storage.identifications import Origin
 from storage.tables import IdentificationRow, JobRow
 

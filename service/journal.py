@@ -19,13 +19,14 @@ from service.bounded import Bounded
 from service.collection import Collector
 from service.giving_way import GivingWay
 from service.order import Order
-from service.own_faults import concerns_all, unexpected
+from service.own_faults import unexpected
 from service.putting_off import PutOff
 from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
 from storage.database import Database
+from storage.errors import concerns_all
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import SourceRow
@@ -80,7 +81,7 @@ class Journal:
         self._orders: Bounded[SourceKey, Order] = Bounded()
         self._plants: dict[str, str] = {}
         self._documents: dict[str, tuple[int, Machine]] = {}
-        self._put_off = PutOff()
+        self._put_off = PutOff[str]()
         self.give_way = GivingWay()
 
     def next_sequence(self, key: SourceKey) -> int:

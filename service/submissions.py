@@ -8,6 +8,8 @@ from typing import Protocol
 
 from service.journal import Outcome
 
+UNFORESEEN = "unexpected error; the service's log has it"
+"""What is answered to who waits."""
 QUEUE_SIZE = 1_000
 """Batches that wait; whoever comes then is asked to come again."""
 

@@ -100,7 +100,7 @@ def test_a_machine_that_cannot_be_closed_holds_up_no_other(
 
 
 def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
-    waiting = PutOff()
+    waiting = PutOff[str]()
     assert waiting.is_due("pump-7")
     assert [waiting.failed("pump-7") for _ in range(4)] == [10.0, 20.0, 40.0, 80.0]
     assert not waiting.is_due("pump-7")
@@ -112,7 +112,7 @@ def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
 
 
 def test_failures_may_be_free() -> None:
-    waiting = PutOff(free=2)
+    waiting = PutOff[str](free=2)
     assert [waiting.failed("pump-7") for _ in range(4)] == [0.0, 0.0, 10.0, 20.0]
     assert len(waiting) == 1
     waiting.succeeded("pump-7")

@@ -4,6 +4,7 @@ received stays, and whoever waits gets an answer."""
 import time
 from concurrent.futures import Future
 from contextlib import ExitStack
+from typing import Any
 
 import pytest
 import zenoh
@@ -12,15 +13,17 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service import healing as healing_module
 from service import ingest as ingest_module
-from service import putting_off
+from service import putting_off, storing
 from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Arrived, Journal, Outcome
+from service.source import Source
 from service.submissions import NotStoring, Submissions
-from service.wire import MESSAGEPACK, encode_batch, encode_body
+from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
 from storage import machines
 from storage.database import Database
 from storage.quarantine import Rejection
+from storage.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
@@ -78,7 +81,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
 ) -> None:
     """Its messages wait in its source's log: nothing is lost, and nobody else is held up by it."""
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(ingest_module, "MOST_TRIES", most_tries)
+    monkeypatch.setattr(storing, "MOST_TRIES", most_tries)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     wait_until(lambda: heard(client))
@@ -87,12 +90,12 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
     with plant.transaction() as session:
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
-    put_off: list[str] = []
+    put_off: list[SourceKey] = []
     leave = ingest._healing.leave
 
-    def noted(name: str) -> None:
-        put_off.append(name)
-        leave(name)
+    def noted(source: SourceKey) -> None:
+        put_off.append(source)
+        leave(source)
 
     monkeypatch.setattr(ingest._healing, "leave", noted)
     while not put_off:
@@ -114,7 +117,7 @@ def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off
     monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
     monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(ingest_module, "MOST_TRIES", 1)
+    monkeypatch.setattr(storing, "MOST_TRIES", 1)
     wait_until(lambda: heard(client))
     lossy.publish()
     wait_until(lambda: received(plant) == 5)
@@ -127,29 +130,101 @@ def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off
     spoil(plant, KEY.machine)
     lossy.come()
     wait_until(lambda: rejected(plant).get("unexpected_error", 0) > 0)
-    wait_until(lambda: not ingest._put_off.is_due(KEY.machine))
+    wait_until(lambda: not ingest._storing.takes(source_key(lossy.log[0])))
     with plant.transaction() as session:
         session.get_one(CollectorRow, KEY.machine).state = standing
     wait_until(lambda: counts(plant) == (20, 20, 0))
 
 
-def test_a_machine_that_fails_over_http_holds_up_no_other(router: zenoh.Session, plant: Database) -> None:
+def test_a_batch_over_http_that_cannot_be_looked_at_holds_up_no_other(router: zenoh.Session, plant: Database) -> None:
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
         session.scalars(select(RevisionRow).where(RevisionRow.machine_id == KEY.machine)).one().document = {}
     submissions = Submissions()
     with ExitStack() as until:
         ingest = running(router, Journal(plant, Collector()), submissions, until)
-        body = encode_body(batch([900.0] * 5), MESSAGEPACK)
         for _ in range(3):
             with pytest.raises(NotStoring, match="log has it"):
-                submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
-        with pytest.raises(NotStoring, match="tried again later"):
-            submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
-        other = encode_body(batch([900.0] * 5, machine="pump-8"), MESSAGEPACK)
-        assert submissions.offer("pump-8", other, MESSAGEPACK).result(10.0).received == 5
+                offer(submissions, KEY.machine)
+        assert offer(submissions, "pump-8").received == 5
         assert ingest.trouble is None
     assert rejected(plant) == {"unexpected_error": 3}
+
+
+def test_a_source_that_fails_over_http_is_put_off_and_no_other(router: zenoh.Session, plant: Database) -> None:
+    submissions = Submissions()
+    with ExitStack() as until:
+        ingest = running(router, Partial(plant, Collector()), submissions, until)
+        for _ in range(3):
+            with pytest.raises(NotStoring, match="log has it"):
+                offer(submissions, KEY.machine, source="failing")
+        with pytest.raises(NotStoring, match="source 'failing' of machine 'pump-7'; it is tried again later"):
+            offer(submissions, KEY.machine, source="failing")
+        assert offer(submissions, KEY.machine, source="working").received == 5
+        assert ingest.trouble is None
+    assert rejected(plant) == {"unexpected_error": 3}
+
+
+def offer(submissions: Submissions, name: str, **changes: Any) -> Outcome:
+    """What becomes of five samples of a machine."""
+    body = encode_body(batch([900.0] * 5, machine=name, **changes), MESSAGEPACK)
+    return submissions.offer(name, body, MESSAGEPACK).result(10.0)
+
+
+class Partial(Journal):
+    """Meets an error that nobody foresaw where it stores what one source sends, until it is mended."""
+
+    broken = True
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        if self.broken and any(one.batch.source == "failing" for one in arrived):
+            raise ZeroDivisionError("a fault of ours")
+        return super().store(arrived, rejections)
+
+
+def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_goes_on(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where it has fallen silent by then."""
+    monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
+    journal = Partial(plant, Collector())
+    with ExitStack() as until:
+        ingest = running(router, journal, Submissions(), until)
+        failing, working = (Edge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working"))
+        wait_until(lambda: heard(client))
+        while ingest._storing.takes(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
+            failing.publish(1)
+            working.publish(1)
+            time.sleep(0.15)
+        assert failing.source.sequence < 30
+        working.publish(5)
+        wait_until(lambda: received(plant) == working.source.sequence)
+        journal.broken = False
+        wait_until(lambda: received(plant) == working.source.sequence + failing.source.sequence)
+        assert ingest.trouble is None
+    assert {row.source: row.lost for row in rows(plant)} == {"failing": 0, "working": 0}
+
+
+class FirstThreeFail(Journal):
+    """Meets an error that nobody foresaw with what a source sent first."""
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        if any(one.batch.sequence < 15 for one in arrived):
+            raise ZeroDivisionError("a fault of ours")
+        return super().store(arrived, rejections)
+
+
+def test_behind_many_that_cannot_be_stored_those_that_can_are_reached(
+    router: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.2)
+    monkeypatch.setattr(storing, "MOST_TRIES", 1)
+    for _ in range(6):
+        lossy.publish(dropped=True)
+    with ExitStack() as until:
+        running(router, FirstThreeFail(plant, Collector()), Submissions(), until)
+        wait_until(lambda: received(plant) == 15)
+    assert counts(plant) == (30, 15, 15)
 
 
 class Failing(Journal):
