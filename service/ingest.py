@@ -178,9 +178,9 @@ class Ingest:
     def _check(self) -> None:
         """What is done now and then; samples are stored though it fails."""
         try:
-            self._healing.check_tails(quiet_s=TAIL_CHECK_S)
             alive = {key.machine for key in self._healing.live}
             self._journal.close_silent(silence_s=self._silence_s, alive=alive)
+            self._healing.check_tails(quiet_s=TAIL_CHECK_S)
             self._unchecked = None
         except NotHeld:
             raise
@@ -244,12 +244,8 @@ class Ingest:
                 self._admission.refuse(message, None, rejected)
             return
         if self._share.owns(key.machine) and (arrived := self._admission.published(key, message)) is not None:
-            try:
+            with self._storing.guarding(arrived):
                 self._healing.place(key, arrived)
-            except Exception as error:
-                if concerns_all(error):
-                    raise
-                self._storing.put_aside(arrived, error)
 
     def _submission(self, submission: Submission) -> None:
         """Take a batch that came over HTTP: its source keeps no log, so nothing is asked for that may be missing."""
@@ -262,7 +258,8 @@ class Ingest:
             where = f"source '{arrived.batch.source}' of machine '{submission.machine}'"
             submission.promise.set_exception(NotStoring(f"unexpected errors with {where}; it is tried again later"))
             return
-        self._storing.take(arrived, submission.promise)
+        with self._storing.guarding(arrived, submission.promise):
+            self._storing.take(arrived, submission.promise)
 
     def _read_reply(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
         return self._admission.published(key, replace(Message.of(reply), key=key.samples))

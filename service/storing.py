@@ -4,8 +4,9 @@ what cannot be stored stops nothing else. A source of which nothing can be store
 
 import logging
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from sqlalchemy.exc import DBAPIError, IntegrityError
@@ -92,6 +93,16 @@ class Storing:
             logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
             self._store_one_by_one()
             self._store_together()  # what was put aside
+
+    @contextmanager
+    def guarding(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> Iterator[None]:
+        """What nobody foresaw within is the trouble of this batch alone: it is put aside."""
+        try:
+            yield
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            self.put_aside(arrived, error, promise)
 
     def put_aside(self, arrived: Arrived, error: Exception, promise: Future[Outcome] | None = None) -> None:
         """Keep a batch that cannot be stored, and say so to who waits."""

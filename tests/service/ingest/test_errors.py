@@ -205,6 +205,32 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
     assert {row.source: row.lost for row in rows(plant)} == {"failing": 0, "working": 0}
 
 
+class Forgetful(Journal):
+    """Cannot tell how far one source has come."""
+
+    def next_sequence(self, key: SourceKey) -> int:
+        if key.source == "failing":
+            raise ZeroDivisionError("a fault of ours")
+        return super().next_sequence(key)
+
+
+def test_a_source_of_which_nothing_can_be_told_stops_no_other(
+    router: zenoh.Session, plant: Database, client: zenoh.Session
+) -> None:
+    submissions = Submissions()
+    with ExitStack() as until:
+        ingest = running(router, Forgetful(plant, Collector()), submissions, until)
+        wait_until(lambda: heard(client))
+        for number in range(5):
+            put_batch(client, 5 * number, 5 * number + 5, source="failing")
+            put_batch(client, 5 * number, 5 * number + 5, source="working")
+            with pytest.raises(NotStoring, match="log has it"):
+                offer(submissions, KEY.machine, source="failing")
+            assert ingest.trouble is None
+        wait_until(lambda: received(plant) == 25)
+    assert rejected(plant) == {"unexpected_error": 10}
+
+
 class FirstThreeFail(Journal):
     """Meets an error that nobody foresaw with what a source sent first."""
 
