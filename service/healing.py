@@ -7,6 +7,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,6 +17,7 @@ from service.bounded import Bounded
 from service.holes import Hole
 from service.journal import LARGEST_GAP, Arrived
 from service.wire import ALL_LIVE, IDENTIFIER, Key, source_key
+from storage.errors import concerns_all
 from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -82,6 +84,7 @@ class Healing:
 
     expected: number of the next sample of a source. missing: the holes before it. read: a reply as a batch, None when it is
     rejected. take: store a batch. owns: whether a machine's samples are stored here. takes: whether a source's are stored now.
+    put_off: a source of which something failed that nobody foresaw.
     """
 
     session: zenoh.Session
@@ -91,6 +94,7 @@ class Healing:
     take: Callable[[Arrived], None]
     owns: Callable[[str], bool]
     takes: Callable[[SourceKey], bool]
+    put_off: Callable[[SourceKey], None]
     live: dict[Key, dict[str, SourceKey]] = field(default_factory=dict)
     """Machines of which a source is connected, and the newest start of each of their sources, once known."""
     waiting: dict[SourceKey, _Waiting] = field(default_factory=dict)
@@ -144,11 +148,13 @@ class Healing:
         is taken as it is.
         """
         self._ceased = True
-        left = [waiting for source, waiting in self.waiting.items() if source not in self._answering]
+        for source, waiting in list(self.waiting.items()):
+            if source not in self._answering:
+                with self._alone(source):
+                    for arrived in waiting.arrived:
+                        self.take(arrived)
+            self.waiting.pop(source, None)
         self._drop_questions()
-        for waiting in left:
-            for arrived in waiting.arrived:
-                self.take(arrived)
 
     def _drop_questions(self) -> None:
         asked: tuple[dict[Any, Any], ...] = self.waiting, self._replays, self._recalls, self._discoveries, self._quiet
@@ -199,10 +205,10 @@ class Healing:
             for source in sources.values():
                 if self._silent_logs.get(source, math.inf) <= time.monotonic():
                     del self._silent_logs[source]
-                    self._recall(key, source)
-                if source in self._left and self.takes(source):
-                    del self._left[source]
-                    self._recall(key, source)
+                    self._left[source] = None
+                if source in self._left:
+                    with self._alone(source):
+                        self._recall(key, source)
                 # While samples come, their numbers show every gap; only a quiet source can hide one.
                 if time.monotonic() - self._heard.get(source, 0.0) > quiet_s:
                     self._quiet.setdefault((key, source))
@@ -224,22 +230,48 @@ class Healing:
             del self._quiet[quiet]
             self._ask_quiet(*quiet)
         for source in list(self.waiting):
-            self._release_if_healed(source)
-        count = sum(self._collect_recall(source) for source in list(self._recalls))
+            with self._alone(source):
+                self._release_if_healed(source)
+        count = 0
+        for source in list(self._recalls):
+            with self._alone(source):
+                count += self._collect_recall(source)
         for source, replay in list(self._replays.items()):
-            for reply in _arrived(replay.answers):
-                if reply is None:
-                    del self._replays[source]
-                    self._answered(source, replay)
-                    break
-                if reply.ok is not None:
-                    count += 1
-                    self._reply(source, replay, reply.ok)
-                if count >= most:
-                    return count
+            with self._alone(source):
+                count += self._collect_replay(source, replay, most=most - count)
+            if count >= most:
+                return count
         for source, waiting in list(self.waiting.items()):
             if waiting.next_try <= time.monotonic():
-                self._ask(waiting.key, source)
+                with self._alone(source):
+                    self._ask(waiting.key, source)
+        return count
+
+    @contextmanager
+    def _alone(self, source: SourceKey) -> Iterator[None]:
+        """What nobody foresaw within is the trouble of this source alone, which is put off."""
+        try:
+            yield
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("%s, source %s: its log cannot be asked", source.machine_id, source.source)
+            self.put_off(source)
+
+    def _collect_replay(self, source: SourceKey, replay: _Replay, *, most: int) -> int:
+        """Take what a log has answered. How many batches there were."""
+        count = 0
+        self.expected(source)  # asks the database, if it must, before an answer is in hand
+        for reply in _arrived(replay.answers):
+            if reply is None:
+                del self._replays[source]
+                self._answered(source, replay)
+                break
+            if reply.ok is not None:
+                count += 1
+                self._reply(source, replay, reply.ok)
+            if count >= most:
+                break
         return count
 
     def _missing(self, arrived: Arrived) -> bool:
@@ -291,14 +323,20 @@ class Healing:
 
     def _release(self, source: SourceKey) -> None:
         """What waited is placed anew: behind a further gap it waits again."""
-        waiting = self.waiting.pop(source)
+        waiting = self.waiting[source]
+        # Asks the database, if it must, before what waits is let go of.
+        self.expected(source)
+        if waiting.key in self.live:
+            self._know(waiting.key, source)
+        del self.waiting[source]
         for arrived in waiting.arrived:
             self.place(waiting.key, arrived)
 
     def _ask_quiet(self, key: Key, source: SourceKey | None) -> None:
         """Ask for what follows the last sample known, or which source it is: any batch of its log tells."""
         if source is not None:
-            self._ask(key, source)
+            with self._alone(source):
+                self._ask(key, source)
         elif key in self.live and key not in self._discoveries:
             self._discoveries[key] = self._query(key, "from=0;limit=1")
 
@@ -309,9 +347,11 @@ class Healing:
                 return
             arrived = None if reply.ok is None else self.read(key, reply.ok)
             if arrived is not None and key in self.live:
-                self._answering[source_key(arrived.batch)] = True
-                self._know(key, source_key(arrived.batch))
-                self._ask(key, source_key(arrived.batch))
+                source = source_key(arrived.batch)
+                self._answering[source] = True
+                with self._alone(source):
+                    self._know(key, source)
+                    self._ask(key, source)
 
     def _know(self, key: Key, source: SourceKey) -> None:
         """A source is there; that it was away before is a reason to ask for what it could not tell then."""
@@ -321,12 +361,13 @@ class Healing:
 
     def _recall(self, key: Key, source: SourceKey) -> None:
         """Ask the log for what was counted as lost, now or as soon as it is taken."""
+        self._left[source] = None
         if not self.takes(source):
-            self._left[source] = None
             return
         holes = [(hole[0], hole[1]) for hole in self.missing(source)]
         if holes and source not in self._recalls:
             self._recalls[source] = _Recall(key, holes)
+        del self._left[source]
 
     def _collect_recall(self, source: SourceKey) -> int:
         """Take what the log has of a hole, then ask for the next one. How many batches there were."""
@@ -338,6 +379,7 @@ class Healing:
                 recall.answers, recall.heard, recall.progress = self._query(recall.key, question), False, False
             return 0
         count = 0
+        self.expected(source)  # asks the database, if it must, before an answer is in hand
         for reply in _arrived(recall.answers):
             if reply is None:
                 recall.answers = None

@@ -7,6 +7,7 @@ stores them.
 import logging
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import msgspec
@@ -74,6 +75,7 @@ class Ingest:
             take=self._storing.take,
             owns=self._share.owns,
             takes=self._storing.takes,
+            put_off=self._storing.put_off,
         )
         self._inbox = Inbox()
         self._errors = 0  # that nobody foresaw, in a row
@@ -177,19 +179,26 @@ class Ingest:
 
     def _check(self) -> None:
         """What is done now and then; samples are stored though it fails."""
+        unasked = self._tried("logs cannot be asked", lambda: self._healing.check_tails(quiet_s=TAIL_CHECK_S))
+        alive = {key.machine for key in self._healing.live}
+        unclosed = self._tried(
+            "runs cannot be closed", lambda: self._journal.close_silent(silence_s=self._silence_s, alive=alive)
+        )
+        self._unchecked = unclosed or unasked
+
+    def _tried(self, trouble: str, do: Callable[[], None]) -> str | None:
+        """Do it; returns why it could not be done. Raises NotHeld."""
         try:
-            alive = {key.machine for key in self._healing.live}
-            self._journal.close_silent(silence_s=self._silence_s, alive=alive)
-            self._healing.check_tails(quiet_s=TAIL_CHECK_S)
-            self._unchecked = None
+            do()
         except NotHeld:
             raise
         except Exception as error:
             if concerns_all(error):
-                logger.error("runs cannot be closed, trying again: %s", words(error))
-            else:
-                logger.exception("unexpected error while logs are asked and runs are closed, trying again")
-            self._unchecked = f"runs cannot be closed: {words(error) if concerns_all(error) else TROUBLE_OF_OUR_OWN}"
+                logger.error("%s, trying again: %s", trouble, words(error))
+                return f"{trouble}: {words(error)}"
+            logger.exception("%s, trying again", trouble)
+            return f"{trouble}: {TROUBLE_OF_OUR_OWN}"
+        return None
 
     def _take_and_store(self) -> int:
         """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
@@ -272,5 +281,12 @@ class Ingest:
             except Rejected:
                 return  # of all machines at once: each is asked for by itself
             if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
-                answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
+                try:
+                    sources = self._journal.received(key.machine)
+                except Exception as error:
+                    if concerns_all(error):
+                        raise
+                    logger.exception("%s: how far its sources are durable cannot be told", key.machine)
+                    return
+                answer = Received(plant=key.plant, machine=key.machine, sources=sources)
                 question.reply(key.received, msgspec.json.encode(answer), encoding=JSON)

@@ -54,11 +54,11 @@ class Storing:
         self._rejections: list[Rejection] = []
         self._refused: list[tuple[Future[Outcome], Exception]] = []
         self._expected: Bounded[SourceKey, int] = Bounded()
-        self._put_off = PutOff[SourceKey](free=FREE_FAILURES)
+        self._waits = PutOff[SourceKey](free=FREE_FAILURES)
 
     def takes(self, source: SourceKey) -> bool:
         """Whether a source's batches are stored now."""
-        return self._put_off.is_due(source)
+        return self._waits.is_due(source)
 
     def next_sequence(self, source: SourceKey) -> int:
         """Number of the next sample of a source, what is held here included."""
@@ -127,6 +127,15 @@ class Storing:
         if promise is not None:
             self.refuse(promise, answer)
 
+    def put_off(self, source: SourceKey, *, at_once: bool = True) -> None:
+        """Nothing of it is taken for a while, lest it hold up all others again and again; its log has it."""
+        pause = self._waits.failed(source, at_once=at_once)
+        if pause:
+            words = "%s, source %s: nothing could be stored again; it is left to its log for %.0f s"
+            logger.error(words, source.machine_id, source.source, pause)
+            self._expected.pop(source, None)
+            self._leave(source)
+
     def drop(self, leases: Collection[str]) -> None:
         """Let go of what is another replica's to store: it fetches it from the sources' logs."""
         held, self._held = self._held, []
@@ -165,24 +174,31 @@ class Storing:
     def _store_one_by_one(self) -> None:
         """What cannot be stored is put aside; sources of which nothing could be, and that failed before, are put off."""
         self._keep_rejections()
-        stored, failed, left = set[SourceKey](), Counter[SourceKey](), set[SourceKey]()
-        while self._held:
-            one = self._held[0]
-            if one.source not in stored and failed[one.source] >= self._most_tries(one.source):
-                left.add(one.source)
-                if one.promise is not None:
-                    self.refuse(one.promise, NotStoring(UNFORESEEN))
-            elif self._stored_alone(one):
-                stored.add(one.source)
-            else:
-                failed[one.source] += 1
-            self._held.pop(0)
+        stored, failed = set[SourceKey](), Counter[SourceKey]()
+        left: list[_Held] = []
+        try:
+            while self._held:
+                one = self._held[0]
+                if one.source not in stored and failed[one.source] >= self._most_tries(one.source):
+                    left.append(one)
+                elif self._stored_alone(one):
+                    stored.add(one.source)
+                else:
+                    failed[one.source] += 1
+                self._held.pop(0)
+        except Exception:
+            self._held[:0] = left
+            raise
+        for one in left:
+            if one.promise is not None:
+                self.refuse(one.promise, NotStoring(UNFORESEEN))
+        at_once = {one.source for one in left}
         for source in failed.keys() - stored:
-            self._put_off_source(source, at_once=source in left)
+            self.put_off(source, at_once=source in at_once)
 
     def _stored(self, one: _Held, outcome: Outcome) -> None:
-        if self._put_off:
-            self._put_off.succeeded(one.source)
+        if self._waits:
+            self._waits.succeeded(one.source)
         if one.promise is not None:
             one.promise.set_result(outcome)
 
@@ -196,7 +212,7 @@ class Storing:
         self._rejections.clear()
 
     def _most_tries(self, source: SourceKey) -> int:
-        return MOST_TRIES << min(self._put_off.failures(source), MOST_DOUBLINGS)
+        return MOST_TRIES << min(self._waits.failures(source), MOST_DOUBLINGS)
 
     def _stored_alone(self, one: _Held) -> bool:
         """Tried twice: what another replica wrote at the same moment is there the second time."""
@@ -212,12 +228,3 @@ class Storing:
             return False
         self._stored(one, outcome)
         return True
-
-    def _put_off_source(self, source: SourceKey, *, at_once: bool) -> None:
-        """Nothing of it is taken for a while, lest it hold up all others again and again; its log has it."""
-        pause = self._put_off.failed(source, at_once=at_once)
-        if pause:
-            words = "%s, source %s: nothing could be stored again; it is left to its log for %.0f s"
-            logger.error(words, source.machine_id, source.source, pause)
-            self._expected.pop(source, None)
-            self._leave(source)

@@ -12,8 +12,8 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service import healing as healing_module
+from service import holes, putting_off, storing
 from service import ingest as ingest_module
-from service import putting_off, storing
 from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Arrived, Journal, Outcome
@@ -25,7 +25,7 @@ from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
-from tests.plant import KEY, batch, machine, wait_until
+from tests.plant import KEY, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
     Edge,
@@ -205,11 +205,23 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
     assert {row.source: row.lost for row in rows(plant)} == {"failing": 0, "working": 0}
 
 
+class AwayForOne(Partial):
+    """The database goes away, once, where what the other source sends is stored by itself."""
+
+    away = True
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        if self.away and [one.batch.source for one in arrived] == ["working"]:
+            self.away = False
+            raise AWAY
+        return super().store(arrived, rejections)
+
+
 class Forgetful(Journal):
     """Cannot tell how far one source has come."""
 
     def next_sequence(self, key: SourceKey) -> int:
-        if key.source == "failing":
+        if key.source.startswith("failing"):
             raise ZeroDivisionError("a fault of ours")
         return super().next_sequence(key)
 
@@ -229,6 +241,91 @@ def test_a_source_of_which_nothing_can_be_told_stops_no_other(
             assert ingest.trouble is None
         wait_until(lambda: received(plant) == 25)
     assert rejected(plant) == {"unexpected_error": 10}
+
+
+def test_sources_with_logs_of_which_nothing_can_be_told_stop_no_other(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, lossy: DroppedOnTheWay
+) -> None:
+    with ExitStack() as until:
+        ingest = running(router, Forgetful(plant, Collector()), Submissions(), until)
+        for number in range(3):
+            Edge(until.enter_context(Source(client, KEY, name=f"failing-{number}"))).publish(5)
+        wait_until(lambda: heard(client))
+        for _ in range(20):
+            lossy.publish(dropped=True)
+            time.sleep(0.1)
+            assert ingest.trouble is None
+        wait_until(lambda: received(plant) == 100)
+
+
+class Interrupted(Journal):
+    """Cannot tell what is missing once, for the database is away."""
+
+    interrupted = False
+
+    def missing(self, key: SourceKey) -> list[holes.Hole]:
+        if self.interrupted:
+            self.interrupted = False
+            raise AWAY
+        return super().missing(key)
+
+
+def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
+    journal = Interrupted(plant, Collector())
+    with ExitStack() as until:
+        running(router, journal, Submissions(), until)
+        wait_until(lambda: heard(client))
+        lossy.publish()
+        wait_until(lambda: received(plant) == 5)
+        lossy.leave()
+        for dropped in (True, True, False):
+            lossy.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (20, 10, 10))
+        journal.interrupted = True
+        lossy.come()
+        wait_until(lambda: counts(plant) == (20, 20, 0))
+    assert not journal.interrupted
+
+
+class NeverClosing(Journal):
+    """Cannot close runs, for the database refuses."""
+
+    def close_silent(self, **_: object) -> None:
+        raise AWAY
+
+
+def test_logs_are_asked_though_runs_cannot_be_closed(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, lossy: DroppedOnTheWay
+) -> None:
+    with ExitStack() as until:
+        ingest = running(router, NeverClosing(plant, Collector()), Submissions(), until)
+        wait_until(lambda: heard(client))
+        lossy.publish()
+        wait_until(lambda: received(plant) == 5)
+        lossy.publish(dropped=True)
+        wait_until(lambda: received(plant) == 10)
+        assert ingest.trouble == "runs cannot be closed: the server went away"
+
+
+def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
+    plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(storing, "MOST_TRIES", 1)
+    left: list[SourceKey] = []
+    waiting = storing.Storing(AwayForOne(plant, Collector()), leave=left.append)
+    for number in range(3):
+        waiting.take(arrived(batch([900.0], sequence=number, source="failing")))
+    waiting.take(arrived(batch([900.0], source="working")))
+    with pytest.raises(OperationalError):
+        waiting.store()
+    waiting.store()
+    assert [source.source for source in left] == ["failing"]
+    assert not waiting.takes(left[0])
+    assert {row.source: row.received for row in rows(plant)} == {"working": 1}
 
 
 class FirstThreeFail(Journal):
