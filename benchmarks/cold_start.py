@@ -1,7 +1,7 @@
 """From the start of `rundown serve` to ready, on a store with many machines and years of identifications.
 
-The store is built first, row by row like those that one real identification made. Ready is when `/ready` says so; then the
-first answers of the fleet and of one machine's trend are timed, for which nothing is kept from before.
+The store is built first, row by row like those that one real identification made; the last week ends now. Ready is when
+`/ready` says so; then first answers are timed, for which nothing is kept from before.
 
     python -m benchmarks.cold_start [--database sqlite|postgresql] [--machines 10000] [--identified 1000] [--weeks 260]
         [--store FILE]
@@ -24,10 +24,19 @@ from storage.database import Database
 from storage.tables import Base, EstimateRow, IdentificationRow, JobRow, MachineRow, RevisionRow, RunRow
 from tests.end_to_end.processes import Service
 from tests.faults.storage_faults import own_server
-from tests.plant import KEY, START, identification, machine, store_identification
+from tests.plant import KEY, identification, machine, store_identification
 
 ASKED_S = 5.0
 WEEK_NS = 7 * 86_400 * 10**9
+FIRST_ANSWERS: dict[str, dict[str, str]] = {
+    "/fleet": {},
+    "/machines/{machine}/trends": {"parameter": "coupling.C1.kxx"},
+    "/machines": {},
+    "/health": {},
+    "/machines/{machine}/runs": {},
+    "/machines/{machine}/identifications": {},
+    "/machines/{machine}/alerts": {},
+}
 PARTS = 20_000
 """Rows inserted at a time."""
 
@@ -58,6 +67,10 @@ def _name(number: int) -> str:
     return f"{KEY.machine}-{number:05d}"
 
 
+def _first_week(weeks: int) -> int:
+    return time.time_ns() - (weeks - 1) * WEEK_NS - 3600 * 10**9
+
+
 def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: int) -> Iterator[Row]:
     """Rows like those known, for every machine or for every identification."""
     if model is MachineRow:
@@ -67,7 +80,7 @@ def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: in
     every = ((i, week, 2 + i * weeks + week) for i in range(identified) for week in range(weeks))
     if model is JobRow:
         return (rows[0] | {"id": n, "machine_id": _name(i), "run_ids": [n], "request": f"run:{n}"} for i, _, n in every)
-    at = {"measured_at": START}
+    begin = _first_week(weeks)
     if model is IdentificationRow:
         own = ("id", "job_id")
         return (
@@ -75,11 +88,11 @@ def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: in
             | dict.fromkeys(own, n)
             | {"machine_id": _name(i), "run_ids": [n]}
             # Identified when it was measured: of a day there are few among those of years.
-            | dict.fromkeys(("measured_at", "computed_at"), START + week * WEEK_NS)
+            | dict.fromkeys(("measured_at", "computed_at"), begin + week * WEEK_NS)
             for i, week, n in every
         )
     return (
-        row | at | {"identification_id": n, "machine_id": _name(i), "measured_at": START + week * WEEK_NS}
+        row | {"identification_id": n, "machine_id": _name(i), "measured_at": begin + week * WEEK_NS}
         for i, week, n in every
         for row in rows
     )
@@ -87,9 +100,10 @@ def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: in
 
 def _runs(identified: int, weeks: int) -> Iterator[Row]:
     """Closed runs whose samples were let go of."""
+    first = _first_week(weeks)
     for i in range(identified):
         for week in range(weeks):
-            begin = START + week * WEEK_NS
+            begin = first + week * WEEK_NS
             yield {
                 "id": 2 + i * weeks + week,
                 "machine_id": _name(i),
@@ -128,10 +142,9 @@ def measure(folder: Path, url: str, options: argparse.Namespace) -> bool:
         ready = time.perf_counter() - began
         times = psutil.Process(started.pid).cpu_times()
         answers = {}
-        trend = f"/machines/{_name(0)}/trends"
-        for path, asked_for in (("/fleet", {}), (trend, {"parameter": "coupling.C1.kxx"}), ("/machines", {})):
+        for path, asked_for in FIRST_ANSWERS.items():
             asked = time.perf_counter()
-            service.get(path, **asked_for)
+            service.get(path.format(machine=_name(0)), **asked_for)
             answers[path] = time.perf_counter() - asked
         memory = psutil.Process(started.pid).memory_info().rss / 2**20
         time.sleep(8.0)

@@ -61,6 +61,11 @@ class Standing:
             rolled_at=stored.get("rolled_at", 0),
         )
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether it is known what the machine does, which its silence would end."""
+        return self.operating.mode != "unknown" or bool(self.operating.sweep.sweep)
+
     def stored(self) -> dict[str, Any]:
         """As plain data."""
         return {
@@ -138,11 +143,21 @@ class Collector:
         """Whether late samples may wait to be sorted in."""
         return machine_id not in self._settled
 
+    def let_rest(self, session: Session, machine_ids: Collection[str]) -> None:
+        """Nothing is to be done, until samples come, for those of these machines without an open run or late samples."""
+        known = {row.machine_id: Standing.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
+        for machine_id in machine_ids:
+            now = known.get(machine_id)
+            if now is None or not now.is_under_way:
+                self._silent.add(machine_id)
+            if now is None or not now.late:
+                self._settled.add(machine_id)
+
     def close_silent(self, session: Session, machine_id: str) -> None:
         """Close the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
         now = standing(session, machine_id)
-        if now is not None and (now.operating.mode != "unknown" or now.operating.sweep.sweep):
+        if now is not None and now.is_under_way:
             _silence(session, machine_id, now, reason="the source fell silent")
             runs.save_collector_state(session, machine_id, now.stored())
 

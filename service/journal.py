@@ -35,6 +35,8 @@ logger = logging.getLogger(__name__)
 
 LARGEST_GAP = 1_000_000_000
 """A sequence number this far ahead is a wrong number, not a gap."""
+AT_ONCE = 500
+"""Machines that are looked at together."""
 LARGEST_FAULT_COUNT = 5
 """Faults of one reason in one batch that the quarantine shows; a source in a wrong unit has one in every value."""
 
@@ -142,16 +144,37 @@ class Journal:
             with self._database.transaction() as session:
                 own += [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
                 self._share.require(session, own)
-                for machine_id in filter(self._put_off.is_due, own):
-                    self._bring_up_to_date(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
+
+                def is_due(machine_id: str) -> bool:
+                    silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=machine_id in alive)
+                    late = self._collector.may_have_late(machine_id)
+                    return (silent or late) and self._put_off.is_due(machine_id)
+
+                due = list(filter(is_due, own))
+                for first in range(0, len(due), AT_ONCE):
+                    some = due[first : first + AT_ONCE]
+                    self._let_rest(session, some)
+                    for machine_id in some:
+                        self._bring_up_to_date(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
         except BaseException:
             self._collector.look_again(own)
             raise
+
+    def _let_rest(self, session: Session, machine_ids: list[str]) -> None:
+        """See by one look at all of them which need nothing; where one spoils that, each is looked at alone."""
+        try:
+            with session.begin_nested():
+                self._collector.let_rest(session, machine_ids)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
     def _bring_up_to_date(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
         silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=alive)
         late = self._collector.may_have_late(machine_id)
         if not silent and not late:
+            self._put_off.succeeded(machine_id)
             return
         try:
             with session.begin_nested():

@@ -169,10 +169,13 @@ def _happened(session: Session, since: int) -> dict[str, dict[str, int]]:
         "revisions": (RevisionRow.machine_id, RevisionRow.created_at),
         "timeline": (TimelineRow.machine_id, TimelineRow.created_at),
     }
-    return {
-        kind: _counts(session, select(machine_id, func.count()).where(time >= since).group_by(machine_id))
-        for kind, (machine_id, time) in kinds.items()
-    }
+    return {kind: _counts(session, _by_machine(machine_id, time >= since)) for kind, (machine_id, time) in kinds.items()}
+
+
+def _by_machine(machine_id: Any, wanted: ColumnElement[bool]) -> Any:
+    # Not grouped by the column itself: SQLite would walk its index, and with it years of wide rows, to count those of a day.
+    group = machine_id.concat("")
+    return select(group, func.count()).where(wanted).group_by(group)
 
 
 def _counts(session: Session, query: Any) -> dict[str, int]:

@@ -14,11 +14,14 @@ LOG_MB = 70.0
 
 
 @pytest.mark.long
-def test_nothing_grows_at_half_load(tmp_path: Path) -> None:
-    found = endurance.measured(tmp_path, argparse.Namespace(minutes=1.0, rate=RATE, machines=10))
+@pytest.mark.parametrize("starts", [False, True], ids=["steady", "starts"])
+def test_nothing_grows_at_half_load(tmp_path: Path, starts: bool) -> None:
+    options = argparse.Namespace(minutes=1.0, rate=RATE, machines=10, starts=starts, samples=1000, hours_between=4.0)
+    found = endurance.measured(tmp_path, options)
     half = len(found.memory) // 2
     assert found.stored > 0.8 * RATE * 60
     assert found.lost == 0
     assert max(found.memory[half:]) < max(found.memory[:half]) + GROWTH_MB
     assert max(found.files[half:]) <= max(found.files[:half])
     assert max(found.log) < LOG_MB
+    assert not starts or found.happened["identifications"] > options.machines

@@ -3,12 +3,12 @@
 import time
 
 import pytest
-from sqlalchemy import select, text
+from sqlalchemy import event, select, text
 from sqlalchemy.exc import DBAPIError
 
 from service import putting_off
 from service.collection import Collector
-from service.journal import Journal
+from service.journal import AT_ONCE, Journal
 from service.putting_off import LONGEST_PAUSE_S, PutOff
 from storage import jobs, machines, quarantine, runs
 from storage.database import Database
@@ -97,6 +97,33 @@ def test_a_machine_that_cannot_be_closed_holds_up_no_other(
     monkeypatch.setattr(time, "monotonic", lambda: now + putting_off.FIRST_PAUSE_S)
     journal.close_silent(silence_s=0.0)
     assert run_of(two, "pump-7").state == runs.CLOSED
+
+
+def test_machines_of_which_nothing_is_to_be_done_are_looked_at_together(plant: Database, journal: Journal) -> None:
+    with plant.transaction() as session:
+        for number in range(AT_ONCE + 10):
+            machines.create(session, machine(id=f"idle-{number}"))
+    coast_down(journal, "pump-7")
+    asked: list[str] = []
+    event.listen(plant.engine, "before_cursor_execute", lambda *args: asked.append(args[2]))
+    event.listen(plant.engine, "savepoint", lambda *_: asked.append("SAVEPOINT"))
+    journal.close_silent(silence_s=0.0)
+    assert run_of(plant, "pump-7").state == runs.CLOSED
+    assert asked.count("SAVEPOINT") == 3  # two looks, one machine
+    assert len([query for query in asked if "collectors" in query]) < 10
+    asked.clear()
+    journal.close_silent(silence_s=0.0)
+    assert not [query for query in asked if "collectors" in query]
+
+
+def test_what_the_look_at_all_cannot_read_is_looked_at_alone(two: Database, journal: Journal) -> None:
+    coast_down(journal, "pump-7", "pump-8")
+    with two.transaction() as session:
+        session.execute(text("UPDATE collectors SET state = '{}' WHERE machine_id = 'pump-7'"))
+    journal.close_silent(silence_s=0.0)
+    assert run_of(two, "pump-7").state == runs.OPEN
+    assert run_of(two, "pump-8").state == runs.CLOSED
+    assert [(one.reason, one.machine_id) for one in rejections(two)] == [("unexpected_error", "pump-7")]
 
 
 def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:

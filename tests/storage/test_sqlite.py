@@ -7,16 +7,18 @@ import stat
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
-from sqlalchemy import URL
+from sqlalchemy import URL, event, insert
 
-from storage import backup, disk, machines
+from storage import backup, disk, fleet, machines
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from storage.moving import NotMoved, move
+from storage.tables import IdentificationRow, JobRow
 from tests.databases import SqliteDatabases
-from tests.plant import machine, sqlite_url
+from tests.plant import identification, machine, sqlite_url, store_identification
 
 
 @pytest.fixture
@@ -212,3 +214,26 @@ def test_signs_that_mean_something_in_urls_mean_nothing_in_names_of_files(tmp_pa
     assert backup.restore(database.url, folder / "what?mode=ro#2", overwrite=True) == made
     assert {one.name for one in tmp_path.iterdir()} == {folder.name}
     assert sorted(one.name for one in folder.glob("what*")) == ["what?mode=ro#2", "what?mode=ro#2.json"]
+
+
+def test_what_happened_in_a_day_is_counted_without_reading_years(plant: Database) -> None:
+    days = range(2, 366)
+    with plant.transaction() as session:
+        first = store_identification(session, identification(), run_id=1)
+        known = {column.name: getattr(first, column.name) for column in IdentificationRow.__table__.columns}
+        asking = session.get_one(JobRow, first.job_id)
+        job = {column.name: getattr(asking, column.name) for column in JobRow.__table__.columns}
+        session.execute(insert(JobRow), [job | {"id": n, "request": f"run:{n}"} for n in days])
+        session.execute(insert(IdentificationRow), [known | {"id": n, "job_id": n, "computed_at": n} for n in days])
+    with plant.engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
+        connection.exec_driver_sql("ANALYZE")
+    asked: list[tuple[str, Any]] = []
+    event.listen(plant.engine, "before_cursor_execute", lambda *args: asked.append((args[2], args[3])))
+    with plant.reading() as session:
+        (pump,) = fleet.glances(session, fleet.every(session), since=days[-10])
+    assert pump.since["identifications"] == 10 + 1  # of those days, and the first, of now
+    with plant.engine.connect() as connection:
+        plans = [connection.exec_driver_sql(f"EXPLAIN QUERY PLAN {query}", given).all() for query, given in list(asked)]
+    steps = [step[-1] for plan in plans for step in plan]
+    assert [step for step in steps if "SCAN identifications" in step] == []
+    assert any("SEARCH identifications USING" in step and "computed_at>?" in step for step in steps)
