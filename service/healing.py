@@ -16,6 +16,7 @@ import zenoh
 from service.bounded import Bounded
 from service.holes import Hole
 from service.journal import LARGEST_GAP, Arrived
+from service.putting_off import PutOff
 from service.wire import ALL_LIVE, IDENTIFIER, Key, source_key
 from storage.errors import concerns_all
 from storage.samples import SourceKey
@@ -112,6 +113,8 @@ class Healing:
     _fruitless: Bounded[SourceKey, int] = field(default_factory=Bounded)
     _left: Bounded[SourceKey, None] = field(default_factory=Bounded)
     """Sources whose holes are to be asked for as soon as their samples are taken again."""
+    _unheard: PutOff[SourceKey] = field(default_factory=PutOff[SourceKey])
+    """Logs that did not answer when they were asked for holes, though they answer otherwise."""
 
     @property
     def asking(self) -> bool:
@@ -131,9 +134,11 @@ class Healing:
         else:
             logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
             self.live.pop(key, None)
+            self._roll_call = None  # what was answered before may say that it is alive
 
     def review(self) -> None:
         """What is stored here has changed: begin anew with what is known of the sources, and ask all logs."""
+        self._take_what_no_log_has()
         self._drop_questions()
         known: tuple[dict[SourceKey, Any], ...] = self._heard, self._silent_logs, self._fruitless, self._left
         for one in known:
@@ -148,13 +153,17 @@ class Healing:
         is taken as it is.
         """
         self._ceased = True
+        self._take_what_no_log_has()
+        self._drop_questions()
+
+    def _take_what_no_log_has(self) -> None:
+        """What waits of sources whose logs have never answered is taken as it is: nobody else has it."""
         for source, waiting in list(self.waiting.items()):
-            if source not in self._answering:
+            if source not in self._answering and self.owns(source.machine_id):
                 with self._alone(source):
                     for arrived in waiting.arrived:
                         self.take(arrived)
             self.waiting.pop(source, None)
-        self._drop_questions()
 
     def _drop_questions(self) -> None:
         asked: tuple[dict[Any, Any], ...] = self.waiting, self._replays, self._recalls, self._discoveries, self._quiet
@@ -188,8 +197,7 @@ class Healing:
         elif self._silent_logs.get(source, 0.0) > time.monotonic():
             self.take(arrived)
         else:
-            self.waiting[source] = _Waiting(key, time.monotonic() + HEALING_PATIENCE_S, [arrived])
-            self._ask(key, source)
+            self.waiting[source] = _Waiting(key, time.monotonic() + HEALING_PATIENCE_S, [arrived])  # its log is asked next
 
     def check_tails(self, *, quiet_s: float) -> None:
         """Let each live source that was quiet for so long be asked what it has published beyond what came."""
@@ -206,7 +214,7 @@ class Healing:
                 if self._silent_logs.get(source, math.inf) <= time.monotonic():
                     del self._silent_logs[source]
                     self._left[source] = None
-                if source in self._left:
+                if source in self._left and self._unheard.is_due(source):
                     with self._alone(source):
                         self._recall(key, source)
                 # While samples come, their numbers show every gap; only a quiet source can hide one.
@@ -233,9 +241,14 @@ class Healing:
             with self._alone(source):
                 self._release_if_healed(source)
         count = 0
-        for source in list(self._recalls):
+        room = MOST_QUERIES - sum(one.answers is not None for one in self._recalls.values())
+        for source, recall in list(self._recalls.items()):
             with self._alone(source):
-                count += self._collect_recall(source)
+                if recall.answers is not None:
+                    count += self._collect_recall(source, recall)
+                elif room > 0:
+                    room -= 1
+                    self._ask_for_hole(source, recall)
         for source, replay in list(self._replays.items()):
             with self._alone(source):
                 count += self._collect_replay(source, replay, most=most - count)
@@ -362,22 +375,22 @@ class Healing:
     def _recall(self, key: Key, source: SourceKey) -> None:
         """Ask the log for what was counted as lost, now or as soon as it is taken."""
         self._left[source] = None
-        if not self.takes(source):
-            return
+        if source in self._recalls or not self.takes(source):
+            return  # what is being asked for may be older than the newest holes
         holes = [(hole[0], hole[1]) for hole in self.missing(source)]
-        if holes and source not in self._recalls:
+        if holes:
             self._recalls[source] = _Recall(key, holes)
         del self._left[source]
 
-    def _collect_recall(self, source: SourceKey) -> int:
-        """Take what the log has of a hole, then ask for the next one. How many batches there were."""
-        recall = self._recalls[source]
+    def _ask_for_hole(self, source: SourceKey, recall: _Recall) -> None:
         first, last = recall.holes[0]
-        if recall.answers is None:
-            if sum(one.answers is not None for one in self._recalls.values()) < MOST_QUERIES:
-                question = f"from={first};epoch={source.epoch};limit={last - first + 1}"
-                recall.answers, recall.heard, recall.progress = self._query(recall.key, question), False, False
-            return 0
+        question = f"from={first};epoch={source.epoch};limit={last - first + 1}"
+        recall.answers, recall.heard, recall.progress = self._query(recall.key, question), False, False
+
+    def _collect_recall(self, source: SourceKey, recall: _Recall) -> int:
+        """Take what the log has of a hole, then go on to the next one. How many batches there were."""
+        assert recall.answers is not None
+        first, last = recall.holes[0]
         count = 0
         self.expected(source)  # asks the database, if it must, before an answer is in hand
         for reply in _arrived(recall.answers):
@@ -385,6 +398,7 @@ class Healing:
                 recall.answers = None
                 if not recall.heard:
                     recall.holes.clear()
+                    self._ask_again_later(source)
                 elif first > last or not recall.progress:
                     recall.holes = [hole for hole in recall.holes[1:] if hole[1] >= first]
                 if not recall.holes:
@@ -401,7 +415,15 @@ class Healing:
                 recall.progress, first = True, max(first, end)
             count, recall.heard = count + 1, True
             recall.holes[0] = first, last
+        if recall.heard:
+            self._unheard.succeeded(source)
         return count
+
+    def _ask_again_later(self, source: SourceKey) -> None:
+        """A log that answers otherwise may have been held up."""
+        if source in self._answering:
+            self._unheard.failed(source)
+            self._left[source] = None
 
     def _query(self, key: Key, question: str) -> "zenoh.Handler[zenoh.Reply]":
         return self.session.get(

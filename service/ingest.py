@@ -42,6 +42,8 @@ STALLED_S = 5.0
 """A cycle that lasts longer waits for the database, and the service is not ready."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
+LAST_TRIES = 2
+"""To store what is held, of a service that ends."""
 TROUBLE_OF_OUR_OWN = "unexpected error; the log has it"
 
 
@@ -79,6 +81,7 @@ class Ingest:
         )
         self._inbox = Inbox()
         self._errors = 0  # that nobody foresaw, in a row
+        self._last_tries = LAST_TRIES
         self._trouble: str | None = None
         self._unchecked: str | None = None  # why what is done now and then was not done
         self._next_check = 0.0
@@ -143,14 +146,25 @@ class Ingest:
                     if self._errors == 1:
                         continue
                     self._tell(TROUBLE_OF_OUR_OWN)
-                if stopping:
+                if stopping and not self._tries_again(error):
                     return
-                self._stop.wait(RETRY_S)
+                if stopping:
+                    time.sleep(RETRY_S)
+                else:
+                    self._stop.wait(RETRY_S)
                 continue
             if stopping and count == 0:
                 return
             if count == 0 or (count < BACKLOG and not self._healing.asking):
                 self._submissions.wait(HEALING_CYCLE_S if self._healing.asking else CYCLE_S)
+
+    def _tries_again(self, error: Exception) -> bool:
+        """Whether what could not be stored while stopping is tried once more; if not, it is said how much is given up."""
+        self._last_tries -= 1
+        if self._last_tries == 0:
+            count = len(self._inbox) + len(self._storing)
+            logger.error("at the end %d messages are not stored; only sources' logs have them still: %s", count, words(error))
+        return self._last_tries > 0
 
     def _cycle(self, *, stopping: bool) -> int:
         """Take and store what has come; look after what is to be done now and then. Returns how many messages there were."""
@@ -204,10 +218,11 @@ class Ingest:
         """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
         self._storing.store()  # what the database refused before; nothing more is taken until it is in
         if self._changes != self._share.changes:
-            self._changes = self._share.changes
             self._storing.look_again()
             self._journal.forget()
+            changes = self._share.changes
             self._healing.review()
+            self._changes = changes  # reviewed again where the database went away within
         while (token := self._tokens.try_recv()) is not None:
             self._healing.token(token)
         while (question := self._questions.try_recv()) is not None:
@@ -280,13 +295,14 @@ class Ingest:
                 key = Key.parse(str(question.key_expr))
             except Rejected:
                 return  # of all machines at once: each is asked for by itself
-            if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
-                try:
-                    sources = self._journal.received(key.machine)
-                except Exception as error:
-                    if concerns_all(error):
-                        raise
-                    logger.exception("%s: how far its sources are durable cannot be told", key.machine)
-                    return
-                answer = Received(plant=key.plant, machine=key.machine, sources=sources)
-                question.reply(key.received, msgspec.json.encode(answer), encoding=JSON)
+            try:
+                self._reply_received(question, key)
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("%s: how far its sources are durable cannot be told", key.machine)
+
+    def _reply_received(self, question: zenoh.Query, key: Key) -> None:
+        if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
+            answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
+            question.reply(key.received, msgspec.json.encode(answer), encoding=JSON)

@@ -56,6 +56,10 @@ class Storing:
         self._expected: Bounded[SourceKey, int] = Bounded()
         self._waits = PutOff[SourceKey](free=FREE_FAILURES)
 
+    def __len__(self) -> int:
+        """Batches that are held."""
+        return len(self._held)
+
     def takes(self, source: SourceKey) -> bool:
         """Whether a source's batches are stored now."""
         return self._waits.is_due(source)
@@ -197,19 +201,22 @@ class Storing:
             self.put_off(source, at_once=source in at_once)
 
     def _stored(self, one: _Held, outcome: Outcome) -> None:
-        if self._waits:
+        if self._waits and self._waits.is_due(one.source):  # not what was held already when it was put off
             self._waits.succeeded(one.source)
         if one.promise is not None:
             one.promise.set_result(outcome)
 
     def _keep_rejections(self) -> None:
-        try:
-            self._journal.store([], self._rejections)
-        except Exception as error:
-            if concerns_all(error):
-                raise
-            logger.exception("%d rejections cannot be kept", len(self._rejections))
-        self._rejections.clear()
+        """One by one: one that cannot be kept takes no other with it."""
+        while self._rejections:
+            one = self._rejections[0]
+            try:
+                self._journal.store([], [one])
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("a message of %s, refused as %s, cannot be put aside", one.machine_id, one.reason)
+            del self._rejections[0]
 
     def _most_tries(self, source: SourceKey) -> int:
         return MOST_TRIES << min(self._waits.failures(source), MOST_DOUBLINGS)

@@ -8,13 +8,14 @@ import pytest
 import zenoh
 
 from service import ingest as ingest_module
+from service.healing import Healing
 from service.ingest import Ingest
 from service.source import Source
 from service.source_log import MemoryLog
 from service.wire import MESSAGEPACK, Key, encode_batch
 from storage import machines
 from storage.database import Database
-from tests.plant import KEY, SECOND, START, batch, machine, wait_until
+from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
     Edge,
@@ -290,3 +291,92 @@ def test_many_quiet_sources_are_all_asked_though_few_at_a_time(
         assert {row.received for row in rows(plant)} == {5}
         for source in sources:
             source.close()
+
+
+class BusyLog(DroppedOnTheWay):
+    """The first question for a hole is not answered, as by a log that is held up."""
+
+    asked_for_holes = 0
+
+    def answer(self, query: zenoh.Query) -> None:
+        if query.parameters.get("limit") not in (None, "1"):
+            self.asked_for_holes += 1
+            if self.asked_for_holes == 1:
+                query.drop()
+                return
+        super().answer(query)
+
+
+def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 3600.0)
+    monkeypatch.setattr("service.putting_off.FIRST_PAUSE_S", 0.3)
+    busy = BusyLog(client)
+    with ingesting(router, plant):
+        wait_until(lambda: heard(client))
+        busy.publish()
+        wait_until(lambda: received(plant) == 5)
+        busy.leave()
+        for dropped in (True, True, False):
+            busy.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (20, 10, 10))
+        busy.come()
+        wait_until(lambda: counts(plant) == (20, 20, 0))
+    assert busy.asked_for_holes >= 2
+    busy.leave()
+
+
+class HeldBack(DroppedOnTheWay):
+    """Answers nothing before it is let; what it was asked for is kept."""
+
+    def __init__(self, client: zenoh.Session) -> None:
+        self.let = threading.Event()
+        self.asked: list[int] = []
+        super().__init__(client)
+
+    def answer(self, query: zenoh.Query) -> None:
+        self.asked.append(int(query.parameters.get("from") or 0))
+        self.let.wait(10.0)
+        super().answer(query)
+
+
+def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
+    router: zenoh.Session, client: zenoh.Session
+) -> None:
+    log = HeldBack(client)
+    holes = [(10, 14)]
+    answer = arrived(batch([900.0] * 5, sequence=10))
+    healing = Healing(
+        router,
+        expected=lambda _: 100,
+        missing=lambda _: holes,
+        read=lambda _key, _reply: answer,
+        take=lambda _: None,
+        owns=lambda _: True,
+        takes=lambda _: True,
+        put_off=lambda _: None,
+    )
+    for _ in range(20):
+        log.publish(dropped=True)
+
+    def comes() -> None:
+        healing.live[KEY] = {}
+        healing.place(KEY, arrived(batch([900.0], sequence=99)))
+
+    def asked_for(first: int) -> bool:
+        healing.check_tails(quiet_s=3600.0)
+        healing.collect(100)
+        return first in log.asked
+
+    def comes_and_is_asked() -> bool:
+        comes()
+        return asked_for(10)
+
+    wait_until(comes_and_is_asked)
+    holes.append((50, 54))
+    comes()
+    log.let.set()
+    wait_until(lambda: asked_for(50), seconds=10.0)
+    log.leave()
