@@ -346,7 +346,7 @@ def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
     router: zenoh.Session, client: zenoh.Session
 ) -> None:
     log = HeldBack(client)
-    holes = [(10, 14)]
+    holes = [[10, 14]]
     answer = arrived(batch([900.0] * 5, sequence=10))
     healing = Healing(
         router,
@@ -375,7 +375,7 @@ def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
         return asked_for(10)
 
     wait_until(comes_and_is_asked)
-    holes.append((50, 54))
+    holes.append([50, 54])
     comes()
     log.let.set()
     wait_until(lambda: asked_for(50), seconds=10.0)
