@@ -10,6 +10,8 @@ from benchmarks import endurance
 RATE = 2500.0
 GROWTH_MB = 10.0
 """Between the first half and the second: a minute does not tell a leak of an hour, but one of a message would show."""
+POOLED = 10
+"""Files that a pool may open in the second half of a minute; one left open by each run or answer would be hundreds."""
 LOG_MB = 70.0
 
 
@@ -22,6 +24,6 @@ def test_nothing_grows_at_half_load(tmp_path: Path, starts: bool) -> None:
     assert found.stored > 0.8 * RATE * 60
     assert found.lost == 0
     assert max(found.memory[half:]) < max(found.memory[:half]) + GROWTH_MB
-    assert max(found.files[half:]) <= max(found.files[:half])
+    assert max(found.files[half:]) <= max(found.files[:half]) + POOLED
     assert max(found.log) < LOG_MB
     assert not starts or found.happened["identifications"] > options.machines
