@@ -143,6 +143,7 @@ class Healing:
         known: tuple[dict[SourceKey, Any], ...] = self._heard, self._silent_logs, self._fruitless, self._left
         for one in known:
             one.clear()
+        self._unheard = PutOff()
         for key in self.live:
             self.live[key] = {}
             if self.owns(key.machine):

@@ -15,7 +15,7 @@ from storage import quarantine
 from storage import samples as sample_store
 from storage.database import Database
 from storage.tables import SourceRow
-from tests.plant import KEY, SECOND, START, batch, listened_to
+from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
 SAMPLES = "rundown/v1/plant-1/pump-7/samples"
 
@@ -111,6 +111,16 @@ class DroppedOnTheWay:
             first = int(query.parameters.get("from") or 0)
             for one in [one for one in self.log if one.sequence + 5 > first]:
                 query.reply(KEY.log, encode_batch(one), encoding=MESSAGEPACK)
+
+    def leave_a_gap(self, plant: Database) -> None:
+        """Five samples are stored; of fifteen, ten are lost and counted while its log is away. `come` brings the log back."""
+        wait_until(lambda: heard(self.client))
+        self.publish()
+        wait_until(lambda: received(plant) == 5)
+        self.leave()
+        for dropped in (True, True, False):
+            self.publish(dropped=dropped)
+        wait_until(lambda: counts(plant) == (20, 10, 10))
 
     def leave(self) -> None:
         self.token.undeclare()

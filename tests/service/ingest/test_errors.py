@@ -18,14 +18,16 @@ from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Arrived, Journal, Outcome
 from service.source import Source
+from service.storing import Storing
 from service.submissions import NotStoring, Submissions
-from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
+from service.wire import ALL_SAMPLES, MESSAGEPACK, encode_batch, encode_body, source_key
 from storage import machines
 from storage.database import Database
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, arrived, batch, machine, wait_until
+from tests.refusing import refuse
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
     Edge,
@@ -112,19 +114,13 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
 
 
 def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off(
-    plant: Database, ingest: Ingest, client: zenoh.Session, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
+    plant: Database, ingest: Ingest, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
     monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
     monkeypatch.setattr(storing, "MOST_TRIES", 1)
-    wait_until(lambda: heard(client))
-    lossy.publish()
-    wait_until(lambda: received(plant) == 5)
-    lossy.leave()
-    for dropped in (True, True, False):
-        lossy.publish(dropped=dropped)
-    wait_until(lambda: counts(plant) == (20, 10, 10))
+    lossy.leave_a_gap(plant)
     with plant.transaction() as session:
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
@@ -493,3 +489,37 @@ def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
         wait_until(lambda: received(plant) == 10)
     assert not ingest.alive
     assert received_of(plant) == {source: (5, 5), "seen": (5, 5), "without-a-log": (105, 5)}
+
+
+@pytest.mark.parametrize(("refusals", "stored"), [(1, 5), (2, 0)])
+def test_what_the_database_refuses_at_the_end_is_tried_once_more(
+    router: zenoh.Session,
+    plant: Database,
+    client: zenoh.Session,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    refusals: int,
+    stored: int,
+) -> None:
+    monkeypatch.setattr(ingest_module, "CYCLE_S", 30.0)
+    journal = Failing(plant, *[AWAY] * refusals)
+    came: list[zenoh.Sample] = []
+    witness = router.declare_subscriber(ALL_SAMPLES, came.append)
+    with ExitStack() as until:
+        running(router, journal, Submissions(), until)
+        wait_until(lambda: heard(client))
+        put_batch(client, 0, 5)
+        wait_until(lambda: len(came) == 1)
+    witness.undeclare()
+    assert received(plant) == stored
+    assert ("1 messages are not stored" in caplog.text) == (stored == 0)
+
+
+def test_a_rejection_that_cannot_be_kept_takes_no_other_with_it(plant: Database) -> None:
+    held = Storing(Failing(plant), leave=lambda _: None)
+    for reason in ("unknown_unit", "unexpected_error", "wrong_shape"):
+        held.reject(Rejection.of_message(received_at=0, key="k", machine_id=None, reason=reason, detail="", payload=b""))
+    with plant.transaction() as session:
+        refuse(session, "quarantine", write="INSERT", when="NEW.reason = 'unexpected_error'")
+    held.store()
+    assert sorted(rejected(plant)) == ["unknown_unit", "wrong_shape"]

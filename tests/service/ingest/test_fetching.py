@@ -315,13 +315,7 @@ def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
     monkeypatch.setattr("service.putting_off.FIRST_PAUSE_S", 0.3)
     busy = BusyLog(client)
     with ingesting(router, plant):
-        wait_until(lambda: heard(client))
-        busy.publish()
-        wait_until(lambda: received(plant) == 5)
-        busy.leave()
-        for dropped in (True, True, False):
-            busy.publish(dropped=dropped)
-        wait_until(lambda: counts(plant) == (20, 10, 10))
+        busy.leave_a_gap(plant)
         busy.come()
         wait_until(lambda: counts(plant) == (20, 20, 0))
     assert busy.asked_for_holes >= 2
