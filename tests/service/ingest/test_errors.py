@@ -20,7 +20,7 @@ from service.journal import Arrived, Journal, Outcome
 from service.source import Source
 from service.storing import Storing
 from service.submissions import NotStoring, Submissions
-from service.wire import ALL_SAMPLES, MESSAGEPACK, encode_batch, encode_body, source_key
+from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
 from storage import machines
 from storage.database import Database
 from storage.quarantine import Rejection
@@ -491,26 +491,38 @@ def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
     assert received_of(plant) == {source: (5, 5), "seen": (5, 5), "without-a-log": (105, 5)}
 
 
-@pytest.mark.parametrize(("refusals", "stored"), [(1, 5), (2, 0)])
+class AwayAtTheEnd(Journal):
+    """Its database is away until the service ends, and then for so many tries more."""
+
+    def __init__(self, database: Database, tries: int) -> None:
+        super().__init__(database, Collector())
+        self.tries, self.ending = tries, False
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        if arrived and (not self.ending or self.tries > 0):
+            self.tries -= self.ending
+            raise AWAY
+        return super().store(arrived, rejections)
+
+
+@pytest.mark.parametrize(("tries", "stored"), [(1, 5), (1_000, 0)])
 def test_what_the_database_refuses_at_the_end_is_tried_once_more(
     router: zenoh.Session,
     plant: Database,
     client: zenoh.Session,
     monkeypatch: pytest.MonkeyPatch,
     caplog: pytest.LogCaptureFixture,
-    refusals: int,
+    tries: int,
     stored: int,
 ) -> None:
-    monkeypatch.setattr(ingest_module, "CYCLE_S", 30.0)
-    journal = Failing(plant, *[AWAY] * refusals)
-    came: list[zenoh.Sample] = []
-    witness = router.declare_subscriber(ALL_SAMPLES, came.append)
+    monkeypatch.setattr(ingest_module, "RETRY_S", 0.5)
+    journal = AwayAtTheEnd(plant, tries)
     with ExitStack() as until:
-        running(router, journal, Submissions(), until)
+        ingest = running(router, journal, Submissions(), until)
         wait_until(lambda: heard(client))
         put_batch(client, 0, 5)
-        wait_until(lambda: len(came) == 1)
-    witness.undeclare()
+        wait_until(lambda: ingest.trouble is not None)
+        journal.ending = True
     assert received(plant) == stored
     assert ("1 messages are not stored" in caplog.text) == (stored == 0)
 
