@@ -29,6 +29,7 @@ from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, arrived, batch, machine, wait_until
 from tests.refusing import refuse
 from tests.service.ingest.plant_network import (
+    Confused,
     DroppedOnTheWay,
     Edge,
     counts,
@@ -408,15 +409,6 @@ def test_whoever_waits_over_http_is_answered(
         outcome = again.result(10.0)
         assert outcome.received + outcome.duplicates == 5
     assert counts(plant) == (5, 5, 0)
-
-
-class Confused(Journal):
-    """Meets an error that nobody foresaw where it looks up one machine."""
-
-    def plant_of(self, machine_id: str) -> str | None:
-        if machine_id == "pump-9":
-            raise ZeroDivisionError("a fault of ours")
-        return super().plant_of(machine_id)
 
 
 def test_a_message_that_cannot_be_looked_at_is_put_aside_by_itself(

@@ -8,7 +8,6 @@ import pytest
 import zenoh
 
 from service import ingest as ingest_module
-from service.healing import Healing
 from service.ingest import Ingest
 from service.source import Source
 from service.source_log import MemoryLog
@@ -20,6 +19,7 @@ from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
     Edge,
     counts,
+    healing,
     heard,
     ingesting,
     put_batch,
@@ -342,26 +342,17 @@ def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
     log = HeldBack(client)
     holes = [[10, 14]]
     answer = arrived(batch([900.0] * 5, sequence=10))
-    healing = Healing(
-        router,
-        expected=lambda _: 100,
-        missing=lambda _: holes,
-        read=lambda _key, _reply: answer,
-        take=lambda _: None,
-        owns=lambda _: True,
-        takes=lambda _: True,
-        put_off=lambda _: None,
-    )
+    fetching = healing(router, missing=lambda _: holes, read=lambda _key, _reply: answer)
     for _ in range(20):
         log.publish(dropped=True)
 
     def comes() -> None:
-        healing.live[KEY] = {}
-        healing.place(KEY, arrived(batch([900.0], sequence=99)))
+        fetching.live[KEY] = {}
+        fetching.place(KEY, arrived(batch([900.0], sequence=99)))
 
     def asked_for(first: int) -> bool:
-        healing.check_tails(quiet_s=3600.0)
-        healing.collect(100)
+        fetching.check_tails(quiet_s=3600.0)
+        fetching.collect(100)
         return first in log.asked
 
     def comes_and_is_asked() -> bool:

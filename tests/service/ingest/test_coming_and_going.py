@@ -1,0 +1,175 @@
+"""Sources, logs and shares that come and go while something is under way."""
+
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+import zenoh
+from sqlalchemy.exc import OperationalError
+
+from service import healing as healing_module
+from service import ingest as ingest_module
+from service.collection import Collector
+from service.ingest import Ingest
+from service.journal import Arrived, Journal
+from service.sharing import Whole
+from service.storing import Storing
+from service.wire import ALL_LIVE, Key, source_key
+from storage.database import Database
+from storage.samples import SourceKey
+from tests.plant import KEY, arrived, batch, wait_until
+from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, counts, healing, heard, put_batch, received
+
+BEYOND = arrived(batch([900.0] * 5, sequence=105))
+"""Behind a gap: samples 100 to 104 are not there."""
+AWAY = OperationalError("SELECT", {}, Exception("the server went away"))
+
+
+def test_a_source_that_leaves_while_the_roll_is_called_is_not_taken_for_alive(
+    router: zenoh.Session, client: zenoh.Session
+) -> None:
+    token = client.liveliness().declare_token(KEY.live)
+    tokens = router.liveliness().declare_subscriber(ALL_LIVE, zenoh.handlers.FifoChannel(10), history=True)
+    fetching = healing(router)
+    fetching.token(tokens.recv())
+    assert list(fetching.live) == [KEY]
+    fetching.check_tails(quiet_s=3600.0)
+    wait_until(lambda: roll(router) == [KEY.live])  # asked later, so the call before has its answer
+    token.undeclare()
+    fetching.token(tokens.recv())
+    wait_until(lambda: roll(router) == [])
+    fetching.collect(100)
+    assert list(fetching.live) == []
+    tokens.undeclare()
+
+
+def roll(session: zenoh.Session) -> list[str]:
+    """Who is alive."""
+    return [str(reply.ok.key_expr) for reply in session.liveliness().get(ALL_LIVE, timeout=5.0) if reply.ok is not None]
+
+
+def test_what_waits_of_a_source_without_a_log_is_taken_when_shares_change(router: zenoh.Session) -> None:
+    taken: list[Arrived] = []
+    fetching = healing(router, take=taken.append)
+    fetching.place(KEY, BEYOND)
+    assert taken == []
+    fetching.review()
+    assert taken == [BEYOND]
+    assert fetching.waiting == {}
+
+
+def test_what_waits_of_a_machine_that_another_stores_now_is_left_to_it(router: zenoh.Session) -> None:
+    taken: list[Arrived] = []
+    own = {KEY.machine}
+    fetching = healing(router, take=taken.append, owns=own.__contains__)
+    fetching.place(KEY, BEYOND)
+    own.clear()
+    fetching.review()
+    assert taken == []
+    assert fetching.waiting == {}
+
+
+def test_what_waits_of_a_source_with_a_log_is_left_to_the_log_when_shares_change(
+    router: zenoh.Session, lossy: DroppedOnTheWay
+) -> None:
+    taken: list[Arrived] = []
+    lossy.publish(dropped=True)
+    first = arrived(lossy.log[0])
+    fetching = healing(router, take=taken.append, read=lambda _key, _reply: first)
+    fetching.live[KEY] = {}
+
+    def known() -> bool:
+        fetching.check_tails(quiet_s=3600.0)
+        fetching.collect(100)
+        return bool(fetching.live[KEY])
+
+    wait_until(known)
+    wait_until(lambda: fetching.collect(100) == 0 and not fetching.asking)
+    taken.clear()
+    fetching.place(KEY, BEYOND)
+    fetching.review()
+    assert taken == []
+    assert fetching.waiting == {}
+
+
+class AwayInTheReview(Journal):
+    """Its database goes away once, where what waited is to be taken."""
+
+    away = False
+
+    def next_sequence(self, key: SourceKey) -> int:
+        if self.away:
+            self.away = False
+            raise AWAY
+        return super().next_sequence(key)
+
+
+class Moving(Whole):
+    """All of it, though its share is said to have changed."""
+
+    def __init__(self) -> None:
+        self.changes = 0
+
+
+def test_a_review_that_the_database_interrupted_is_done_again(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
+    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 3600.0)
+    journal, share = AwayInTheReview(plant, Collector()), Moving()
+    ingest = Ingest(router, journal, silence_s=60.0, share=share)
+    with ExitStack() as until:
+        ingest.start()
+        until.callback(ingest.stop)
+        wait_until(lambda: heard(client))
+        put_batch(client, 0, 5)
+        wait_until(lambda: received(plant) == 5)
+        put_batch(client, 10, 15)
+        wait_until(lambda: len(ingest._healing.waiting) == 1)
+        journal.away = True
+        share.changes += 1
+        wait_until(lambda: counts(plant) == (15, 10, 5))
+    assert not journal.away
+
+
+class Unreachable:
+    """A network on which nothing can be asked."""
+
+    def get(self, *_: Any, **__: Any) -> None:
+        raise ZeroDivisionError("a fault of ours")
+
+
+def test_what_waits_for_a_log_that_cannot_be_asked_is_not_put_aside_as_well(router: zenoh.Session) -> None:
+    put_off: list[SourceKey] = []
+    fetching = healing(router, put_off=put_off.append)
+    fetching.session = Unreachable()  # type: ignore[assignment]
+    fetching.place(KEY, BEYOND)  # an error here would put it aside
+    fetching.collect(100)
+    assert put_off == [source_key(BEYOND.batch)]
+
+
+def test_a_pause_is_not_undone_by_what_was_held_before_it(plant: Database) -> None:
+    held = Storing(Journal(plant, Collector()), leave=lambda _: None)
+    one = arrived(batch([900.0] * 5))
+    held.take(one)
+    held.put_off(source_key(one.batch))
+    held.store()
+    assert received(plant) == 5
+    assert not held.takes(source_key(one.batch))
+
+
+def test_a_question_that_cannot_be_answered_stops_nobody(
+    router: zenoh.Session, plant: Database, client: zenoh.Session, caplog: pytest.LogCaptureFixture
+) -> None:
+    ingest = Ingest(router, Confused(plant, Collector()), silence_s=60.0)
+    with ExitStack() as until:
+        ingest.start()
+        until.callback(ingest.stop)
+        wait_until(lambda: heard(client))
+        questions = [client.get(Key(KEY.plant, "pump-9").received, timeout=10.0) for _ in range(5)]
+        put_batch(client, 0, 5)
+        assert [answer for question in questions for answer in question if answer.ok is not None] == []
+        wait_until(lambda: received(plant) == 5)
+        assert ingest.trouble is None
+    assert caplog.text.count("pump-9: how far its sources are durable cannot be told") == 5
+    assert "unexpected error in ingest" not in caplog.text
