@@ -120,6 +120,7 @@ function Progress({ state, jobs }: { state: MachineState | undefined; jobs: Job[
   const run = state?.run;
   const running = jobs?.filter((job) => job.state === "running") ?? [];
   const queued = jobs?.filter((job) => job.state === "queued").length ?? 0;
+  const isCut = jobs?.length === MOST_JOBS && isOpen(jobs.at(-1)!);
   const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
   return (
     <div class="progress" aria-live="polite">
@@ -134,7 +135,7 @@ function Progress({ state, jobs }: { state: MachineState | undefined; jobs: Job[
       {running.length + queued > 0 ? (
         <label class="computing">
           {running.length > 0 ? `Identifying run ${running.map((job) => job.runs.join(" + ")).join(", ")}` : "Identification waits"}
-          {queued > 0 && `, ${queued} waiting`}
+          {queued > 0 && `, ${queued}${isCut ? " or more" : ""} waiting`}
           <progress />
         </label>
       ) : failed ? (

@@ -110,6 +110,7 @@ export function Plot(props: PlotProps) {
     plot.current = made;
     madeOf.current = latest.current;
     if (before.current) zoomTo(made, ...before.current);
+    else queueMicrotask(() => plot.current === made && zoomAsBeside(made)); // those beside it have their scales by then
     // Made anew as wide as its place: a phone is turned, a window is dragged.
     const sizes = new ResizeObserver(() => {
       if (node.clientWidth > 0 && node.clientWidth !== made.width) made.setSize({ width: node.clientWidth, height });
@@ -117,7 +118,7 @@ export function Plot(props: PlotProps) {
     sizes.observe(node);
     return () => {
       sizes.disconnect();
-      before.current = zoomed(made) ? [made.scales.x!.min!, made.scales.x!.max!] : null;
+      before.current = zoomed(made) ? rangeOf(made) : null;
       made.destroy();
       plot.current = null;
     };
@@ -197,6 +198,16 @@ function zoomed(made: uPlot): boolean {
   const { min, max } = made.scales.x!;
   const x = made.data[0];
   return min !== undefined && max !== undefined && min !== null && max !== null && x.length > 1 && made.root.dataset.zoomed === "1";
+}
+
+function rangeOf(made: uPlot): [number, number] {
+  return [made.scales.x!.min!, made.scales.x!.max!];
+}
+
+/** To what plots beside it are zoomed to already: it may come later than they. */
+function zoomAsBeside(made: uPlot): void {
+  const other = together(made).find((one) => one !== made && zoomed(one));
+  if (other) zoomTo(made, ...rangeOf(other));
 }
 
 function keyed(event: KeyboardEvent, made: uPlot | null, props: PlotProps): void {

@@ -3,7 +3,7 @@ import type { Bode, Document, Phasors } from "./answers";
 import { Response } from "./bode";
 import { slowRollWords, useFitOf } from "./fit-of-run";
 import { useLastWhole } from "./last-whole";
-import { Empty, Panel, Trouble } from "./parts";
+import { Aging, Empty, Panel, Trouble } from "./parts";
 import { useResource } from "./resource";
 import { choose, place } from "./router";
 import { RunChoice, useRuns } from "./run-choice";
@@ -50,7 +50,8 @@ export function ResponseView({ machine }: { machine: Document }) {
         </div>
       </Panel>
       {!run && runs.failure && <p class="trouble" role="alert">{runs.failure}</p>}
-      {[failure, measured.failure, other.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
+      {[failure, measured.data ? undefined : measured.failure, other.failure, fit.failure].map((one) => one?.own && <Trouble failure={one} />)}
+      <Aging answer={measured} />
       {!run && runs.failure ? null : whole ? (
         <Response
           key={run?.id}

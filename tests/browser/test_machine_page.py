@@ -304,7 +304,7 @@ def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None
     held[0].continue_()
     expect(none).to_have_count(0)
     wait_drawn(seen.page, 3)
-    expect(zoomed).to_have_count(2)
+    expect(zoomed).to_have_count(3)
 
 
 def test_a_probe_that_an_identification_does_not_know_is_said(seen: Seen) -> None:
@@ -404,6 +404,8 @@ def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".panel", has=seen.page.locator(".alarm")).locator(".cut")).to_contain_text("The newest 200 ")
     expect(seen.page.locator(".computing")).to_contain_text("Identifying run 61, 29 waiting")
+    jobs[:] = [job | {"id": 2000 - at, "runs": [2000 - at], "state": "queued"} for at in range(1000)]
+    expect(seen.page.locator(".computing")).to_contain_text("Identification waits, 1000 or more waiting")
     seen.open(f"machines/{MACHINE}/shapes?run={run['id']}")
     expect(seen.page.get_by_text("The newest 200 runs are shown; there may be more.")).to_be_visible()
     expect(seen.page.get_by_text("The lowest 8 of 11 modes are shown")).to_be_visible()

@@ -95,6 +95,20 @@ def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(s
     expect(seen.page.locator(".aging")).to_have_count(0)
 
 
+def test_the_points_of_a_run_do_not_grow_old_unsaid(seen: Seen) -> None:
+    seen.page.add_init_script(SEEN)
+    seen.open(f"machines/{MACHINE}/response")
+    expect(seen.page.locator(".waiting")).to_have_count(0)
+    seen.page.route(re.compile(r"/phasors\?"), lambda route: route.fulfill(status=403, json=REFUSED))
+    seen.page.evaluate(SEEN_AGAIN)
+    said = re.compile(r"^As of \d\d:\d\d:\d\d, nothing newer: this key may not see alerts$")
+    expect(seen.page.locator(".aging")).to_have_text(said)
+    expect(seen.page.get_by_role("alert")).to_have_count(0)
+    expect(seen.page.get_by_role("group", name=re.compile("^Amplitude of "))).to_be_visible()
+    seen.page.unroute_all()
+    expect(seen.page.locator(".aging")).to_have_count(0)
+
+
 def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: Service) -> None:
     refused: list[str] = []
 

@@ -19,6 +19,14 @@ WORDS_HEIGHT = """(said) => {
 """Of a text with all its lines [px], also of those that are cut off."""
 
 
+SPEEDS = """(canvas) => {
+  const [left, height] = [64 * devicePixelRatio, 28 * devicePixelRatio];
+  const axis = document.createElement("canvas");
+  Object.assign(axis, { width: canvas.width - left, height });
+  axis.getContext("2d").drawImage(canvas, left, canvas.height - height, axis.width, height, 0, 0, axis.width, height);
+  return axis.toDataURL();
+}"""
+"""How the axis below a plot looks."""
 TERMS = 10
 """Of the coupling: each has a trend."""
 TOP = "(canvas) => canvas.getBoundingClientRect().top + scrollY"
@@ -418,3 +426,22 @@ def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, serv
         expect(seen.page.locator(".uplot")).to_have_count(plots)
         expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(0)
     assert [one for one in seen.errors if "503" not in one] == []
+
+
+def test_a_plot_that_comes_later_is_zoomed_as_those_beside_it(seen: Seen) -> None:
+    """The run is identified while one looks at it."""
+    listed = re.compile(r"/identifications\?from=")
+    seen.page.route(listed, lambda route: route.fulfill(json=[]))
+    seen.open(f"machines/{MACHINE}/response")
+    expect(seen.page.get_by_text("This run has no accepted identification")).to_be_visible()
+    wait_drawn(seen.page, 2)
+    seen.page.get_by_role("button", name="Zoom in").first.click()
+    expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(2)
+    seen.page.unroute(listed)
+    expect(seen.page.get_by_role("group", name=re.compile("Residuals over speed"))).to_be_visible()
+    expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(3)
+    wait_drawn(seen.page, 3)
+    assert len({canvas.evaluate(SPEEDS) for canvas in seen.page.locator(".uplot[data-zoomed='1'] canvas").all()}) == 1
+    seen.page.get_by_role("button", name="Show all").last.click()
+    expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(0)
+    assert seen.errors == []
