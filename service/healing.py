@@ -25,6 +25,8 @@ logger = logging.getLogger(__name__)
 
 MOST_QUERIES = 64
 """Logs asked at the same time."""
+MOST_ASKED = 250
+"""Batches that a log is asked for at a time: what it answers waits here until it is taken, and 64 logs answer at once."""
 LARGEST_ANSWER = 5_000
 """Batches of an answer that may wait to be taken; more hold the asked source up, not this one."""
 REPLAY_TIMEOUT_S = 2.0
@@ -298,7 +300,8 @@ class Healing:
             return
         first = self.expected(source)
         trusting = self._fruitless.get(source) == first
-        self._replays[source] = _Replay(key, first, self._query(key, f"from={first};epoch={source.epoch}"), trusting)
+        question = f"from={first};epoch={source.epoch};limit={MOST_ASKED}"
+        self._replays[source] = _Replay(key, first, self._query(key, question), trusting)
 
     def _reply(self, source: SourceKey, replay: _Replay, reply: zenoh.Sample) -> None:
         arrived = self.read(replay.key, reply)
@@ -385,7 +388,7 @@ class Healing:
 
     def _ask_for_hole(self, source: SourceKey, recall: _Recall) -> None:
         first, last = recall.holes[0]
-        question = f"from={first};epoch={source.epoch};limit={last - first + 1}"
+        question = f"from={first};epoch={source.epoch};limit={min(last - first + 1, MOST_ASKED)}"
         recall.answers, recall.heard, recall.progress = self._query(recall.key, question), False, False
 
     def _collect_recall(self, source: SourceKey, recall: _Recall) -> int:

@@ -118,9 +118,11 @@ class DroppedOnTheWay:
     def __init__(self, client: zenoh.Session) -> None:
         self.client = client
         self.log: list[SampleBatch] = []
+        self.is_there = False
         self.come()
 
     def come(self) -> None:
+        self.is_there = True
         self.queryable = self.client.declare_queryable(KEY.log, self.answer)
         self.token = self.client.liveliness().declare_token(KEY.live)
 
@@ -132,8 +134,9 @@ class DroppedOnTheWay:
 
     def answer(self, query: zenoh.Query) -> None:
         with query:
-            first = int(query.parameters.get("from") or 0)
-            for one in [one for one in self.log if one.sequence + 5 > first]:
+            first, limit = (int(query.parameters.get(name) or 0) for name in ("from", "limit"))
+            held = self.log if self.is_there else []  # a question from before may still be on its way
+            for one in [one for one in held if one.sequence + 5 > first][: limit or None]:
                 query.reply(KEY.log, encode_batch(one), encoding=MESSAGEPACK)
 
     def leave_a_gap(self, plant: Database) -> None:
@@ -147,5 +150,6 @@ class DroppedOnTheWay:
         wait_until(lambda: counts(plant) == (20, 10, 10))
 
     def leave(self) -> None:
+        self.is_there = False
         self.token.undeclare()
         self.queryable.undeclare()

@@ -299,7 +299,7 @@ class BusyLog(DroppedOnTheWay):
     asked_for_holes = 0
 
     def answer(self, query: zenoh.Query) -> None:
-        if query.parameters.get("limit") not in (None, "1"):
+        if query.parameters.get("limit") == "10":
             self.asked_for_holes += 1
             if self.asked_for_holes == 1:
                 query.drop()
@@ -320,6 +320,50 @@ def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
         wait_until(lambda: counts(plant) == (20, 20, 0))
     assert busy.asked_for_holes >= 2
     busy.leave()
+
+
+class Asked(DroppedOnTheWay):
+    """Keeps what it was asked for: the first number, and how many batches."""
+
+    def __init__(self, client: zenoh.Session) -> None:
+        self.asked: list[tuple[int, int]] = []
+        super().__init__(client)
+
+    def answer(self, query: zenoh.Query) -> None:
+        self.asked.append((int(query.parameters.get("from") or 0), int(query.parameters.get("limit") or 0)))
+        super().answer(query)
+
+
+def test_a_log_is_asked_for_a_part_at_a_time(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What many logs answer at once must not fill the memory."""
+    monkeypatch.setattr("service.healing.MOST_ASKED", 3)
+    log = Asked(client)
+    for _ in range(10):
+        log.publish(dropped=True)
+    with ingesting(router, plant):
+        wait_until(lambda: received(plant) == 50)
+    assert {0, 15, 30, 45} <= {first for first, _ in log.asked}
+    assert max(limit for _, limit in log.asked) == min(limit for first, limit in log.asked if first) == 3
+    log.leave()
+
+
+def test_a_large_hole_is_asked_for_a_part_at_a_time(
+    router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.healing.MOST_ASKED", 1)
+    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 3600.0)
+    log = Asked(client)
+    with ingesting(router, plant):
+        log.leave_a_gap(plant)
+        log.asked.clear()
+        log.come()
+        wait_until(lambda: counts(plant) == (20, 20, 0))
+    assert {(5, 1), (10, 1)} <= set(log.asked)
+    assert stored_times(plant) == list(range(20))
+    log.leave()
 
 
 class HeldBack(DroppedOnTheWay):

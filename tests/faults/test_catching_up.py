@@ -1,0 +1,10 @@
+"""A service that was away, and sources that went on: `python -m benchmarks.catching_up` has more of them."""
+
+import argparse
+from pathlib import Path
+
+from benchmarks import catching_up
+
+
+def test_what_waits_in_many_logs_is_all_stored_once(tmp_path: Path) -> None:
+    assert catching_up.measure(tmp_path, argparse.Namespace(sources=20, batches=50, size=10, channels=16))
