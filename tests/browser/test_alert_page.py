@@ -3,6 +3,7 @@
 import re
 from datetime import UTC, datetime, timedelta
 
+import pytest
 from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
@@ -45,6 +46,7 @@ def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
         expect(comment).to_be_focused()
 
 
+@pytest.mark.long
 def test_after_a_dialog_whose_button_is_gone_one_is_still_on_the_page(seen: Seen) -> None:
     gone = False
 

@@ -91,6 +91,7 @@ def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Ser
     expect(tabs[0].locator(".signal")).to_have_text("● live")
 
 
+@pytest.mark.long
 def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
     waiting: list[Route] = []
     seen.page.route(

@@ -4,6 +4,7 @@ import contextlib
 import re
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
@@ -78,6 +79,7 @@ def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, servi
     expect(seen.page.locator(".alarm")).to_contain_text(f"{events} events")
 
 
+@pytest.mark.long
 def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(seen: Seen) -> None:
     seen.page.add_init_script(SEEN)
     seen.open(f"machines/{MACHINE}")
@@ -95,6 +97,7 @@ def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(s
     expect(seen.page.locator(".aging")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_the_points_of_a_run_do_not_grow_old_unsaid(seen: Seen) -> None:
     seen.page.add_init_script(SEEN)
     seen.open(f"machines/{MACHINE}/response")
@@ -132,6 +135,7 @@ def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: 
     assert seen.page.evaluate("told") == 0
 
 
+@pytest.mark.long
 def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tmp_path: Path) -> None:
     with server(*FAST) as database:
         one = Service(tmp_path, database=database.url)

@@ -7,4 +7,4 @@ from benchmarks import catching_up
 
 
 def test_what_waits_in_many_logs_is_all_stored_once(tmp_path: Path) -> None:
-    assert catching_up.measure(tmp_path, argparse.Namespace(sources=20, batches=50, size=10, channels=16))
+    assert catching_up.measure(tmp_path, argparse.Namespace(sources=10, batches=40, size=10, channels=16))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import psutil
+import pytest
 import zenoh
 
 from benchmarks.chain import patiently
@@ -50,6 +51,7 @@ def test_rubbish_is_counted_and_kept_out(plant: Database) -> None:
     assert outcome.received == 5
 
 
+@pytest.mark.long
 def test_messages_of_64_mb_are_told_and_let_go(tmp_path: Path) -> None:
     service = Service(tmp_path)
     with service.running() as serving, stream_session(listen=[], connect=[service.endpoint]) as stream:

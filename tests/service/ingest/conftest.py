@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
+from service import healing as healing_module
 from service import ingest as ingest_module
 from service.ingest import Ingest
 from service.source import Source
@@ -15,8 +16,9 @@ from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Look at quiet sources often, so that no test waits long."""
+    """Look at quiet sources often, and wait for a log less long, so that no test waits long."""
     monkeypatch.setattr(ingest_module, "TAIL_CHECK_S", 0.1)
+    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 1.0)
 
 
 @pytest.fixture
