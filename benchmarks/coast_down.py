@@ -34,7 +34,8 @@ from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.modes import modes
 from estimator.order_tracking import track_orders
-from estimator.quality import Recorded, assess
+from estimator.quality import assess
+from estimator.recorded import Recorded
 from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.speed_law import SpeedLaw

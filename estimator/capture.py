@@ -8,7 +8,7 @@ document says of a sample's. `python -m benchmarks.capture` shows both.
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 Indices = NDArray[np.intp]
 

@@ -12,14 +12,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes as Complexes
+from estimator.arrays import Floats as Floats
 from estimator.elimination import GivenShafts, WhirlElimination
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
 from estimator.rotor import Rotor, assemble_rotor, plane_columns
 from estimator.shaft import NODE_DOFS
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 BLOCK = 256
 """Speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""

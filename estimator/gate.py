@@ -18,7 +18,8 @@ from estimator.identification import Identification, NotEnoughData, Options, exp
 from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
-from estimator.quality import Flag, Quality, Recorded, assess, own_noise, too_few
+from estimator.quality import Flag, Quality, assess, own_noise, too_few
+from estimator.recorded import Recorded
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 

@@ -17,6 +17,7 @@ from estimator.half_power import HalfPowerNotReached, half_power_points, outside
 from estimator.machine import Noise, QualityRules
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
+from estimator.recorded import Recorded
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 
@@ -80,27 +81,6 @@ OTHER_NOISE = 2.0
 """Noise that differs from the stated one by this factor is mentioned."""
 FEWEST_USABLE = 20
 """Fewer samples with a usable phasor are said to be too few."""
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """A run as it was measured, S samples in order of time.
-
-    time: (S,) [s], None where it is not known. speed: (S,) [rad/s]. phasor: (S, m) [m]. status: (S, m) ChannelStatus.
-    scatter: (S, m) [m], NaN where unknown. channels: m ids.
-    """
-
-    time: Floats | None
-    speed: Floats
-    phasor: Complexes
-    status: NDArray[np.uint8]
-    scatter: Floats
-    channels: tuple[str, ...]
-
-    def pick(self, which: NDArray[np.bool_]) -> "Recorded":
-        """Some of the samples, (S,) True for those wanted."""
-        time = None if self.time is None else self.time[which]
-        return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)
 
 
 @dataclass(frozen=True)

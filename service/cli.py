@@ -18,7 +18,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
-from estimator.quality import Recorded
+from estimator.recorded import Recorded
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule

@@ -1,109 +1,198 @@
-"""A run ends: the samples that belong to it, whether they are worth an identification, what they cover."""
+"""Closing of runs: the thread that gathers the samples of runs that have ended, and sorts in samples that came late.
+
+Ingest only notes that a run is over. What belongs to it is read and looked at here, outside of all transactions, and
+then stored in one short transaction for each run: however much a run or a document holds, nobody's storing waits for it.
+"""
 
 import logging
+import threading
+import time
 
-import numpy as np
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from estimator.capture import captured, thinned
-from estimator.coverage import coverage
-from estimator.machine import Machine
-from estimator.segmentation import SweepLimits
-from estimator.units import rpm_to_rad_per_s
-from service.own_faults import own_fault
-from storage import jobs, quarantine, runs, samples
-from storage.blocks import Samples
+from service import late
+from service.collection import Collector
+from service.own_faults import damaged_blocks, unexpected
+from service.putting_off import PutOff
+from service.run_samples import Gathered, gathered
+from service.sharing import Share, Whole
+from storage import jobs, machines, quarantine, runs
+from storage.database import Database
+from storage.errors import concerns_all
+from storage.leases import NotHeld
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)
 
-FEWEST_SAMPLES = 20
-"""A run of fewer samples is not identified."""
-SMALLEST_SPAN = 0.2
-"""Nor is one that covers less than this part of the machine's speed range."""
-LARGEST_READ = 100_000
-"""Samples of a run that are looked at; of more than these only every second, third, … is."""
+CYCLE_S = 0.2
+"""Between two looks for runs that have ended."""
+LATE_CHECK_S = 2.0
+"""Between two looks for samples that came late."""
+RETRY_S = 1.0
+AT_ONCE = 500
+"""Machines that are looked at together."""
 
 
-def close_sweep(session: Session, machine: Machine, row: RunRow, *, first: int, last: int, reason: str) -> None:
-    """Close a run-up or run-down that lasted from first to last [ns], and ask for its identification."""
-    close_with(session, machine, row, sweep_samples(session, machine, row, first=first, last=last), reason=reason)
+class Closing:
+    """Closes the runs of the machines that this process stores. collector: the one that ends them."""
+
+    def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
+        self._database = database
+        self._collector = collector
+        self._share = share or Whole()
+        self._runs_put_off = PutOff[int]()
+        self._machines_put_off = PutOff[str]()
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="closing", daemon=True)
+        self.trouble: str | None = None
+        """Why runs cannot be closed at the moment."""
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End between two runs; what is left is closed after the next start."""
+        self._stop.set()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    def close_ended(self) -> None:
+        """Close all runs that have ended. One of which this fails holds up no other. Raises what concerns all."""
+        with self._database.reading() as session:
+            ended = runs.ended(session)
+        for run_id, machine_id in ended:
+            if self._stop.is_set():
+                return
+            if self._share.owns(machine_id) and self._runs_put_off.is_due(run_id):
+                self._close(run_id, machine_id)
+
+    def sort_in_late(self) -> None:
+        """Sort in what came late, where no more of it comes. A machine of which this fails holds up no other.
+
+        Raises what concerns all.
+        """
+        for machine_id in self._with_late():
+            if self._stop.is_set():
+                return
+            try:
+                self._settle(machine_id)
+                self._machines_put_off.succeeded(machine_id)
+            except NotHeld:
+                logger.info("%s: another replica sorts in what came late", machine_id)
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                pause = self._machines_put_off.failed(machine_id)
+                logger.exception("%s: late samples cannot be sorted in; tried again in %.0f s", machine_id, pause)
+                self._tell(machine_id, error, of=f"runs of {machine_id}", what="late samples cannot be sorted in")
+
+    def _run(self) -> None:
+        next_late = 0.0
+        while not self._stop.is_set():
+            try:
+                self.close_ended()
+                if time.monotonic() >= next_late:
+                    next_late = time.monotonic() + LATE_CHECK_S
+                    self.sort_in_late()
+                self.trouble = None
+                self._stop.wait(CYCLE_S)
+            except DBAPIError as error:
+                self.trouble = f"runs cannot be closed: {error.orig}"
+                logger.error("%s; trying again", self.trouble)
+                self._stop.wait(RETRY_S)
+            except Exception:
+                self.trouble = "runs cannot be closed: unexpected error; the log has it"
+                logger.exception("unexpected error in the closing thread")
+                self._stop.wait(RETRY_S)
+
+    def _close(self, run_id: int, machine_id: str) -> None:
+        try:
+            with self._database.reading() as session:
+                row = runs.get(session, run_id)
+                found, version = gathered(session, row), _version(row)
+            with self._database.transaction(beside_others=True) as session:
+                self._share.require(session, [machine_id])
+                row = runs.get(session, run_id)
+                if _version(row) == version:
+                    _file(session, row, found)
+            self._runs_put_off.succeeded(run_id)
+        except NotHeld:
+            logger.info("run %d is another replica's to close", run_id)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            pause = self._runs_put_off.failed(run_id)
+            logger.exception("%s: run %d cannot be closed; tried again in %.0f s", machine_id, run_id, pause)
+            self._tell(machine_id, error, of=f"run {run_id}", what="it cannot be closed")
+
+    def _tell(self, machine_id: str, error: Exception, *, of: str, what: str) -> None:
+        with self._database.transaction(beside_others=True) as session:
+            quarantine.add(session, [unexpected(error, of=of, machine_id=machine_id, what=what)])
+
+    def _with_late(self) -> list[str]:
+        """Machines of which late samples may wait."""
+        with self._database.reading() as session:
+            every = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
+        some = [machine_id for machine_id in every if self._collector.may_have_late(machine_id)]
+        for first in range(0, len(some), AT_ONCE):
+            self._note_settled(some[first : first + AT_ONCE])
+        return [one for one in some if self._collector.may_have_late(one) and self._machines_put_off.is_due(one)]
+
+    def _note_settled(self, machine_ids: list[str]) -> None:
+        """See by one look at all of them which have nothing late; where one spoils that, each is looked at alone."""
+        try:
+            with self._collector.lock, self._database.reading() as session:
+                self._collector.note_settled(session, machine_ids)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
+
+    def _settle(self, machine_id: str) -> None:
+        """Sort in window by window, the runs that this ends closed in between: the next window may lie beside them."""
+        with self._collector.lock, self._database.reading() as session:
+            patience = self._collector.late_patience(session, machine_id)
+            windows = [] if patience is None else self._collector.late_windows(session, machine_id)
+            together = late.by_run(session, machine_id, windows)
+        for window in together:
+            if patience is None or self._stop.is_set():
+                return
+            with self._database.reading() as session:
+                plan = late.plan(session, machine_id, window, patience_s=patience)
+            if plan is None:
+                continue
+            with self._collector.lock, self._database.transaction(beside_others=True) as session:
+                self._share.require(session, [machine_id])
+                if self._collector.take_late(session, machine_id, window):
+                    late.carry_out(session, plan)
+            self.close_ended()
 
 
-def close_with(session: Session, machine: Machine, row: RunRow, held: Samples, *, reason: str) -> None:
-    """Close a run with these samples, by time, and ask for its identification; a run made anew is identified anew."""
-    weakness = _weakness(machine, held)
-    duration = float(held.time[-1] - held.time[0]) / 1e9 if len(held) else 0.0
+def _version(row: RunRow) -> tuple[object, ...]:
+    """What changes when a run ends or is made anew."""
+    return row.state, row.time_first, row.time_last, row.times_reopened
+
+
+def _file(session: Session, row: RunRow, found: Gathered) -> None:
+    """Close a run with what was gathered, and ask for its identification; a run made anew is identified anew."""
+    weakness, reason = found.weakness, row.reason or ""
+    quarantine.add(session, damaged_blocks(found.damaged, run_id=row.id, machine_id=row.machine_id))
     runs.close(
         row,
-        samples=held,
+        samples=found.samples,
         state=runs.DISCARDED if weakness else runs.CLOSED,
         reason=f"{reason}; {weakness}" if weakness else reason,
-        coverage=coverage(machine, held.measurement(), duration_s=duration) if len(held) else None,
+        coverage=found.coverage,
+        data=found.data,
     )
-    logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(held), row.reason)
+    logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(found.samples), row.reason)
     if not weakness:
         options = {"reopened": row.times_reopened} if row.times_reopened else None
         jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id], options=options)
-
-
-def sweep_samples(session: Session, machine: Machine, row: RunRow, *, first: int, last: int) -> Samples:
-    """What a sweep from first to last [ns] captures, by time: in the row's sense of rotation and the speed range.
-
-    Samples shortly before it belong to it too, as far as they do not belong to the run before.
-    """
-    begin = max(first - round(1e9 * machine.collection.pre_trigger_s), runs.end_before(session, machine.id, first) + 1)
-    damaged: list[str] = []
-    found = samples.between(
-        session,
-        machine.id,
-        revision=row.revision,
-        channels=len(machine.probes),
-        first=min(begin, first),
-        last=last,
-        largest=LARGEST_READ,
-        damaged=damaged,
-    )
-    tell_damaged(session, row, damaged)
-    inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))
-    return _captured(machine, _once(found.pick(inside)))
-
-
-def tell_damaged(session: Session, row: RunRow, damaged: list[str]) -> None:
-    """Blocks that a run is without, though their samples were stored once."""
-    of, known = f"run {row.id}", dict.fromkeys(damaged)
-    if known:
-        told = [own_fault("damaged_block", of=of, machine_id=row.machine_id, detail=words) for words in known]
-        quarantine.add(session, told)
-
-
-def _captured(machine: Machine, held: Samples) -> Samples:
-    """By change of speed and time where the document asks for it; thinned where there are far too many."""
-    rules = machine.collection
-    kept = held.pick(
-        captured(
-            time=held.time,
-            speed=held.speed,
-            delta_speed=None if rules.delta_rpm is None else rpm_to_rad_per_s(rules.delta_rpm),
-            delta_time=None if rules.delta_s is None else round(1e9 * rules.delta_s),
-        )
-    )
-    return kept.pick(thinned(time=kept.time, speed=kept.speed))
-
-
-def _once(held: Samples) -> Samples:
-    """One sample per instant: a source that began anew, or a second one, may have told of the same instants again."""
-    _, first = np.unique(held.time, return_index=True)
-    return held.pick(first)
-
-
-def _weakness(machine: Machine, held: Samples) -> str | None:
-    """Why a run is not worth an identification, if it is not."""
-    if len(held) < FEWEST_SAMPLES:
-        return f"not identified: {len(held)} samples, {FEWEST_SAMPLES} are needed"
-    limits = SweepLimits.of(machine.speed_range)
-    covered = float(held.speed.max() - held.speed.min())
-    if covered < limits.span(SMALLEST_SPAN):
-        percent = 100 * covered / limits.span(1.0)
-        return f"not identified: it covers {percent:.0f} % of the speed range, {100 * SMALLEST_SPAN:.0f} % are needed"
-    return None

@@ -1,6 +1,7 @@
-"""Run collection: new samples of a machine move its state on; runs open and close with the samples they hold."""
+"""Run collection: new samples of a machine move its state on; runs begin and end. `service.closing` gathers their samples."""
 
 import logging
+import threading
 import time
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -15,9 +16,8 @@ from estimator.machine import Machine
 from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance, silence
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.speed_bins import ROLLING, SpeedBins, filled
-from service.closing import close_sweep, close_with, tell_damaged
-from service.late import Window, noted, settle
-from storage import machines, runs, samples
+from service.late import Window, noted, without
+from storage import machines, runs
 from storage.blocks import Samples
 
 logger = logging.getLogger(__name__)
@@ -89,6 +89,8 @@ class Collector:
     """Collects the runs of all machines. All it must remember is stored with the samples, in the same transaction."""
 
     def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
+        self.lock = threading.Lock()
+        """Held while where a machine's collection stands is read and written: ingest and closing both do."""
         self._late_s = late_s
         self._heard: dict[str, float] = {}
         self._heard_late: dict[str, tuple[float, float]] = {}  # the first that is not sorted in, and the last one
@@ -144,38 +146,53 @@ class Collector:
         return machine_id not in self._settled
 
     def let_rest(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Nothing is to be done, until samples come, for those of these machines without an open run or late samples."""
-        known = {row.machine_id: Standing.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
-        for machine_id in machine_ids:
-            now = known.get(machine_id)
-            if now is None or not now.is_under_way:
-                self._silent.add(machine_id)
-            if now is None or not now.late:
-                self._settled.add(machine_id)
+        """Nothing is to be done, until samples come, for those of these machines of which it is not known what they do."""
+        known = self._known(session, machine_ids)
+        self._silent |= {one for one in machine_ids if one not in known or not known[one].is_under_way}
 
-    def close_silent(self, session: Session, machine_id: str) -> None:
-        """Close the open run of a machine that has fallen silent."""
+    def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
+        """Nothing is to be sorted in, until samples come late, for those of these machines that have none."""
+        known = self._known(session, machine_ids)
+        self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
+
+    def _known(self, session: Session, machine_ids: Collection[str]) -> dict[str, Standing]:
+        return {row.machine_id: Standing.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
+
+    def end_silent(self, session: Session, machine_id: str) -> None:
+        """End the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
         now = standing(session, machine_id)
         if now is not None and now.is_under_way:
             _silence(session, machine_id, now, reason="the source fell silent")
             runs.save_collector_state(session, machine_id, now.stored())
 
-    def settle_late(self, session: Session, machine_id: str) -> None:
-        """Sort in what came late, once no more of it comes."""
+    def late_patience(self, session: Session, machine_id: str) -> float | None:
+        """How long more late samples of a machine are waited for [s]; None while they still come, or where there are none."""
         now = standing(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)
-            return
+            return None
         moment = time.monotonic()
         first, last = self._heard_late.setdefault(machine_id, (moment, moment))
         if moment - last < self._late_s and moment - first < LONGEST_LATE_PATIENCE * self._late_s:
-            return
+            return None
         del self._heard_late[machine_id]
-        waiting = settle(session, machine_id, now.late, patience_s=self._late_s)
-        if waiting != now.late:
-            now.late = waiting
-            runs.save_collector_state(session, machine_id, now.stored())
+        return self._late_s
+
+    def late_windows(self, session: Session, machine_id: str) -> list[Window]:
+        """Where samples of a machine came late and are not sorted in, ascending."""
+        now = standing(session, machine_id)
+        return [] if now is None else now.late
+
+    def take_late(self, session: Session, machine_id: str, window: Window) -> bool:
+        """Note that a window, as of `late.by_run`, is sorted in; False where more came into it since."""
+        now = standing(session, machine_id)
+        left = None if now is None else without(now.late, window)
+        if now is None or left is None:
+            return False
+        now.late = left
+        runs.save_collector_state(session, machine_id, now.stored())
+        return True
 
     def _note_late(self, session: Session, machine: Machine, now: Standing, times: NDArray[np.int64]) -> None:
         """Remember what must be sorted in; what lies in the open run will be read when that is closed."""
@@ -210,16 +227,13 @@ def _record(session: Session, machine: Machine, revision: int, direction: int, e
         runs.open_run(session, machine.id, revision=revision, kind=event.kind, direction=direction, time_first=event.time)
         logger.info("%s: a %s has begun", machine.id, event.kind)
     else:
-        _close(session, machine, revision, event)
+        _end(session, machine.id, event)
 
 
-def _close(session: Session, machine: Machine, revision: int, event: RunEnded) -> None:
-    row = runs.current(session, machine.id)
-    if row is None:
-        return
-    if row.revision != revision:
-        machine = machines.document(session, row.machine_id, row.revision)
-    close_sweep(session, machine, row, first=event.start, last=event.time, reason=event.reason)
+def _end(session: Session, machine_id: str, event: RunEnded) -> None:
+    row = runs.current(session, machine_id)
+    if row is not None:
+        runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
 
 def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
@@ -236,23 +250,12 @@ def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, 
     now.bins = now.bins.recent(machine, now.seen)
     if now.bins.coverage < rules.coverage:
         return
-    # Its samples may be gone where the document's recency is longer than the store's.
-    damaged: list[str] = []
-    held = samples.at(
-        session,
-        machine.id,
-        revision=now.revision,
-        channels=len(machine.probes),
-        times=now.bins.all_times,
-        damaged=damaged,
-    )
-    if len(held):
-        began = int(held.time[0])
+    times = now.bins.all_times
+    if times:
         row = runs.open_run(
-            session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=began
+            session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=times[0]
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
-        tell_damaged(session, row, damaged)
-        close_with(session, machine, row, held, reason=reason)
+        runs.end_collected(row, times=times, reason=reason)
     # The next run shares no sample with this one: what is compared later must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

@@ -233,13 +233,11 @@ def _ago(newest: int, days: float) -> int:
 
 
 def _needed_since(session: Session, machine_id: str) -> list[int]:
-    """Times from which on the blocks of a machine are needed by its open run, its speed bins, and what came late [ns]."""
+    """Times from which on a machine's blocks are needed by unfinished runs, its speed bins, and what came late [ns]."""
     found = [2**63 - 1]
     machine = machines.document(session, machine_id)
     before = round(1e9 * machine.collection.pre_trigger_s) + BESIDE
-    row = runs.current(session, machine_id)
-    if row is not None:
-        found.append(row.time_first - before)
+    found += [row.time_first - before for row in runs.unfinished(session, machine_id)]
     stands = standing(session, machine_id)
     if stands is not None:
         found += [window[1] - before for window in stands.late]

@@ -203,6 +203,7 @@ class Identifying:
                 return
             if row.scope == jobs.RUN:
                 runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
+                runs.keep_crossed(session, row.run_ids[0], outcome.crossed[0])
             if result is None:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", job_id, outcome.error)

@@ -195,10 +195,8 @@ class Ingest:
         """What is done now and then; samples are stored though it fails."""
         unasked = self._tried("logs cannot be asked", lambda: self._healing.check_tails(quiet_s=TAIL_CHECK_S))
         alive = {key.machine for key in self._healing.live}
-        unclosed = self._tried(
-            "runs cannot be closed", lambda: self._journal.close_silent(silence_s=self._silence_s, alive=alive)
-        )
-        self._unchecked = unclosed or unasked
+        unended = self._tried("runs cannot be ended", lambda: self._journal.end_silent(silence_s=self._silence_s, alive=alive))
+        self._unchecked = unended or unasked
 
     def _tried(self, trouble: str, do: Callable[[], None]) -> str | None:
         """Do it; returns why it could not be done. Raises NotHeld."""

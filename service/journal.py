@@ -5,6 +5,7 @@ restart therefore finds all of it or none of it.
 """
 
 import logging
+import time
 from collections import defaultdict
 from collections.abc import Sequence, Set
 from dataclasses import dataclass, field, replace
@@ -37,6 +38,10 @@ LARGEST_GAP = 1_000_000_000
 """A sequence number this far ahead is a wrong number, not a gap."""
 AT_ONCE = 500
 """Machines that are looked at together."""
+LONGEST_TRANSACTION_S = 0.03
+"""After so long no further machine is taken into a transaction that ends runs."""
+LONGEST_ENDING_S = 0.1
+"""After so long the runs of further machines are left for the next time: samples wait."""
 LARGEST_FAULT_COUNT = 5
 """Faults of one reason in one batch that the quarantine shows; a source in a wrong unit has one in every value."""
 
@@ -126,69 +131,69 @@ class Journal:
         machines that are another replica's by now; then nothing was stored.
         """
         try:
-            with self._database.transaction(beside_others=True) as session:
+            with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
                 return self._store(session, arrived, rejections)
         except BaseException:
             self._orders.clear()  # they may know of samples that were not stored
             raise
 
-    def close_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
-        """Close the runs of machines that have fallen silent, and sort in what came late.
+    def end_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
+        """End the runs of machines that have fallen silent: of as many as this may take time for, of the others the next time.
 
         A machine of which this fails holds up no other: it is tried again, after a longer pause each time.
         alive: machines of which a source is connected.
         """
-        own: list[str] = []
-        try:
-            with self._database.transaction() as session:
-                own += [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
-                self._share.require(session, own)
 
-                def is_due(machine_id: str) -> bool:
-                    silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=machine_id in alive)
-                    late = self._collector.may_have_late(machine_id)
-                    return (silent or late) and self._put_off.is_due(machine_id)
+        def is_due(machine_id: str) -> bool:
+            silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=machine_id in alive)
+            return silent and self._put_off.is_due(machine_id)
 
-                due = list(filter(is_due, own))
-                for first in range(0, len(due), AT_ONCE):
-                    some = due[first : first + AT_ONCE]
-                    self._let_rest(session, some)
-                    for machine_id in some:
-                        self._bring_up_to_date(session, machine_id, silence_s=silence_s, alive=machine_id in alive)
-        except BaseException:
-            self._collector.look_again(own)
-            raise
+        with self._database.reading() as session:
+            due = [one for one in machines.ids(session) if self._share.owns(one) and is_due(one)]
+            for first in range(0, len(due), AT_ONCE):
+                self._let_rest(session, due[first : first + AT_ONCE])
+        due = list(filter(is_due, due))
+        ends = time.monotonic() + LONGEST_ENDING_S
+        while due and time.monotonic() < ends:
+            due = self._end_some(due)
 
     def _let_rest(self, session: Session, machine_ids: list[str]) -> None:
-        """See by one look at all of them which need nothing; where one spoils that, each is looked at alone."""
+        """See by one look at all of them of which nothing is to be done; where one spoils that, each is looked at alone."""
         try:
-            with session.begin_nested():
-                self._collector.let_rest(session, machine_ids)
+            self._collector.let_rest(session, machine_ids)
         except Exception as error:
             if concerns_all(error):
                 raise
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
-    def _bring_up_to_date(self, session: Session, machine_id: str, *, silence_s: float, alive: bool) -> None:
-        silent = self._collector.has_fallen_silent(machine_id, silence_s=silence_s, alive=alive)
-        late = self._collector.may_have_late(machine_id)
-        if not silent and not late:
-            self._put_off.succeeded(machine_id)
-            return
+    def _end_some(self, due: list[str]) -> list[str]:
+        """End the runs of the first of these machines in one short transaction; returns those that are left."""
+        left = list(due)
+        done: list[str] = []
+        try:
+            with self._collector.lock, self._database.transaction(beside_others=True) as session:
+                self._share.require(session, due)
+                ends = time.monotonic() + LONGEST_TRANSACTION_S
+                while left and (not done or time.monotonic() < ends):
+                    done.append(left.pop(0))
+                    self._end(session, done[-1])
+        except BaseException:
+            self._collector.look_again(done)
+            raise
+        return left
+
+    def _end(self, session: Session, machine_id: str) -> None:
         try:
             with session.begin_nested():
-                if silent:
-                    self._collector.close_silent(session, machine_id)
-                if late:
-                    self._collector.settle_late(session, machine_id)
+                self._collector.end_silent(session, machine_id)
         except Exception as error:
             if concerns_all(error):
                 raise
             pause = self._put_off.failed(machine_id)
             self._collector.look_again([machine_id])
-            logger.exception("%s: its runs cannot be brought up to date; tried again in %.0f s", machine_id, pause)
-            what = "its runs cannot be brought up to date"
+            logger.exception("%s: its run cannot be ended; tried again in %.0f s", machine_id, pause)
+            what = "its run cannot be ended"
             quarantine.add(session, [unexpected(error, of=f"runs of {machine_id}", machine_id=machine_id, what=what)])
         else:
             self._put_off.succeeded(machine_id)

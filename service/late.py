@@ -4,10 +4,13 @@ The stretch of time in which they came is gone through again, from the store and
 there that was collected before is reopened: made anew with all its samples and identified again. One that nobody knew of,
 such as a whole run-down after an hour without a network, becomes a run of its own. Each time a run was reopened it waits
 twice as long for more: samples that trickle in over a day cost a dozen identifications, not one each.
+
+`plan` reads and looks, which may take seconds; `carry_out` then writes what follows in no time.
 """
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -16,8 +19,9 @@ from estimator.machine import Machine
 from estimator.operating_state import OperatingLimits, OperatingState, advance, silence
 from estimator.segmentation import RunEnded, RunKind
 from estimator.speed_bins import ROLLING
-from service.closing import LARGEST_READ, close_sweep, tell_damaged
-from storage import machines, runs, samples
+from service.own_faults import damaged_blocks
+from service.run_samples import LARGEST_READ
+from storage import machines, quarantine, runs, samples
 from storage.clock import now
 from storage.tables import RunRow
 
@@ -49,18 +53,27 @@ def _joined(one: Window, other: Window) -> Window:
     return [one[0], one[1], max(one[2], other[2]), one[3] + other[3]]
 
 
-def settle(session: Session, machine_id: str, windows: list[Window], *, patience_s: float) -> list[Window]:
-    """Sort in the samples of windows, ascending; which of them must wait.
+@dataclass(frozen=True)
+class Plan:
+    """What sorting in the samples of one window does to the runs of a machine.
 
-    They wait for a run beside them that is still open, and for one that was reopened not long ago: the first time for
-    `patience_s`, then for twice as long each time.
+    added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
+    that each is now. joined: runs that become part of another one, by id. left_out: runs that cannot be made anew, and why
+    not; damaged: what is wrong with the blocks that this needs.
     """
-    together = _by_run(session, machine_id, windows)
-    return [window for window in together if not _settled(session, machine_id, window, patience_s)]
+
+    machine_id: str
+    window: Window
+    added: list[tuple[RunEnded, int]] = field(default_factory=list)
+    remade: dict[int, RunEnded] = field(default_factory=dict)
+    joined: dict[int, int] = field(default_factory=dict)
+    left_out: list[int] = field(default_factory=list)
+    why: str = ""
+    damaged: list[str] = field(default_factory=list)
 
 
-def _by_run(session: Session, machine_id: str, windows: list[Window]) -> list[Window]:
-    """Those that lie in one run as one, so that it is made anew once."""
+def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
+    """The windows, ascending, those that lie in one run as one, so that it is made anew once."""
     merged: list[Window] = []
     inside: set[int] = set()
     for window in windows:
@@ -75,58 +88,96 @@ def _by_run(session: Session, machine_id: str, windows: list[Window]) -> list[Wi
     return merged
 
 
-def _settled(session: Session, machine_id: str, window: Window, patience_s: float) -> bool:
-    """Sort in one window; False when that must wait."""
+def without(windows: Sequence[Window], window: Window) -> list[Window] | None:
+    """The windows that are left when those that make up one of `by_run` are sorted in; None where more came into it since."""
     revision, first, last, count = window
+    inside = [one for one in windows if one[0] == revision and one[1] <= last and one[2] >= first]
+    if sum(one[3] for one in inside) != count or any(one[1] < first or one[2] > last for one in inside):
+        return None
+    return [one for one in windows if one not in inside]
+
+
+def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> Plan | None:
+    """Look what is to be done for the samples of a window; None when they must wait.
+
+    They wait for a run beside them that is not closed yet, and for one that was made anew not long ago: the first time for
+    `patience_s`, then for twice as long each time.
+    """
+    revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
+    found = Plan(machine_id, window)
     if machine.collection.runs == ROLLING:
-        return True
+        return found
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     before = round(1e9 * machine.collection.pre_trigger_s)
     # So near to a run they may lengthen it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
-    if any(row.state == runs.OPEN or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
-        return False
+    if any(_is_unfinished(row) or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
+        return None
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
-        _leave_out(beside, count, "were let go of")
-        return True
+        return replace(found, left_out=[row.id for row in beside], why="were let go of")
     begin = min([first, *(row.time_first for row in beside)]) - BESIDE
     end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
+    sweeps = _sweeps(session, machine, revision, begin, end, found.damaged)
+    if beside and found.damaged:
+        return replace(found, left_out=[row.id for row in beside], why="cannot all be read any more")
 
     def concerned(start: int, stop: int) -> bool:
         return start - before <= last and stop >= first
 
-    damaged: list[str] = []
-    sweeps = _sweeps(session, machine, revision, begin, end, damaged)
-    if beside and damaged:
-        _leave_out(beside, count, "cannot all be read any more")
-        tell_damaged(session, beside[0], damaged)
-        return True
+    _match(found, beside, [one for one in sweeps if concerned(one[0].start, one[0].time)], concerned)
+    return found
+
+
+def _match(
+    found: Plan,
+    beside: Sequence[RunRow],
+    sweeps: Sequence[tuple[RunEnded, int]],
+    concerned: Callable[[int, int], bool],
+) -> None:
+    """Note in a plan which runs the sweeps that the store now tells of make anew, join, or add."""
     left = list(beside)
     for sweep, direction in sweeps:
-        if not concerned(sweep.start, sweep.time):
-            continue
         known = [row for row in left if row.kind == sweep.kind and _overlap(row, sweep)]
         left = [row for row in left if row not in known]
         if not known:
-            _add(session, machine, revision, direction, sweep)
+            found.added.append((sweep, direction))
             continue
-        _reopen(session, machine, known[0], sweep)
-        for other in known[1:]:
-            other.state, other.reason = runs.DISCARDED, f"late samples join it to run {known[0].id}"
+        found.remade[known[0].id] = sweep
+        found.joined.update({other.id: known[0].id for other in known[1:]})
     for row in left:
         # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
         if concerned(same.start, same.time):
-            _reopen(session, machine, row, same)
-    return True
+            found.remade[row.id] = same
 
 
-def _leave_out(beside: Sequence[RunRow], count: int, words: str) -> None:
-    """Made anew from the blocks that are left, runs would lose what they have."""
-    for row in beside:
-        runs.leave_out(row, count)
-    logger.warning("%s: %d samples came too late for their run, whose blocks %s", beside[0].machine_id, count, words)
+def carry_out(session: Session, found: Plan) -> None:
+    """Do what a plan says; runs that are added or made anew have ended then, and get their samples when they are closed."""
+    machine_id, (revision, _, _, count) = found.machine_id, found.window
+    for run_id in found.left_out:
+        # Made anew from the blocks that are left, runs would lose what they have.
+        runs.leave_out(runs.get(session, run_id), count)
+    if found.left_out:
+        logger.warning("%s: %d samples came too late for their run, whose blocks %s", machine_id, count, found.why)
+        told = damaged_blocks(found.damaged, run_id=found.left_out[0], machine_id=machine_id)
+        quarantine.add(session, told)
+        return
+    for sweep, direction in found.added:
+        row = runs.open_run(
+            session, machine_id, revision=revision, kind=sweep.kind, direction=direction, time_first=sweep.start
+        )
+        runs.end(row, first=sweep.start, last=sweep.time, reason=f"{sweep.reason}; it came late")
+    for run_id, sweep in found.remade.items():
+        _reopen(session, runs.get(session, run_id), sweep)
+    for run_id, other in found.joined.items():
+        row = runs.get(session, run_id)
+        row.state, row.reason = runs.DISCARDED, f"late samples join it to run {other}"
+
+
+def _is_unfinished(row: RunRow) -> bool:
+    """Whether a run has not got its samples yet."""
+    return row.state in (runs.OPEN, runs.ENDED)
 
 
 def _holds(row: RunRow, first: int, last: int) -> bool:
@@ -178,18 +229,9 @@ def _sweeps(
     return [*found, *((event, turning) for event in events if isinstance(event, RunEnded))]
 
 
-def _add(session: Session, machine: Machine, revision: int, direction: int, sweep: RunEnded) -> None:
-    """A run that nobody knew of."""
-    row = runs.open_run(session, machine.id, revision=revision, kind=sweep.kind, direction=direction, time_first=sweep.start)
-    close_sweep(session, machine, row, first=sweep.start, last=sweep.time, reason=f"{sweep.reason}; it came late")
-
-
-def _reopen(session: Session, machine: Machine, row: RunRow, sweep: RunEnded) -> None:
+def _reopen(session: Session, row: RunRow, sweep: RunEnded) -> None:
     """Make a closed run anew with what came late."""
     row.reopened_at, row.times_reopened = now(), (row.times_reopened or 0) + 1
     if sweep.start != row.time_first:
-        row.time_first = runs.free_start(session, machine.id, sweep.start)
-    row.time_last = None  # so that it does not count as the run before itself
-    session.flush()
-    reason = sweep.reason.split("; not identified")[0]
-    close_sweep(session, machine, row, first=sweep.start, last=sweep.time, reason=reason)
+        row.time_first = runs.free_start(session, row.machine_id, sweep.start)
+    runs.end(row, first=sweep.start, last=sweep.time, reason=sweep.reason.split("; not identified")[0])

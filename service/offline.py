@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
-from estimator.quality import Recorded
+from estimator.recorded import Recorded
 from estimator.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.documents import UnreadableFile

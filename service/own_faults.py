@@ -1,5 +1,7 @@
 """What went wrong though nothing was wrong with what came: told where rejected input is told, and by an alarm."""
 
+from collections.abc import Iterable
+
 from service.wire import OwnFault
 from storage.clock import now
 from storage.quarantine import Rejection
@@ -8,6 +10,12 @@ from storage.quarantine import Rejection
 def own_fault(reason: OwnFault, *, of: str, machine_id: str, detail: str) -> Rejection:
     """An entry of the quarantine. of: what suffers from it, such as `run 5`."""
     return Rejection.of_message(received_at=now(), key=of, machine_id=machine_id, reason=reason, detail=detail, payload=b"")
+
+
+def damaged_blocks(damaged: Iterable[str], *, run_id: int, machine_id: str) -> list[Rejection]:
+    """Blocks that a run is without, though their samples were stored once. damaged: what is wrong with each."""
+    of = f"run {run_id}"
+    return [own_fault("damaged_block", of=of, machine_id=machine_id, detail=words) for words in dict.fromkeys(damaged)]
 
 
 def unexpected(error: Exception, *, of: str, machine_id: str, what: str) -> Rejection:

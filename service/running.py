@@ -19,6 +19,7 @@ from service.api.http_protocol import HttpProtocol
 from service.api.operations import ENDED
 from service.api.stuck_clients import end_stuck_connections
 from service.backup_watch import BackupWatch
+from service.closing import Closing
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
@@ -105,7 +106,8 @@ def serve(settings: Settings) -> None:
         closing.callback(session.close)
         submissions = Submissions()
         leasing = Leasing(database, settings.role)
-        journal = Journal(database, Collector(late_s=settings.late_s), leasing)
+        collector = Collector(late_s=settings.late_s)
+        journal = Journal(database, collector, leasing)
         ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=submissions, share=leasing)
         identifying = Identifying(database, settings, leasing)
         dispatcher = Dispatcher(database, session, settings, leasing)
@@ -115,7 +117,7 @@ def serve(settings: Settings) -> None:
         if settings.role in ("all", "identify"):
             parts |= {"identifying": identifying, "delivery": dispatcher}
         if settings.role in ("all", "ingest"):
-            parts |= {"ingest": ingest}
+            parts |= {"ingest": ingest, "closing": Closing(database, collector, leasing)}
         for part in [*parts.values(), housekeeping]:
             part.start()
             closing.callback(part.stop)

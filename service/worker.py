@@ -22,8 +22,10 @@ from estimator.gathering import combined
 from estimator.identification import Identification, Options
 from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.noise import error_size
+from estimator.nominal_critical_speeds import crossed_critical_speeds
 from estimator.orbit import orbit_findings
-from estimator.quality import Quality, Recorded
+from estimator.quality import Quality
+from estimator.recorded import Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
@@ -57,7 +59,7 @@ class Outcome:
 
     derived: what follows from an accepted identification; underived: why nothing does after all. conditions: mean of each
     operating condition over the runs by name, None where it was not measured. beginning: id of the identification from which
-    the fit started, if any.
+    the fit started, if any. crossed: per run the critical speeds of the document's model that it crossed [r/min].
     """
 
     qualities: tuple[Quality, ...]
@@ -67,6 +69,7 @@ class Outcome:
     underived: str | None = None
     conditions: dict[str, float | None] = field(default_factory=dict)
     beginning: int | None = None
+    crossed: tuple[list[float], ...] = ()
 
 
 class OutOfTime(RuntimeError):
@@ -92,14 +95,24 @@ def compute(task: Task) -> Outcome:
         runs = [decode(block) for block in task.runs]
         gated = [_gated(machine, samples, task) for samples in runs]
         qualities = tuple(one.qualities[0] for one in gated)
+        crossed = tuple(_crossed(machine, samples) for samples in runs)
         found = [one.identification for one in gated if one.identification is not None]
         if len(found) < len(gated):
-            return Outcome(qualities, None, next(one.error for one in gated if one.identification is None))
+            why = next(one.error for one in gated if one.identification is None)
+            return Outcome(qualities, None, why, crossed=crossed)
         result = found[0] if len(found) == 1 else combined(found)
         conditions = mean_conditions(runs, machine.condition_names)
         beginning = None if task.beginning is None else task.beginning[0]
         derived, why = _derived(machine, result, runs)
-        return Outcome(qualities, result, derived=derived, underived=why, conditions=conditions, beginning=beginning)
+        return Outcome(
+            qualities,
+            result,
+            derived=derived,
+            underived=why,
+            conditions=conditions,
+            beginning=beginning,
+            crossed=crossed,
+        )
 
 
 @contextmanager
@@ -114,6 +127,10 @@ def _limited(seconds: float) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         faulthandler.cancel_dump_traceback_later()
+
+
+def _crossed(machine: Machine, run: Samples) -> list[float]:
+    return crossed_critical_speeds(machine, lowest=float(run.speed.min()), highest=float(run.speed.max()))
 
 
 def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[tuple[Derived, ...], str | None]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from estimator.channel_status import ChannelStatus
 from estimator.measurement import Measurement
-from estimator.quality import Recorded
+from estimator.recorded import Recorded
 from storage.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body

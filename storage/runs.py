@@ -4,7 +4,7 @@ import struct
 import zlib
 from collections.abc import Collection, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +12,24 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.coverage import Coverage
-from estimator.quality import Quality
 from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
 from storage.clock import to_datetime
 from storage.paging import Keys, between, ordered
 from storage.tables import CollectorRow, MachineStateRow, RunRow
 
+if TYPE_CHECKING:
+    from estimator.quality import Quality
+
 _FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
 _FLAGS_FORMAT = 1
 
-OPEN, CLOSED, DISCARDED = "open", "closed", "discarded"
+OPEN, ENDED, CLOSED, DISCARDED = "open", "ended", "closed", "discarded"
+"""State of a run. An ended one is over, and its samples are still to be gathered."""
 LEFT_OUT = "late_samples_left_out"
 """Field of `runs.coverage`: samples that came too late even for a run made anew."""
+CROSSED = "critical_speeds_rpm"
+"""Field of `runs.coverage`: critical speeds of the document's model that lie between the run's speeds [r/min]."""
 LAST_TIME = 2**63 - 1
 
 
@@ -70,18 +75,68 @@ def current(session: Session, machine_id: str) -> RunRow | None:
     return session.scalars(query).one_or_none()
 
 
-def close(row: RunRow, *, samples: Samples, state: str, reason: str, coverage: Coverage | None = None) -> None:
-    """Freeze a run with its samples. `state` is CLOSED, or DISCARDED when the run is not worth an identification."""
+def unfinished(session: Session, machine_id: str) -> Sequence[RunRow]:
+    """Runs of a machine that are open, or whose samples are still to be gathered."""
+    return session.scalars(select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state.in_((OPEN, ENDED)))).all()
+
+
+def end(row: RunRow, *, first: int, last: int, reason: str) -> None:
+    """Record that a sweep is over: it lasted from first to last [ns]. Its samples are to be gathered."""
+    row.state, row.reason, row.time_last = ENDED, reason, last
+    row.extent = {"first": first, "last": last}
+
+
+def end_collected(row: RunRow, *, times: Sequence[int], reason: str) -> None:
+    """Record that a rolling collection is over: it consists of the samples at these times [ns], ascending."""
+    row.state, row.reason, row.time_last = ENDED, reason, times[-1]
+    row.extent = {"times": list(times)}
+
+
+def ended(session: Session) -> Sequence[tuple[int, str]]:
+    """Id and machine of every run whose samples are still to be gathered, in the order of their beginning."""
+    query = select(RunRow.id, RunRow.machine_id).where(RunRow.state == ENDED).order_by(RunRow.time_first, RunRow.id)
+    return [(number, machine_id) for number, machine_id in session.execute(query)]
+
+
+def extent(session: Session, run_id: int) -> dict[str, Any]:
+    """What an ended run is to be made of, see `end` and `end_collected`. Raises RunUnknown."""
+    row = session.get(RunRow, run_id, options=[undefer(RunRow.extent)])
+    if row is None:
+        raise RunUnknown(run_id)
+    return row.extent or {"first": row.time_first, "last": row.time_last or row.time_first}
+
+
+def close(
+    row: RunRow,
+    *,
+    samples: Samples,
+    state: str,
+    reason: str,
+    coverage: Coverage | None = None,
+    data: bytes | None = None,
+) -> None:
+    """Freeze a run with its samples. `state` is CLOSED, or DISCARDED when the run is not worth an identification.
+
+    data: the samples encoded, where that was done before.
+    """
     row.state = state
     row.reason = reason
+    row.extent = None
     row.count = len(samples)
-    row.data, row.released_at = encode(samples), None  # made anew, it has its samples again
-    row.coverage = None if coverage is None else asdict(coverage) | {LEFT_OUT: 0}
+    row.data, row.released_at = data or encode(samples), None  # made anew, it has its samples again
+    row.coverage = None if coverage is None else asdict(coverage) | {CROSSED: None, LEFT_OUT: 0}
     row.quality = row.flags = None  # of other samples, if there is any
     if len(samples):
         row.time_last = max(int(samples.time[-1]), row.time_first)
         row.speed_minimum = float(np.min(samples.speed))
         row.speed_maximum = float(np.max(samples.speed))
+
+
+def keep_crossed(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
+    """Note the critical speeds of the document's model that a run has crossed [r/min]. Raises RunUnknown."""
+    row = get(session, run_id)
+    if row.coverage is not None:
+        row.coverage = row.coverage | {CROSSED: list(critical_speeds_rpm)}
 
 
 def leave_out(row: RunRow, count: int) -> None:
@@ -101,9 +156,11 @@ def touching(session: Session, machine_id: str, *, revision: int, first: int, la
     return session.scalars(query).all()
 
 
-def end_before(session: Session, machine_id: str, time: int) -> int:
-    """When the last sweep ended that was over by a time [ns]; 0 when there was none."""
-    query = select(func.max(RunRow.time_last)).where(RunRow.machine_id == machine_id, RunRow.kind != ROLLING)
+def end_before(session: Session, row: RunRow, time: int) -> int:
+    """When the last other sweep of a run's machine ended that was over by a time [ns]; 0 when there was none."""
+    query = select(func.max(RunRow.time_last)).where(
+        RunRow.machine_id == row.machine_id, RunRow.kind != ROLLING, RunRow.id != row.id
+    )
     return session.scalar(query.where(RunRow.time_last <= time)) or 0
 
 
@@ -132,7 +189,7 @@ def read(run_id: int, data: bytes) -> Samples:
         raise DamagedBlock(f"the samples of run {run_id} cannot be read: {error}") from error
 
 
-def keep_quality(session: Session, run_id: int, quality: Quality) -> None:
+def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
     """Store what was found of a run: a summary, and each phasor's flags. Raises RunUnknown."""
     row = get(session, run_id)
     row.quality = {

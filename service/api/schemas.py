@@ -76,7 +76,9 @@ class RunCoverage(BaseModel):
     """What the samples of a run cover."""
 
     part: float = Field(description="of the machine's speed range, 0 to 1")
-    critical_speeds_rpm: list[float] = Field(description="of the document's nominal model, between the run's speeds")
+    critical_speeds_rpm: list[float] | None = Field(
+        description="of the document's nominal model, between the run's speeds; null until it was identified"
+    )
     samples_per_rpm: float
     largest_hole_rpm: float = Field(description="between neighbours in speed")
     usable: dict[str, float] = Field(description="per channel the part of the samples that are good, 0 to 1")
@@ -122,7 +124,9 @@ class Run(BaseModel):
     revision: int
     kind: str
     direction: str
-    state: str = Field(description="open, closed, or discarded as not worth an identification")
+    state: str = Field(
+        description="open, ended while its samples are gathered, closed, or discarded as not worth an identification"
+    )
     reason: str | None = Field(description="why it ended, and why it was discarded")
     started_at: datetime
     ended_at: datetime | None
@@ -131,7 +135,7 @@ class Run(BaseModel):
     speed_maximum_rpm: float | None
     reopened_at: datetime | None = Field(description="when late samples last made it anew; its newest identification counts")
     samples_released_at: datetime | None = Field(description="when its samples were let go of; null while it has them")
-    coverage: RunCoverage | None = Field(description="null while it is open, and for runs of older releases")
+    coverage: RunCoverage | None = Field(description="null until it is closed, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")
 
 

@@ -99,6 +99,8 @@ class RunRow(Base):
     speed_maximum: Mapped[float | None]
     count: Mapped[int | None]
     data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    extent: Mapped[dict[str, Any] | None] = mapped_column(deferred=True)
+    """What a run that is over is still to be made of, see `storage.runs`; null before that and afterwards."""
     # Null in runs that an older release collected.
     reopened_at: Mapped[int | None]
     """When late samples made it anew the last time."""

@@ -12,7 +12,7 @@ from estimator.coast_down import CoastDown, coast_down
 from estimator.condensation import condense
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.quality import Recorded
+from estimator.recorded import Recorded
 from estimator.response import response
 from estimator.speed_law import SpeedLaw
 from tests.estimator.trains import chapter_3_document

@@ -1,16 +1,11 @@
-"""What a run covers: speeds, modes, density, channels."""
-
-import math
+"""What a run covers: speeds, density, channels."""
 
 import numpy as np
 import pytest
 
-from estimator.coverage import coverage, nominal_critical_speeds
-from estimator.machine import Machine
+from estimator.coverage import coverage
 from estimator.measurement import Measurement
-from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from tests.estimator.rigid_rotor import bounce, rigid_rotor, tilting_stiffness
-from tests.estimator.trains import chapter_3
+from estimator.units import rpm_to_rad_per_s
 from tests.plant import CHANNELS, machine
 
 
@@ -38,27 +33,3 @@ def test_usable_is_the_part_of_good_values_per_channel() -> None:
 def test_one_sample_covers_nothing() -> None:
     found = coverage(machine(), run([500.0]), duration_s=0.0)
     assert (found.part, found.samples_per_rpm, found.largest_hole_rpm) == (0.0, 0.0, 0.0)
-
-
-def test_modes_crossed_are_the_critical_speeds_between_the_speeds() -> None:
-    train = chapter_3()
-    every = [rad_per_s_to_rpm(one) for one in nominal_critical_speeds(train).tolist()]
-    middle = (every[1] + every[2]) / 2
-    low, high = sweep(train, 300.0, middle), sweep(train, middle, train.speed_range.maximum_rpm)
-    assert coverage(train, low, duration_s=1.0).critical_speeds_rpm == pytest.approx(every[:2], abs=0.1)
-    assert coverage(train, high, duration_s=1.0).critical_speeds_rpm == pytest.approx(every[2:], abs=0.1)
-
-
-def test_nominal_critical_speeds_are_those_of_the_rigid_rotor_in_its_speed_range() -> None:
-    rotor = rigid_rotor(diametral=0.05, polar=0.03)
-    conical = [math.sqrt(tilting_stiffness() / (0.05 + sign * 0.03)) for sign in (1, -1)]
-    highest = rpm_to_rad_per_s(rotor.speed_range.maximum_rpm)
-    expected = sorted(one for one in (bounce(), bounce(), *conical) if one <= highest)
-    assert len(expected) >= 2
-    assert nominal_critical_speeds(rotor) == pytest.approx(expected, rel=1e-4)
-
-
-def sweep(train: Machine, first: float, last: float) -> Measurement:
-    """Ten samples between two speeds [r/min]."""
-    speed = rpm_to_rad_per_s(1.0) * np.linspace(first, last, 10)
-    return Measurement.of(speed=speed, phasor=np.ones((10, len(train.probes)), dtype=complex))

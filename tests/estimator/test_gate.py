@@ -11,7 +11,8 @@ from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import unknowns
-from estimator.quality import Flag, Recorded
+from estimator.quality import Flag
+from estimator.recorded import Recorded
 from estimator.rotor import assemble_rotor
 from tests.estimator.sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
 from tests.estimator.trains import chapter_3_document

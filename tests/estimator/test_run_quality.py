@@ -8,7 +8,8 @@ import pytest
 
 from estimator.channel_status import ChannelStatus
 from estimator.machine import Noise, QualityRules
-from estimator.quality import MEANING, Flag, Recorded, assess, own_noise
+from estimator.quality import MEANING, Flag, assess, own_noise
+from estimator.recorded import Recorded
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
 

@@ -4,13 +4,14 @@ import random
 from dataclasses import dataclass, replace
 
 from service.collection import Collector
-from service.journal import Arrived, Journal
+from service.journal import Arrived
 from storage import quarantine, samples
 from storage.blocks import decode
 from storage.database import Database
 from storage.samples import SourceKey
 from storage.tables import SampleBlockRow, SourceRow
 from tests.plant import KEY, SECOND, START, arrived, batch
+from tests.prompt_journal import PromptJournal
 
 MINUTE, HOUR = 60 * SECOND, 3600 * SECOND
 SIZE, BATCHES = 5, 24
@@ -40,10 +41,10 @@ def told(clock: list[int]) -> list[Arrived]:
 
 def kept(database: Database, messages: list[Arrived]) -> Kept:
     """What the store holds once all of this has come, each message in a call of its own."""
-    journal = Journal(database, Collector(late_s=0.0))
+    journal = PromptJournal(database, Collector(late_s=0.0))
     for one in messages:
         journal.store([one], [])
-    journal.close_silent(silence_s=0.0)
+    journal.settle(silence_s=0.0)
     with database.reading() as session:
         rows = session.query(SampleBlockRow).order_by(SampleBlockRow.id).all()
         return Kept(

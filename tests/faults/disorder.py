@@ -14,7 +14,7 @@ from estimator.machine import Machine
 from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.collection import Collector
-from service.journal import Arrived, Journal
+from service.journal import Arrived
 from service.wire import SampleBatch, encode_batch, source_key
 from service.worker import Task, compute
 from storage import machines, runs, samples
@@ -23,6 +23,7 @@ from storage.database import Database
 from storage.tables import RunRow, SourceRow
 from tests.identification import chapter_3
 from tests.plant import SECOND, START, Document, assert_same_samples, batch
+from tests.prompt_journal import PromptJournal
 
 TWICE, MOVED, LATE, GONE = 0.10, 0.10, 0.01, 0.01
 """Parts of the messages that come twice, up to a minute late, up to a day late, never."""
@@ -121,12 +122,12 @@ def told(url: str, document: Machine, messages: Sequence[SampleBatch]) -> Stored
     try:
         with database.transaction() as session:
             machines.create(session, document)
-        journal = Journal(database, Collector(late_s=0.0))
+        journal = PromptJournal(database, Collector(late_s=0.0))
         arrived = [Arrived(one, "", encode_batch(one), START + 3 * 86_400 * SECOND) for one in messages]
         for first in range(0, len(arrived), CYCLE):
             journal.store(arrived[first : first + CYCLE], [])
-            journal.close_silent(silence_s=NEVER_S)  # what came late so far is sorted in, again and again
-        journal.close_silent(silence_s=0.0)
+            journal.settle(silence_s=NEVER_S)  # what came late so far is sorted in, again and again
+        journal.settle(silence_s=0.0)
         return _held(database, document, source_key(messages[0]).source)
     finally:
         database.close()

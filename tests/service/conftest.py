@@ -6,16 +6,16 @@ import pytest
 import zenoh
 
 from service.collection import Collector
-from service.journal import Journal
 from service.stream import connected, session
 from storage.database import Database
 from tests.plant import free_endpoint, wait_until
+from tests.prompt_journal import PromptJournal
 
 
 @pytest.fixture
-def journal(plant: Database) -> Journal:
+def journal(plant: Database) -> PromptJournal:
     """A journal as a service that just started has it."""
-    return Journal(plant, Collector())
+    return PromptJournal(plant, Collector())
 
 
 @pytest.fixture(scope="module")

@@ -5,18 +5,18 @@ from typing import Any
 import pytest
 
 from service.collection import Collector
-from service.journal import Journal
 from storage import jobs, machines, runs
 from storage.blocks import Samples
 from storage.database import Database
 from storage.tables import JobRow, RunRow
 from tests.plant import SECOND, START, arrived, batch, machine, sweep_rpm
+from tests.prompt_journal import PromptJournal
 
 
 class Stream:
     """A source that publishes one stretch of speeds after the other, a sample a second."""
 
-    def __init__(self, journal: Journal, *, source: str = "monitor") -> None:
+    def __init__(self, journal: PromptJournal, *, source: str = "monitor") -> None:
         self.journal = journal
         self.count = 0
         self.time = START
@@ -31,7 +31,7 @@ class Stream:
 
 
 @pytest.fixture
-def stream(journal: Journal) -> Stream:
+def stream(journal: PromptJournal) -> Stream:
     return Stream(journal)
 
 
@@ -137,9 +137,9 @@ def test_a_revision_that_reorders_the_channels_does_not_mix_them(plant: Database
 
 def test_silence_closes_a_run(plant: Database, stream: Stream) -> None:
     stream.send(DOWN[:30])
-    stream.journal.close_silent(silence_s=60.0)
+    stream.journal.settle(silence_s=60.0)
     assert only_run(plant).state == runs.OPEN
-    stream.journal.close_silent(silence_s=0.0)
+    stream.journal.settle(silence_s=0.0)
     run = only_run(plant)
     assert (run.state, run.reason, run.count) == (runs.CLOSED, "the source fell silent", 30)
     assert len(found_jobs(plant)) == 1
@@ -147,23 +147,23 @@ def test_silence_closes_a_run(plant: Database, stream: Stream) -> None:
 
 def test_silence_closes_a_run_after_a_restart_too(plant: Database, stream: Stream) -> None:
     stream.send(DOWN[:30])
-    again = Journal(plant, Collector())
-    again.close_silent(silence_s=60.0)
+    again = PromptJournal(plant, Collector())
+    again.settle(silence_s=60.0)
     assert only_run(plant).state == runs.OPEN
-    again.close_silent(silence_s=0.0)
+    again.settle(silence_s=0.0)
     assert only_run(plant).state == runs.CLOSED
 
 
 def test_silence_without_a_run_changes_nothing(plant: Database, stream: Stream) -> None:
-    stream.journal.close_silent(silence_s=0.0)
+    stream.journal.settle(silence_s=0.0)
     stream.send([1000.0] * 5)
-    stream.journal.close_silent(silence_s=0.0)
+    stream.journal.settle(silence_s=0.0)
     assert found_runs(plant) == []
 
 
 def test_after_silence_the_next_samples_are_a_new_run(plant: Database, stream: Stream) -> None:
     stream.send(sweep_rpm(2990.0, 1500.0, 25))
-    stream.journal.close_silent(silence_s=0.0)
+    stream.journal.settle(silence_s=0.0)
     stream.send([*sweep_rpm(1490.0, 310.0, 25), *STANDSTILL])
     first, second = found_runs(plant)
     assert (first.count, second.count) == (25, 25)

@@ -7,18 +7,18 @@ import pytest
 
 from benchmarks.serving import served
 from service.collection import Collector
-from service.journal import Journal
 from storage import machines, quarantine
 from storage.database import Database
 from tests.plant import START, arrived, batch, identification, machine, store_identification
+from tests.prompt_journal import PromptJournal
 
 CONDITIONS = [{"name": "oil", "unit": "degC"}, {"name": "load", "unit": "%"}]
 
 
 @pytest.fixture
-def warm(plant: Database) -> Journal:
+def warm(plant: Database) -> PromptJournal:
     """A journal of a machine whose newest revision names two conditions; two samples came under the one before."""
-    journal = Journal(plant, Collector())
+    journal = PromptJournal(plant, Collector())
     journal.store([arrived(batch([900.0, 901.0]))], [])
     with plant.transaction() as session:
         machines.revise(session, machine(conditions=CONDITIONS))
@@ -31,7 +31,7 @@ def api(plant: Database) -> Iterator[httpx.Client]:
         yield client
 
 
-def test_conditions_are_told_with_the_samples(warm: Journal, api: httpx.Client) -> None:
+def test_conditions_are_told_with_the_samples(warm: PromptJournal, api: httpx.Client) -> None:
     told = {"load": [80.0, None, 82.0], "oil": [61.5, 61.25, 61.0]}
     sent = batch([902.0, 903.0, 904.0], sequence=2, start=START + 2 * 10**9, conditions=told)
     outcomes = warm.store([arrived(sent)], [])
@@ -42,7 +42,7 @@ def test_conditions_are_told_with_the_samples(warm: Journal, api: httpx.Client) 
     assert found["conditions"] == {"oil": [61.5, 61.25, 61.0, None], "load": [80.0, None, 82.0, None]}
 
 
-def test_a_condition_that_no_document_names_is_kept_apart(warm: Journal, plant: Database) -> None:
+def test_a_condition_that_no_document_names_is_kept_apart(warm: PromptJournal, plant: Database) -> None:
     (outcome,) = warm.store([arrived(batch([902.0], sequence=2, conditions={"humidity": [40.0]}))], [])
     assert outcome.rejected is not None
     assert outcome.rejected.reason == "unknown_condition"

@@ -7,17 +7,19 @@ import pytest
 from service import alerting
 from service.alerting import Finding
 from service.collection import Collector
-from service.journal import Journal
 from storage import machines
 from storage.database import Database
 from tests.asking import Api, fields
 from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
+from tests.prompt_journal import PromptJournal
 
 
 @pytest.fixture
 def api(plant: Database) -> Api:
     """Over one machine in a run-up with two alerts, and one of which nothing is known."""
-    Journal(plant, Collector()).store([arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], [])
+    PromptJournal(plant, Collector()).store(
+        [arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], []
+    )
     with plant.transaction() as session:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
         row = store_identification(session, identification(), run_id=100, measured_at=START)

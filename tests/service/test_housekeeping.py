@@ -13,7 +13,6 @@ from service import housekeeping
 from service.collection import Collector
 from service.housekeeping import DAY_NS, Housekeeping, warning
 from service.identifying import _earlier
-from service.journal import Journal
 from service.settings import Settings
 from service.sharing import Whole
 from storage import baselines, disk, identifications, jobs, machines, retention, runs
@@ -36,6 +35,7 @@ from tests.plant import (
     sweep_rpm,
     wait_until,
 )
+from tests.prompt_journal import PromptJournal
 
 DAYS = 60
 
@@ -51,7 +51,7 @@ def kept(database: Database, **settings: Any) -> Housekeeping:
     return one
 
 
-def feed(journal: Journal, first_day: int, last_day: int) -> None:
+def feed(journal: PromptJournal, first_day: int, last_day: int) -> None:
     """Ten samples at standstill each day."""
     for day in range(first_day, last_day):
         one = batch([0.0] * 10, sequence=10 * day, start=START + day * DAY_NS)
@@ -85,7 +85,7 @@ def with_samples(database: Database) -> list[int]:
 # --- blocks ---------------------------------------------------------------------------------------------------------
 
 
-def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: Journal) -> None:
+def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: PromptJournal) -> None:
     feed(journal, 0, DAYS)
     made = add_runs(plant, DAYS)
     kept(plant)
@@ -93,7 +93,7 @@ def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: Journal
     assert with_samples(plant) == made
 
 
-def test_old_blocks_go_in_small_transactions(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_old_blocks_go_in_small_transactions(plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(housekeeping, "BLOCKS", 7)
     feed(journal, 0, DAYS)
     done = kept(plant, raw_days=30)
@@ -103,7 +103,7 @@ def test_old_blocks_go_in_small_transactions(plant: Database, journal: Journal, 
         assert machines.get(session, KEY.machine).blocks_since == START + (DAYS - 32) * DAY_NS + 9 * SECOND + 1
 
 
-def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Database, journal: Journal) -> None:
+def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Database, journal: PromptJournal) -> None:
     with plant.transaction() as session:
         machines.create(session, machine(id="a-fan"))
     for day in (0, DAYS):
@@ -118,14 +118,14 @@ def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Dat
     assert keeping.released_blocks == DAYS - 31
 
 
-def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: Journal) -> None:
+def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: PromptJournal) -> None:
     """Its newest sample is years old."""
     feed(journal, 0, 20)
     kept(plant, raw_days=30)
     assert days(plant) == list(range(20))
 
 
-def test_the_blocks_of_an_open_run_are_kept(plant: Database, journal: Journal) -> None:
+def test_the_blocks_of_an_open_run_are_kept(plant: Database, journal: PromptJournal) -> None:
     feed(journal, 0, 10)
     with plant.transaction() as session:
         runs.open_run(session, KEY.machine, revision=1, kind="run-up", direction=1, time_first=START + 4 * DAY_NS)
@@ -134,7 +134,7 @@ def test_the_blocks_of_an_open_run_are_kept(plant: Database, journal: Journal) -
     assert days(plant) == list(range(4, DAYS))
 
 
-def test_the_blocks_that_late_samples_wait_for_are_kept(plant: Database, journal: Journal) -> None:
+def test_the_blocks_that_late_samples_wait_for_are_kept(plant: Database, journal: PromptJournal) -> None:
     feed(journal, 5, DAYS)
     feed(journal, 3, 4)
     kept(plant, raw_days=1)
@@ -145,7 +145,7 @@ def test_the_blocks_in_speed_bins_are_kept(plant: Database) -> None:
     rules = {"interval_s": 10**7, "coverage": 0.9, "recency_s": 10**7}
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
-    journal = Journal(plant, Collector())
+    journal = PromptJournal(plant, Collector())
     for day in range(10):
         one = batch([900.0 + 10 * day] * 10, sequence=10 * day, start=START + day * DAY_NS)
         journal.store([arrived(one, received_at=START + 400 * DAY_NS)], [])
@@ -155,7 +155,7 @@ def test_the_blocks_in_speed_bins_are_kept(plant: Database) -> None:
 
 def test_late_samples_do_not_spoil_a_run_whose_blocks_are_gone(plant: Database) -> None:
     sweep = sweep_rpm(2900.0, 400.0, 60)
-    journal = Journal(plant, Collector(late_s=0.0))
+    journal = PromptJournal(plant, Collector(late_s=0.0))
 
     def send(first: int, last: int) -> None:
         one = batch(sweep[first:last], sequence=first, start=START + first * SECOND)
@@ -163,14 +163,14 @@ def test_late_samples_do_not_spoil_a_run_whose_blocks_are_gone(plant: Database) 
 
     send(0, 30)
     send(35, 60)
-    journal.close_silent(silence_s=0.0)
+    journal.settle(silence_s=0.0)
     with plant.reading() as session:
         (before,) = runs.of_machine(session, KEY.machine)
         assert before.count == 55
     with plant.transaction() as session:
         assert retention.release_blocks(session, KEY.machine, before=START + DAY_NS, limit=10) == 2
     send(30, 35)
-    journal.close_silent(silence_s=0.0)
+    journal.settle(silence_s=0.0)
     with plant.reading() as session:
         (after,) = runs.of_machine(session, KEY.machine)
         assert (after.count, after.reopened_at) == (55, None)
@@ -261,7 +261,7 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
 
 
 def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
-    plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch
+    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("storage.database.BUSY_TIMEOUT_MS", 100)
     feed(journal, 0, 20)
@@ -284,7 +284,7 @@ def test_less_than_a_day_is_refused(name: str) -> None:
 
 
 @pytest.mark.long
-def test_room_is_given_back_to_the_file_system(plant: Database, journal: Journal, tmp_path: Path) -> None:
+def test_room_is_given_back_to_the_file_system(plant: Database, journal: PromptJournal, tmp_path: Path) -> None:
     made = add_runs(plant, DAYS)
     noise = samples(5000).phasor.tobytes() * 5
     with plant.transaction() as session:
@@ -333,7 +333,9 @@ def test_warnings_come_well_before_the_end(use: DiskUse, said: str) -> None:
     assert bool(said) == bool(warning(use))
 
 
-def test_the_room_is_looked_at_during_a_long_round(plant: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_room_is_looked_at_during_a_long_round(
+    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.0)
     feed(journal, 0, DAYS)
     one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001, raw_days=30))
@@ -341,7 +343,7 @@ def test_the_room_is_looked_at_during_a_long_round(plant: Database, journal: Jou
     assert "nearly full" in one.warnings[0]
 
 
-def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: Journal) -> None:
+def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: PromptJournal) -> None:
     feed(journal, 0, DAYS)
     one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
     one.start()

@@ -12,7 +12,6 @@ from sqlalchemy.orm import Session
 from service import late
 from service.collection import Collector
 from service.holes import NEVER
-from service.journal import Journal
 from service.late import BESIDE, LARGEST_COUNT, Window, noted
 from storage import identifications, jobs, machines, quarantine, runs, trends
 from storage import samples as sample_store
@@ -23,6 +22,7 @@ from storage.samples import SourceKey
 from storage.tables import JobRow, RunRow, SourceRow
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sweep_rpm
+from tests.prompt_journal import PromptJournal
 
 MONITOR = SourceKey(KEY.machine, "monitor", 1)
 DOWN = sweep_rpm(2990.0, 310.0, 80)
@@ -31,19 +31,19 @@ CYCLE = [*[2990.0] * 20, *DOWN, *[250.0] * 20]
 
 
 @pytest.fixture
-def journal(plant: Database) -> Journal:
+def journal(plant: Database) -> PromptJournal:
     """One that sorts in what came late at the next look."""
-    return Journal(plant, Collector(late_s=0.0))
+    return PromptJournal(plant, Collector(late_s=0.0))
 
 
-def send(journal: Journal, rpm: list[float], first: int, last: int, *, start: int = START, **changes: Any) -> None:
+def send(journal: PromptJournal, rpm: list[float], first: int, last: int, *, start: int = START, **changes: Any) -> None:
     """Samples number first to before last of a source that measures these speeds, a second apart."""
     one = batch(rpm[first:last], sequence=first, start=start + first * SECOND, **changes)
     journal.store([arrived(one, received_at=start + 10**6 * SECOND)], [])
 
 
-def settle(journal: Journal) -> None:
-    journal.close_silent(silence_s=3600.0)
+def settle(journal: PromptJournal) -> None:
+    journal.settle(silence_s=3600.0)
 
 
 def found_runs(database: Database) -> list[RunRow]:
@@ -93,7 +93,7 @@ def file_identification(session: Session, job_id: int, run: RunRow, *, scope: st
 # --- holes ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_number_that_was_lost_fills_its_hole(plant: Database, journal: Journal) -> None:
+def test_a_number_that_was_lost_fills_its_hole(plant: Database, journal: PromptJournal) -> None:
     speeds = [1000.0] * 12
     send(journal, speeds, 0, 4)
     send(journal, speeds, 8, 12)
@@ -108,7 +108,7 @@ def test_a_number_that_was_lost_fills_its_hole(plant: Database, journal: Journal
     assert times(plant) == [START + i * SECOND for i in range(12)]
 
 
-def test_what_fills_a_hole_must_lie_between_its_neighbours_in_time(plant: Database, journal: Journal) -> None:
+def test_what_fills_a_hole_must_lie_between_its_neighbours_in_time(plant: Database, journal: PromptJournal) -> None:
     speeds = [1000.0] * 12
     send(journal, speeds, 0, 4)
     send(journal, speeds, 8, 12)
@@ -121,7 +121,7 @@ def test_what_fills_a_hole_must_lie_between_its_neighbours_in_time(plant: Databa
     assert (row.received, row.lost, row.missing) == (9, 0, None)
 
 
-def test_a_batch_that_cannot_be_converted_leaves_no_hole(plant: Database, journal: Journal) -> None:
+def test_a_batch_that_cannot_be_converted_leaves_no_hole(plant: Database, journal: PromptJournal) -> None:
     speeds = [1000.0] * 12
     send(journal, speeds, 0, 4)
     send(journal, speeds, 8, 12)
@@ -130,7 +130,7 @@ def test_a_batch_that_cannot_be_converted_leaves_no_hole(plant: Database, journa
     assert (row.received, row.lost, row.missing) == (8, 0, None)
 
 
-def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, journal: Journal) -> None:
+def test_a_hole_before_rejected_samples_has_no_end_in_time(plant: Database, journal: PromptJournal) -> None:
     send(journal, [1000.0] * 12, 0, 2)
     send(journal, [1000.0] * 12, 4, 6, speed_unit="knots")
     assert source(plant).missing == [[2, 3, START + SECOND, NEVER]]
@@ -151,7 +151,7 @@ def test_any_order_of_arrival_stores_the_same_samples(
     sent += [piece for piece in sent if rng.random() < twice]
     rng.shuffle(sent)
     with opened(databases, plant_template, tmp_path_factory.mktemp("late") / "late.db") as database:
-        journal = Journal(database, Collector())
+        journal = PromptJournal(database, Collector())
         speeds = sweep_rpm(2900.0, 400.0, 60)
         for first, last in sent:
             send(journal, speeds, first, last)
@@ -165,7 +165,7 @@ def test_any_order_of_arrival_stores_the_same_samples(
 # --- runs -----------------------------------------------------------------------------------------------------------
 
 
-def test_late_samples_of_an_open_run_are_simply_in_it(plant: Database, journal: Journal) -> None:
+def test_late_samples_of_an_open_run_are_simply_in_it(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 70)
     send(journal, CYCLE, 50, 60)
@@ -177,7 +177,7 @@ def test_late_samples_of_an_open_run_are_simply_in_it(plant: Database, journal: 
     assert source(plant).late == 10
 
 
-def test_a_closed_run_is_reopened_and_identified_again_each_time(plant: Database, journal: Journal) -> None:
+def test_a_closed_run_is_reopened_and_identified_again_each_time(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     (before,) = found_runs(plant)
@@ -208,10 +208,19 @@ def test_a_reopened_run_waits_twice_as_long_each_time(plant: Database, monkeypat
     monkeypatch.setattr("service.late.now", lambda: START + round(3600 * SECOND * hours[0]))
 
     def sort_in(windows: list[Window]) -> list[Window]:
-        with plant.transaction() as session:
-            return late.settle(session, KEY.machine, windows, patience_s=3600.0)
+        left = []
+        for window in windows:
+            with plant.reading() as session:
+                plan = late.plan(session, KEY.machine, window, patience_s=3600.0)
+            if plan is None:
+                left.append(window)
+                continue
+            with plant.transaction() as session:
+                late.carry_out(session, plan)
+            patient.closing.close_ended()
+        return left
 
-    patient = Journal(plant, Collector(late_s=3600.0))
+    patient = PromptJournal(plant, Collector(late_s=3600.0))
     send(patient, CYCLE, 0, 50)
     send(patient, CYCLE, 60, 120)
     counts = []
@@ -228,7 +237,7 @@ def test_what_lengthens_a_run_bit_by_bit_waits_like_what_lies_in_it(plant: Datab
     moment = [0.0]
     monkeypatch.setattr("service.collection.time.monotonic", lambda: moment[0])
     monkeypatch.setattr("service.late.now", lambda: START + round(SECOND * moment[0]))
-    journal = Journal(plant, Collector(late_s=10.0))
+    journal = PromptJournal(plant, Collector(late_s=10.0))
     send(journal, CYCLE, 0, 60)
     send(journal, CYCLE, 100, 120)
     for number in range(60, 100):
@@ -245,7 +254,7 @@ def test_what_lengthens_a_run_bit_by_bit_waits_like_what_lies_in_it(plant: Datab
 def test_late_samples_that_do_not_cease_are_sorted_in_all_the_same(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     moment = [0.0]
     monkeypatch.setattr("service.collection.time.monotonic", lambda: moment[0])
-    journal = Journal(plant, Collector(late_s=10.0))
+    journal = PromptJournal(plant, Collector(late_s=10.0))
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 70, 120)
     counts = []
@@ -258,7 +267,7 @@ def test_late_samples_that_do_not_cease_are_sorted_in_all_the_same(plant: Databa
     assert counts[11] == 77
 
 
-def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, journal: Journal) -> None:
+def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     with plant.transaction() as session:
@@ -271,7 +280,9 @@ def test_what_comes_when_the_raw_samples_are_gone_is_counted(plant: Database, jo
     assert run.coverage["late_samples_left_out"] == 10
 
 
-def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_made_anew(plant: Database, journal: Journal) -> None:
+def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_made_anew(
+    plant: Database, journal: PromptJournal
+) -> None:
     """The raw samples may be kept for longer than those of runs."""
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
@@ -285,7 +296,7 @@ def test_a_run_whose_samples_were_let_go_of_has_them_again_when_it_is_made_anew(
     assert len(held(plant, run)) == 85
 
 
-def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: Journal) -> None:
+def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, journal: PromptJournal) -> None:
     """In trends, baselines and alerts; the one before stays readable."""
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
@@ -304,7 +315,9 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
         assert points.identification.tolist() == [counted.id]
 
 
-def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(plant: Database, journal: Journal) -> None:
+def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(
+    plant: Database, journal: PromptJournal
+) -> None:
     slow = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 600), *[250.0] * 20]
     send(journal, slow, 0, 220)
     send(journal, slow, 400, 640)
@@ -321,17 +334,17 @@ def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(p
         assert [row.run_ids for row in counted] == [[first.id]]
 
 
-def test_late_samples_are_sorted_in_after_a_restart_too(plant: Database, journal: Journal) -> None:
+def test_late_samples_are_sorted_in_after_a_restart_too(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     send(journal, CYCLE, 50, 60)
-    settle(Journal(plant, Collector(late_s=0.0)))
+    settle(PromptJournal(plant, Collector(late_s=0.0)))
     (run,) = found_runs(plant)
     assert run.count == 85
 
 
 def test_nothing_is_sorted_in_while_more_comes(plant: Database) -> None:
-    journal = Journal(plant, Collector(late_s=60.0))
+    journal = PromptJournal(plant, Collector(late_s=60.0))
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     send(journal, CYCLE, 50, 60)
@@ -340,7 +353,7 @@ def test_nothing_is_sorted_in_while_more_comes(plant: Database) -> None:
     assert (run.count, run.reopened_at) == (75, None)
 
 
-def test_late_samples_may_make_a_discarded_run_worth_an_identification(plant: Database, journal: Journal) -> None:
+def test_late_samples_may_make_a_discarded_run_worth_an_identification(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 28)
     send(journal, CYCLE, 94, 120)
     (run,) = found_runs(plant)
@@ -353,7 +366,7 @@ def test_late_samples_may_make_a_discarded_run_worth_an_identification(plant: Da
     assert [job.options for job in found_jobs(plant)] == [{"reopened": 1}]
 
 
-def test_late_samples_beside_a_run_lengthen_it(plant: Database, journal: Journal) -> None:
+def test_late_samples_beside_a_run_lengthen_it(plant: Database, journal: PromptJournal) -> None:
     """Its first half was on the way when it closed."""
     send(journal, CYCLE, 60, 120)
     (before,) = found_runs(plant)
@@ -367,7 +380,7 @@ def test_late_samples_beside_a_run_lengthen_it(plant: Database, journal: Journal
     assert run.count == 85
 
 
-def test_halves_that_a_pause_had_parted_become_one_run(plant: Database, journal: Journal) -> None:
+def test_halves_that_a_pause_had_parted_become_one_run(plant: Database, journal: PromptJournal) -> None:
     slow = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 600), *[250.0] * 20]
     send(journal, slow, 0, 220)
     send(journal, slow, 400, 640)
@@ -380,7 +393,7 @@ def test_halves_that_a_pause_had_parted_become_one_run(plant: Database, journal:
     assert (second.state, second.reason) == (runs.DISCARDED, f"late samples join it to run {first.id}")
 
 
-def test_a_whole_run_that_comes_late_becomes_a_run_of_its_own(plant: Database, journal: Journal) -> None:
+def test_a_whole_run_that_comes_late_becomes_a_run_of_its_own(plant: Database, journal: PromptJournal) -> None:
     """An hour without a network, while a second source went on; then the first one's log is heard after all."""
     send(journal, CYCLE, 0, 120, start=START + 3600 * SECOND, source="second")
     send(journal, CYCLE, 0, 120)
@@ -392,7 +405,7 @@ def test_a_whole_run_that_comes_late_becomes_a_run_of_its_own(plant: Database, j
     assert [job.run_ids for job in found_jobs(plant)] == [[known.id], [late.id]]
 
 
-def test_a_late_run_in_batches_is_one_run(plant: Database, journal: Journal) -> None:
+def test_a_late_run_in_batches_is_one_run(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 120, start=START + 3600 * SECOND, source="second")
     for first in range(0, 120, 10):
         send(journal, CYCLE, first, first + 10)
@@ -406,13 +419,13 @@ LONG_STORY = [*[2990.0] * 40, *sweep_rpm(2990.0, 310.0, 90), *[250.0] * 40, *swe
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_story_told_in_any_order_has_the_same_runs(plant: Database, journal: Journal, seed: int) -> None:
+def test_a_story_told_in_any_order_has_the_same_runs(plant: Database, journal: PromptJournal, seed: int) -> None:
     """The end of a run-up may lie a message later, in the hold behind it, where that was heard of first."""
     order = list(range(0, 300, 20))
     random.Random(seed).shuffle(order)
     for first in order:
         send(journal, LONG_STORY, first, first + 20)
-    journal.close_silent(silence_s=0.0)
+    journal.settle(silence_s=0.0)
     settle(journal)
     closed = [run for run in found_runs(plant) if run.state == runs.CLOSED]
     assert [run.kind for run in closed] == ["run-down", "run-up"]
@@ -422,7 +435,7 @@ def test_a_story_told_in_any_order_has_the_same_runs(plant: Database, journal: J
     assert (source(plant).received, source(plant).lost) == (300, 0)
 
 
-def test_late_samples_wait_for_the_run_beside_them_to_close(plant: Database, journal: Journal) -> None:
+def test_late_samples_wait_for_the_run_beside_them_to_close(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 50, 80, source="second")
     send(journal, CYCLE, 0, 50)
     settle(journal)
@@ -434,7 +447,7 @@ def test_late_samples_wait_for_the_run_beside_them_to_close(plant: Database, jou
     assert (run.state, run.count, run.time_first) == (runs.CLOSED, 85, START + 20 * SECOND)
 
 
-def test_late_samples_at_speed_change_nothing(plant: Database, journal: Journal) -> None:
+def test_late_samples_at_speed_change_nothing(plant: Database, journal: PromptJournal) -> None:
     steady = [2990.0] * 500
     send(journal, steady, 0, 200)
     send(journal, steady, 300, 500)
@@ -444,7 +457,7 @@ def test_late_samples_at_speed_change_nothing(plant: Database, journal: Journal)
     assert source(plant).late == 100
 
 
-def test_samples_under_a_new_revision_do_not_enter_an_old_run(plant: Database, journal: Journal) -> None:
+def test_samples_under_a_new_revision_do_not_enter_an_old_run(plant: Database, journal: PromptJournal) -> None:
     send(journal, CYCLE, 0, 50)
     send(journal, CYCLE, 60, 120)
     with plant.transaction() as session:

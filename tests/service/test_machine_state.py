@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from service.collection import Collector, standing
-from service.journal import Journal
 from storage import machines, runs
 from storage.database import Database
 from tests.asking import Api
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
+from tests.prompt_journal import PromptJournal
 
 CYCLE = [
     *[0.0] * 30,
@@ -25,7 +25,7 @@ CYCLE = [
 WHOLE = ["stopped", "slow roll", "run-up", "at speed", "run-down", "slow roll", "stopped"]
 
 
-def send(journal: Journal, rpm: list[float], first: int, last: int) -> None:
+def send(journal: PromptJournal, rpm: list[float], first: int, last: int) -> None:
     for start in range(first, last, 50):
         stop = min(start + 50, last)
         one = batch(rpm[start:stop], sequence=start, start=START + start * SECOND)
@@ -66,7 +66,7 @@ def test_an_unknown_machine_is_not_found(api: Api) -> None:
     assert api.get("/machines/nobody/states").status_code == 404
 
 
-def test_a_run_in_progress_is_told_with_how_far_it_has_come(journal: Journal, api: Api) -> None:
+def test_a_run_in_progress_is_told_with_how_far_it_has_come(journal: PromptJournal, api: Api) -> None:
     send(journal, CYCLE, 0, 200)
     found = state(api)
     assert (found["machine"], found["state"], found["direction"]) == ("pump-7", "run-up", "positive")
@@ -81,7 +81,7 @@ def test_a_run_in_progress_is_told_with_how_far_it_has_come(journal: Journal, ap
     assert found["run"]["progress"] == pytest.approx((3000 - CYCLE[798]) / 2700, abs=1e-6)
 
 
-def test_the_history_tells_every_state_in_turn(journal: Journal, api: Api) -> None:
+def test_the_history_tells_every_state_in_turn(journal: PromptJournal, api: Api) -> None:
     send(journal, CYCLE, 0, len(CYCLE))
     found = history(api)
     assert [one["state"] for one in found] == WHOLE
@@ -98,10 +98,10 @@ def test_a_restart_at_any_message_changes_neither_states_nor_runs(
     plant: Database, new_database: NewDatabase, plant_template: str, every: int
 ) -> None:
     one_service = new_database(plant_template)
-    send(Journal(one_service, Collector()), CYCLE, 0, len(CYCLE))
+    send(PromptJournal(one_service, Collector()), CYCLE, 0, len(CYCLE))
     step = max(every, 50)
     for first in range(0, len(CYCLE), step):
-        send(Journal(plant, Collector()), CYCLE, first, min(first + step, len(CYCLE)))
+        send(PromptJournal(plant, Collector()), CYCLE, first, min(first + step, len(CYCLE)))
     told = []
     for database in (one_service, plant):
         with database.reading() as session:
@@ -116,9 +116,9 @@ def test_a_restart_at_any_message_changes_neither_states_nor_runs(
     assert told[0] == told[1]
 
 
-def test_after_silence_the_state_is_unknown(journal: Journal, api: Api) -> None:
+def test_after_silence_the_state_is_unknown(journal: PromptJournal, api: Api) -> None:
     send(journal, CYCLE, 0, 700)
-    journal.close_silent(silence_s=0.0)
+    journal.settle(silence_s=0.0)
     found = state(api)
     assert (found["state"], found["run"], found["since"]) == ("unknown", None, at(699))
     assert [one["state"] for one in history(api)][-2:] == ["run-down", "unknown"]
@@ -126,7 +126,7 @@ def test_after_silence_the_state_is_unknown(journal: Journal, api: Api) -> None:
     assert state(api)["state"] == "stopped"
 
 
-def test_a_trip_is_called_one_and_stays_a_run_down_as_a_run(plant: Database, journal: Journal, api: Api) -> None:
+def test_a_trip_is_called_one_and_stays_a_run_down_as_a_run(plant: Database, journal: PromptJournal, api: Api) -> None:
     with plant.transaction() as session:
         machines.revise(session, machine(operation={"controlled_deceleration_rpm_per_s": 5}))
     send(journal, CYCLE, 0, 700)
@@ -137,7 +137,7 @@ def test_a_trip_is_called_one_and_stays_a_run_down_as_a_run(plant: Database, jou
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_one_per_cent_of_speed_noise_changes_nothing(plant: Database, journal: Journal, api: Api, seed: int) -> None:
+def test_one_per_cent_of_speed_noise_changes_nothing(plant: Database, journal: PromptJournal, api: Api, seed: int) -> None:
     rng = np.random.default_rng(seed)
     noisy = [speed * (1.0 + 0.01 * float(rng.standard_normal())) for speed in CYCLE]
     send(journal, noisy, 0, len(noisy))
@@ -150,7 +150,7 @@ def test_one_per_cent_of_speed_noise_changes_nothing(plant: Database, journal: J
     assert rejected == 0
 
 
-def test_a_run_tells_its_coverage(journal: Journal, api: Api) -> None:
+def test_a_run_tells_its_coverage(journal: PromptJournal, api: Api) -> None:
     send(journal, CYCLE, 0, len(CYCLE))
     for run in api.get("/machines/pump-7/runs").json():
         assert run["reopened_at"] is None
@@ -160,7 +160,7 @@ def test_a_run_tells_its_coverage(journal: Journal, api: Api) -> None:
         assert run["coverage"]["duration_s"] == pytest.approx(260, abs=10)
 
 
-def test_what_came_late_and_is_not_sorted_in_yet_is_told(journal: Journal, api: Api) -> None:
+def test_what_came_late_and_is_not_sorted_in_yet_is_told(journal: PromptJournal, api: Api) -> None:
     send(journal, CYCLE, 0, 700)
     send(journal, CYCLE, 720, len(CYCLE))
     assert state(api)["late_samples_waiting"] == 0

@@ -5,14 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service import collection
 from service.collection import Collector, standing
-from service.journal import Journal
 from storage import identifications, jobs, machines, runs
 from storage.database import Database
 from storage.tables import RunRow
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, identification, machine, store_identification
+from tests.prompt_journal import PromptJournal
 
 RULES = {"bins": 10, "samples_per_bin": 4, "spacing_s": 5.0, "recency_s": 3600.0, "coverage": 0.8, "interval_s": 600.0}
 
@@ -35,7 +34,7 @@ def wander(count: int, seed: int = 0, *, low: float = 400.0, high: float = 2900.
     return list(map(float, low + (high - low) * shape))
 
 
-def send(journal: Journal, rpm: list[float], first: int, last: int, **changes: Any) -> None:
+def send(journal: PromptJournal, rpm: list[float], first: int, last: int, **changes: Any) -> None:
     for start in range(first, last, 60):
         stop = min(start + 60, last)
         journal.store([arrived(batch(rpm[start:stop], sequence=start, start=START + start * SECOND, **changes))], [])
@@ -46,7 +45,7 @@ def found_runs(database: Database) -> list[RunRow]:
         return list(reversed(runs.of_machine(session, KEY.machine)))
 
 
-def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database, journal: Journal) -> None:
+def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database, journal: PromptJournal) -> None:
     speeds = wander(1300)
     send(journal, speeds, 0, 600)
     assert found_runs(rolling) == []
@@ -70,12 +69,12 @@ def test_a_wandering_speed_makes_a_run_when_its_time_has_come(rolling: Database,
     assert held.speed * 30 / np.pi == pytest.approx(np.array(speeds)[numbers])
 
 
-def test_without_coverage_there_is_no_run(rolling: Database, journal: Journal) -> None:
+def test_without_coverage_there_is_no_run(rolling: Database, journal: PromptJournal) -> None:
     send(journal, wander(1300, high=1500.0), 0, 1300)
     assert found_runs(rolling) == []
 
 
-def test_old_samples_do_not_count(rolling: Database, journal: Journal) -> None:
+def test_old_samples_do_not_count(rolling: Database, journal: PromptJournal) -> None:
     """Half of the bins were filled two hours ago, the other half now: never enough of them at a time."""
     send(journal, wander(500, high=1500.0), 0, 500)
     later = batch(wander(500, low=1700.0), sequence=500, start=START + 7200 * SECOND)
@@ -86,11 +85,11 @@ def test_old_samples_do_not_count(rolling: Database, journal: Journal) -> None:
 def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_database: NewDatabase, plant_template: str) -> None:
     speeds = wander(1300)
     for first in range(0, 1300, 60):
-        send(Journal(rolling, Collector()), speeds, first, min(first + 60, 1300))
+        send(PromptJournal(rolling, Collector()), speeds, first, min(first + 60, 1300))
     at_a_stretch = new_database(plant_template)
     with at_a_stretch.transaction() as session:
         machines.revise(session, machine(collection={"runs": "rolling", "rolling": RULES}))
-    send(Journal(at_a_stretch, Collector()), speeds, 0, 1300)
+    send(PromptJournal(at_a_stretch, Collector()), speeds, 0, 1300)
     told = [
         [(run.time_first, run.time_last, run.count, run.coverage) for run in found_runs(one)]
         for one in (rolling, at_a_stretch)
@@ -99,8 +98,8 @@ def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_databas
     assert len(told[0]) == 2
 
 
-def test_what_is_remembered_is_bounded(rolling: Database, journal: Journal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(collection, "close_with", lambda *_args, **_more: None)
+def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("storage.runs.end_collected", lambda *_args, **_more: None)
     send(journal, wander(3000, high=1500.0), 0, 3000)
     with rolling.reading() as session:
         now = standing(session, KEY.machine)
@@ -109,7 +108,7 @@ def test_what_is_remembered_is_bounded(rolling: Database, journal: Journal, monk
     assert all(len(times) <= 4 for times in now.bins.times)
 
 
-def test_the_other_sense_of_rotation_begins_anew(rolling: Database, journal: Journal) -> None:
+def test_the_other_sense_of_rotation_begins_anew(rolling: Database, journal: PromptJournal) -> None:
     speeds = wander(1300)
     send(journal, speeds, 0, 540)
     send(journal, speeds, 540, 1100, direction="negative")
@@ -118,7 +117,7 @@ def test_the_other_sense_of_rotation_begins_anew(rolling: Database, journal: Jou
     assert run.time_first >= START + 540 * SECOND
 
 
-def test_both_collects_sweeps_too(plant: Database, journal: Journal) -> None:
+def test_both_collects_sweeps_too(plant: Database, journal: PromptJournal) -> None:
     with plant.transaction() as session:
         machines.revise(session, machine(collection={"runs": "both", "rolling": RULES}))
     send(journal, [*wander(700), *np.linspace(2900.0, 200.0, 100).tolist(), *[0.0] * 20], 0, 820)

@@ -14,7 +14,6 @@ from estimator.slow_roll import SlowRoll
 from service import requesting, worker
 from service.collection import Collector
 from service.identifying import Identifying
-from service.journal import Journal
 from service.requesting import quality_rules
 from service.settings import Settings
 from service.watching import comparison
@@ -36,6 +35,7 @@ from tests.plant import (
     sweep_rpm,
     wait_until,
 )
+from tests.prompt_journal import PromptJournal
 
 PUMP = "/machines/pump-7/slow-roll"
 TRAIN = "thesis-chapter-3"
@@ -46,7 +46,7 @@ RUN_OUT = 2e-4 * np.exp(1j * np.arange(8))
 @pytest.fixture
 def api(plant: Database) -> Api:
     """Over a machine with a slow roll and a run-down: 100 µm peak-to-peak at 30° lag on all channels, always."""
-    journal = Journal(plant, Collector())
+    journal = PromptJournal(plant, Collector())
     slow = [*sweep_rpm(200.0, 290.0, 30), *sweep_rpm(2990.0, 310.0), *sweep_rpm(250.0, 100.0, 6)]
     # From slow roll to speed takes an hour: no shaft jumps.
     times = [START + i * SECOND for i in range(30)] + [START + (3600 + i) * SECOND for i in range(46)]

@@ -8,7 +8,6 @@ import pytest
 
 from service.alerting import Finding, raise_alert
 from service.collection import Collector
-from service.journal import Journal
 from storage import jobs
 from storage.database import Database
 from storage.quarantine import Rejection
@@ -23,6 +22,7 @@ from tests.plant import (
     store_identification,
     sweep_rpm,
 )
+from tests.prompt_journal import PromptJournal
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def tell(database: Database) -> None:
     rpm = [*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1500.0)]
     one = batch(rpm, sequence=3)
     one.amplitude[0][1] = None
-    journal = Journal(database, Collector())
+    journal = PromptJournal(database, Collector())
     journal.store([arrived(one)], [Rejection(START, "some/key", "pump-7", "bad_frame", "no frame", b"\xff\x00noise")])
     with database.transaction() as session:
         for number, (factor, accepted) in enumerate([(1.0, True), (1.1, False), (1.2, True)]):

@@ -291,7 +291,7 @@ def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
 class NeverClosing(Journal):
     """Cannot close runs, for the database refuses."""
 
-    def close_silent(self, **_: object) -> None:
+    def end_silent(self, **_: object) -> None:
         raise AWAY
 
 
@@ -305,7 +305,7 @@ def test_logs_are_asked_though_runs_cannot_be_closed(
         wait_until(lambda: received(plant) == 5)
         lossy.publish(dropped=True)
         wait_until(lambda: received(plant) == 10)
-        assert ingest.trouble == "runs cannot be closed: the server went away"
+        assert ingest.trouble == "runs cannot be ended: the server went away"
 
 
 def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(

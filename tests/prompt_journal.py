@@ -1,0 +1,30 @@
+"""A journal behind which runs are closed at once; `rundown serve` does that in another thread, tenths of a second later."""
+
+from collections.abc import Set
+
+from service.closing import Closing
+from service.collection import Collector
+from service.journal import Arrived, Journal, Outcome
+from storage.database import Database
+from storage.quarantine import Rejection
+
+
+class PromptJournal(Journal):
+    """Closes what has ended behind each message; `settle` ends what is silent and sorts in what came late."""
+
+    def __init__(self, database: Database, collector: Collector | None = None) -> None:
+        collector = collector or Collector()
+        super().__init__(database, collector)
+        self.closing = Closing(database, collector)
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+        """As of Journal."""
+        outcomes = super().store(arrived, rejections)
+        self.closing.close_ended()
+        return outcomes
+
+    def settle(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
+        """What is done now and then: runs of silent machines end, late samples are sorted in."""
+        self.end_silent(silence_s=silence_s, alive=alive)
+        self.closing.close_ended()
+        self.closing.sort_in_late()
