@@ -6,13 +6,16 @@ out and nothing undetermined can look like a change.
 """
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.channel_effects import ChannelEffects
-from estimator.condensation import Floats
-from estimator.identification import Identification
 from estimator.point import Point
+
+if TYPE_CHECKING:
+    from estimator.identification import Identification
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,37 +58,44 @@ class Observation:
         return replace(self, reference=np.concatenate([point.value, self.reference[rest]]), information=information)
 
 
-def observed(identification: Identification, channels: tuple[str, ...]) -> Observation:
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The parts of an identification that say something of the machine, as `Identification` has them.
+
+    effects: None where an older release identified, which says nothing of the channels.
+    """
+
+    coordinates: tuple[str, ...]
+    point: Floats
+    covariance: Floats
+    effects: ChannelEffects | None
+    accepted: bool
+    chi_square: float
+    degrees_of_freedom: int
+    samples: int
+    outliers: dict[str, int]
+
+
+def observed(identification: "Identification", channels: tuple[str, ...]) -> Observation:
     """What an identification of a machine with these channels says."""
-    return observation(
+    fit = Fit(
         coordinates=identification.coordinates,
         point=identification.point,
         covariance=identification.covariance,
         effects=identification.channel_effects,
-        channels=channels,
         accepted=identification.accepted,
         chi_square=identification.chi_square,
         degrees_of_freedom=identification.degrees_of_freedom,
         samples=identification.samples,
         outliers=identification.outliers,
     )
+    return observation(fit, channels)
 
 
-def observation(
-    *,
-    coordinates: tuple[str, ...],
-    point: Floats,
-    covariance: Floats,
-    effects: ChannelEffects | None,
-    channels: tuple[str, ...],
-    accepted: bool,
-    chi_square: float,
-    degrees_of_freedom: int,
-    samples: int,
-    outliers: dict[str, int],
-) -> Observation:
-    """The same from the parts of an identification; without effects nothing is said of the channels."""
-    own = inverse(covariance)
+def observation(fit: Fit, channels: tuple[str, ...]) -> Observation:
+    """What a fit says of a machine with these channels; without effects nothing of the channels."""
+    coordinates, effects = fit.coordinates, fit.effects
+    own = inverse(fit.covariance)
     names, information, gradient = coordinates, own, np.zeros(len(coordinates))
     phasors: dict[str, int] = {}
     amplitude: dict[str, float] = {}
@@ -100,15 +110,15 @@ def observation(
     return Observation(
         names=names,
         coordinates=len(coordinates),
-        reference=np.concatenate([point, np.zeros(len(names) - len(point))]),
+        reference=np.concatenate([fit.point, np.zeros(len(names) - len(fit.point))]),
         gradient=gradient,
         information=information,
-        accepted=accepted,
-        chi_square=chi_square,
-        degrees_of_freedom=degrees_of_freedom,
-        samples=samples,
+        accepted=fit.accepted,
+        chi_square=fit.chi_square,
+        degrees_of_freedom=fit.degrees_of_freedom,
+        samples=fit.samples,
         phasors=phasors,
-        outliers=outliers,
+        outliers=fit.outliers,
         amplitude=amplitude,
     )
 

@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.covariates import Adjustment, adjustment
-from estimator.point import Point
-from estimator.trend_tests import Reading
 from storage import baselines, identifications, machines
 from storage.identifications import Like
 from storage.tables import BaselineRow, IdentificationRow
@@ -90,22 +87,6 @@ def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) 
     return either <= 0.0 or both >= ALIKE * either
 
 
-def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
-    """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
-    known = identifications.points(session, rows)
-    adjusted = like_conditions(session, found).adjusted
-    return [adjusted(known[row.id], row.conditions or {}) for row in rows]
-
-
-def like_conditions(session: Session, found: Compared) -> Adjustment:
-    """How parameters followed the operating conditions over the baseline; adjusts nothing where too little was measured."""
-    row = found.identification
-    conditions = machines.document(session, row.machine_id, row.revision).conditions
-    known = identifications.points(session, found.baseline) if conditions else {}
-    baseline = [one for one in found.baseline if one.id in known]
-    return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
-
-
 def baseline_of(
     session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
 ) -> tuple[Sequence[IdentificationRow], int]:
@@ -113,9 +94,3 @@ def baseline_of(
     if began is None or began.identification_ids is None:
         return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
     return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
-
-
-def readings(session: Session, found: Compared) -> list[Reading]:
-    """The runs after the baseline at their times [weeks since 1970]. Of several measured at one time the last counts."""
-    by_time = dict(zip([row.measured_at for row in found.after], points(session, found, found.after), strict=True))
-    return [Reading(moment / WEEK, point) for moment, point in by_time.items()]

@@ -15,6 +15,7 @@ from estimator.identification import Options
 from estimator.machine import parse_machine
 from service import requesting, watching, worker
 from service.engines import EngineAway, engine
+from service.judging import judged
 from service.own_faults import unexpected
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
@@ -222,7 +223,9 @@ class Identifying:
         """Draw the conclusions, all or none of them. A result is kept, and the next job taken, also where that fails."""
         try:
             with session.begin_nested():
-                watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
+                question = watching.question(session, stored, baseline_runs=self._settings.baseline_runs)
+                if question is not None:
+                    watching.carry_out(session, stored, question, judged(question))
         except Exception as error:
             if concerns_all(error):
                 raise  # it is tried again as a whole

@@ -15,6 +15,7 @@ from service.alert_life import Severity
 
 RuleName = Literal["misalignment", "bearing", "coupling", "unbalance", "run_out", "sensor", "rate_of_change"]
 RULES: tuple[RuleName, ...] = get_args(RuleName)
+RATE_OF_CHANGE: RuleName = "rate_of_change"
 LONGEST_DELAY = 20
 """Identifications in a row that a rule may wait for."""
 SIZES = ("per_cent", "force", "rate_per_cent_per_week")

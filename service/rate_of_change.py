@@ -7,9 +7,7 @@ from estimator.deviation import parameter_of
 from estimator.rate_of_change import Rate, rates_of_change
 from estimator.trend_tests import Reading
 from service.alert_life import Severity
-from service.limits import ELEMENTS, Limits, RuleName, severity_of
-
-RATE_OF_CHANGE: RuleName = "rate_of_change"
+from service.limits import ELEMENTS, RATE_OF_CHANGE, Limits, severity_of
 
 
 @dataclass(frozen=True)

@@ -4,19 +4,16 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from estimator.change_size import ChangeSize, misalignment_form
-from estimator.diagnosis import Cause
-from estimator.parameter_names import change_unit
-from service.limits import RuleName
 from storage.clock import to_datetime
 
-DataRule = Literal["misfit", "outliers"]
-RULES = frozenset({*get_args(RuleName), *get_args(DataRule)}) - {"rate_of_change"}
-"""Rules that a diagnosis speaks by."""
+if TYPE_CHECKING:
+    from estimator.change_size import ChangeSize
+    from estimator.diagnosis import Cause
+
 LARGEST_MOVES = 4
 """Parameters of each element that are named as moved: those that moved most surely."""
 
@@ -26,16 +23,18 @@ class Statement:
     """A cause with its runners-up and size.
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
-    running speed [N], where known. units: SI unit of each parameter of the machine by name.
+    running speed [N], where known. form: of a misalignment, where the data tell it. units: SI unit of the change of each of
+    the cause's names.
     """
 
-    cause: Cause
-    runners_up: tuple[Cause, ...]
-    size: ChangeSize
+    cause: "Cause"
+    runners_up: tuple["Cause", ...]
+    size: "ChangeSize"
     since: int
     first_identification: int
     force: float | None
-    units: Mapping[str, str]
+    form: str | None
+    units: Mapping[str, str | None]
 
     def words(self) -> str:
         """One sentence for a person."""
@@ -50,7 +49,7 @@ class Statement:
             "sigma": self.cause.distance,
             "per_cent": self.size.per_cent,
             "quantities": dict(self.size.quantities),
-            "form": misalignment_form(self.cause) if self.cause.kind == "misalignment" else None,
+            "form": self.form,
             "misalignment_force": self.force,
             "since": to_datetime(self.since).isoformat().replace("+00:00", "Z"),
             "first_identification": self.first_identification,
@@ -60,13 +59,7 @@ class Statement:
         }
 
 
-def rule_of(cause: Cause | str) -> Any:
-    """The rule that speaks of a cause, or of a kind of causes: a bow is a run-out of a whole shaft."""
-    kind = cause if isinstance(cause, str) else cause.kind
-    return "run_out" if kind == "bow" else kind
-
-
-def _moved(cause: Cause, units: Mapping[str, str]) -> list[dict[str, Any]]:
+def _moved(cause: "Cause", units: Mapping[str, str | None]) -> list[dict[str, Any]]:
     certainty = np.divide(cause.change, cause.error, out=np.zeros_like(cause.change), where=cause.error > 0.0)
     order = np.argsort(-np.abs(certainty))
     found = []
@@ -76,15 +69,14 @@ def _moved(cause: Cause, units: Mapping[str, str]) -> list[dict[str, Any]]:
         named[element] += 1
         if named[element] <= LARGEST_MOVES:
             name = cause.names[i]
-            change = {"change": float(cause.change[i]), "unit": change_unit(name, units)}
+            change = {"change": float(cause.change[i]), "unit": units[name]}
             found.append({"parameter": name, **change, "sigma": float(certainty[i])})
     return found
 
 
 def _misalignment(one: Statement) -> str:
-    form = misalignment_form(one.cause)
     parts = [f"{name.rsplit('.', 1)[0]} {value:+.0f} %" for name, value in _stiffnesses(one.size.quantities)]
-    kind = f" ({form})" if form else ""
+    kind = f" ({one.form})" if one.form else ""
     return f"Coupling {_id(one)} is going out of alignment{kind}: stiffness {', '.join(parts)}"
 
 

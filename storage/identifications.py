@@ -10,7 +10,7 @@ from sqlalchemy import Select, Text, cast, func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.identification import Identification
-from estimator.observation import Observation, observation
+from estimator.observation import Fit
 from estimator.parameters import is_direct
 from estimator.point import Point
 from storage import channel_effects
@@ -259,16 +259,15 @@ def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     )
 
 
-def observed(row: IdentificationRow, channels: tuple[str, ...]) -> Observation | None:
-    """What an identification says of its machine, which has these channels; None where an older release identified."""
+def fit(row: IdentificationRow) -> Fit | None:
+    """What an identification says of its machine; None where an older release identified."""
     if row.point is None or row.channel_effects is None:
         return None
-    return observation(
+    return Fit(
         coordinates=tuple(row.coordinates),
         point=np.frombuffer(row.point, "<f8"),
         covariance=covariance(row),
         effects=channel_effects.decode(row.channel_effects),
-        channels=channels,
         accepted=row.accepted,
         chi_square=row.chi_square,
         degrees_of_freedom=row.degrees_of_freedom,

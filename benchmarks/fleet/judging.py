@@ -10,9 +10,9 @@ from estimator.identification import Identification
 from estimator.observation import Observation, observed
 from estimator.watch import Watch
 from service.alert_life import Severity
+from service.diagnosis_rules import cause_severity, delays, rule_of
 from service.limits import Limits
-from service.statements import rule_of
-from service.watching import LOOKED_BACK, cause_severity, delays
+from service.watching import LOOKED_BACK
 
 Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""
@@ -116,7 +116,15 @@ def _updated(
     for cause in diagnosis.causes:
         key = cause.kind, cause.element
         size = change_size(cause, watch.reference, amplitude=amplitude)
-        severity = cause_severity(limits, cause, size, force=None, present=before.get(key))
+        severity = cause_severity(
+            limits,
+            kind=cause.kind,
+            element=cause.element,
+            sigma=cause.distance,
+            per_cent=size.per_cent,
+            force=None,
+            present=before.get(key),
+        )
         if severity is not None:
             now[key] = severity
     for key, severity in before.items():

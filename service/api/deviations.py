@@ -19,7 +19,8 @@ from service.api import deviation_schemas as schemas
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import time_or_none
-from service.comparing import WEEK, Compared, compared, like_conditions, points, readings
+from service.comparing import WEEK, Compared, compared
+from service.like_conditions import like_conditions, points, readings
 from service.limits import Level, Limits, rule_of, severity_of
 from service.security.requirement import VIEWER
 from service.setting_limits import limits_in_force

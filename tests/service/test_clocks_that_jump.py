@@ -12,10 +12,10 @@ from service import alerting, baselining
 from service.alert_life import Suppression
 from service.alerting import Finding, Person
 from service.delivery.dispatcher import Dispatcher
-from service.watching import judge
 from storage import alerts, deliveries
 from storage.database import Database
 from storage.tables import AlertRow
+from tests.judging import judge
 from tests.plant import SECOND, START, identification, store_identification, wait_until
 from tests.service.delivery.receivers import receiver, settings, subscribe
 

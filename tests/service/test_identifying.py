@@ -362,7 +362,7 @@ def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_tol
     def confused(*_: Any, **__: Any) -> None:
         raise error
 
-    monkeypatch.setattr("service.identifying.watching.judge", confused)
+    monkeypatch.setattr("service.identifying.judged", confused)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)

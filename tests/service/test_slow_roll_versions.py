@@ -11,12 +11,12 @@ from estimator.identification import Options
 from estimator.machine import Machine, QualityRules, parse_machine
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
-from service import requesting, worker
+from service import requesting, watching, worker
 from service.collection import Collector
 from service.identifying import Identifying
+from service.judging import comparison
 from service.requesting import quality_rules
 from service.settings import Settings
-from service.watching import comparison
 from storage import identifications, jobs, machines, runs, trends
 from storage.blocks import Samples, encode
 from storage.database import Database
@@ -336,12 +336,16 @@ def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number)
-        found = comparison(session, row, baseline_runs=5)
+        question = watching.question(session, row, baseline_runs=5)
+        assert question is not None
+        found = comparison(question)
         assert found is not None
         assert len(found.after) == 2
         row.slow_roll_version = 1
         session.flush()
-        assert comparison(session, row, baseline_runs=5) is None
+        question = watching.question(session, row, baseline_runs=5)
+        assert question is not None
+        assert comparison(question) is None
 
 
 def test_a_job_subtracts_what_was_in_force_when_it_was_taken(api: Api, plant: Database) -> None:

@@ -6,10 +6,10 @@ import pytest
 from sqlalchemy.orm import Session
 
 from service import watching
-from service.watching import judge
 from storage import alerts, diagnoses
 from storage.alerts import ListedAlert
 from storage.database import Database
+from tests.judging import judge
 from tests.plant import KEY, SECOND, START, identification, store_identification
 
 BASELINE = 5
