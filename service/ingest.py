@@ -23,6 +23,7 @@ from service.submissions import UNFORESEEN, NotStoring, Submission, Submissions
 from service.wire import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, JSON, Key, Received, Rejected, source_key
 from storage.errors import concerns_all, words
 from storage.leases import NotHeld
+from storage.longest import Longest
 
 logger = logging.getLogger(__name__)
 
@@ -80,6 +81,7 @@ class Ingest:
             put_off=self._storing.put_off,
         )
         self._inbox = Inbox()
+        self._longest_cycle = Longest()
         self._errors = 0  # that nobody foresaw, in a row
         self._last_tries = LAST_TRIES
         self._trouble: str | None = None
@@ -124,14 +126,19 @@ class Ingest:
     @property
     def gauges(self) -> dict[str, float]:
         """Figures for a monitoring system, by the name of the metric."""
-        return {"rundown_ingest_queue_messages": len(self._inbox), "rundown_ingest_queue_bytes": self._inbox.size}
+        return {
+            "rundown_ingest_queue_messages": len(self._inbox),
+            "rundown_ingest_queue_bytes": self._inbox.size,
+            "rundown_ingest_longest_cycle_seconds": self._longest_cycle.seconds,
+        }
 
     def _run(self) -> None:
         while True:
             stopping = self._stop.is_set()
             self._began = time.monotonic()
             try:
-                count = self._cycle(stopping=stopping)
+                with self._longest_cycle.measured():
+                    count = self._cycle(stopping=stopping)
             except NotHeld as error:
                 self._leave(error)
                 continue

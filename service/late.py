@@ -20,7 +20,7 @@ from estimator.operating_state import OperatingLimits, OperatingState, advance, 
 from estimator.segmentation import RunEnded, RunKind
 from estimator.speed_bins import ROLLING
 from service.own_faults import damaged_blocks
-from service.run_samples import LARGEST_READ
+from service.run_samples import largest_read
 from storage import machines, quarantine, runs, samples
 from storage.clock import now
 from storage.tables import RunRow
@@ -213,7 +213,7 @@ def _sweeps(
         channels=len(machine.probes),
         first=begin,
         last=end,
-        largest=LARGEST_READ,
+        largest=largest_read(len(machine.probes)),
         damaged=damaged,
     )
     _, first = np.unique(held.time, return_index=True)

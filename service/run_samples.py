@@ -18,8 +18,8 @@ FEWEST_SAMPLES = 20
 """A run of fewer samples is not identified."""
 SMALLEST_SPAN = 0.2
 """Nor is one that covers less than this part of the machine's speed range."""
-LARGEST_READ = 100_000
-"""Samples of a run that are looked at; of more than these only every second, third, … is."""
+LARGEST_READ = 1_600_000
+"""Phasors that are looked at, a hundred thousand samples of sixteen channels; of more only every second, third, … sample is."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,11 @@ class Gathered:
     weakness: str | None
     coverage: Coverage | None
     damaged: list[str]
+
+
+def largest_read(channels: int) -> int:
+    """Samples of so many channels that are looked at together."""
+    return max(1, LARGEST_READ // channels)
 
 
 def gathered(session: Session, row: RunRow) -> Gathered:
@@ -75,7 +80,7 @@ def _sweep(session: Session, machine: Machine, row: RunRow, *, first: int, last:
         channels=len(machine.probes),
         first=min(begin, first),
         last=last,
-        largest=LARGEST_READ,
+        largest=largest_read(len(machine.probes)),
         damaged=damaged,
     )
     inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))

@@ -142,7 +142,13 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
+            gauges=lambda: (
+                {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}
+                | housekeeping.gauges
+                | ingest.gauges
+                | _certificates(settings)
+                | backup_watch.gauges
+            ),
         )
         _prefer_answers()
         config = uvicorn.Config(

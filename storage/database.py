@@ -16,6 +16,7 @@ from sqlalchemy.orm import Session, sessionmaker
 from storage import database_version, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of
 from storage.json_text import written
+from storage.longest import Longest
 from storage.schema import known_revisions, revision_of
 
 BUSY_TIMEOUT_MS = 15_000
@@ -54,6 +55,8 @@ class Database:
         self._inode = path.stat().st_ino if path is not None else None
         self._claim = Claim(self.engine)
         self._turn = threading.Lock()
+        self.longest_transaction = Longest()
+        """Of those that write, from when it was their turn until they were durable."""
         consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
         self.for_reading = self.engine.execution_options(**consistent)
         """Its transactions see one state from the first query to the last."""
@@ -85,7 +88,7 @@ class Database:
         beside_others: what it changes is this process's own by a lease, so that PostgreSQL need not let other writers wait.
         """
         making = self._sharing if beside_others else self._writing
-        with self.turn(), making.begin() as session:
+        with self.turn(), self.longest_transaction.measured(), making.begin() as session:
             yield session
 
     @contextmanager

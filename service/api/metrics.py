@@ -106,6 +106,8 @@ class _Figures(Collector):
 
 
 _GAUGES = {
+    "rundown_longest_transaction_seconds": "longest writing transaction of the last minute or two",
+    "rundown_ingest_longest_cycle_seconds": "longest cycle of ingest of the last minute or two",
     "rundown_ingest_queue_messages": "messages from zenoh that wait",
     "rundown_ingest_queue_bytes": "size of the messages from zenoh that wait",
     "rundown_http_queue_batches": "batches from HTTP that wait",

@@ -2,7 +2,8 @@
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
@@ -21,6 +22,7 @@ from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.times import Time
+from service.run_samples import largest_read
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
@@ -143,9 +145,11 @@ def _listed(session: Session, machine_id: str, rows: Sequence[SlowRollRow]) -> S
 @router.post("", operation_id="add_slow_roll", dependencies=[ANALYST], status_code=status.HTTP_201_CREATED)
 def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowRollIn, Body()]) -> SlowRollOut:
     """Store vectors, given or captured from stored samples, as a new version. It is not in force yet."""
+    with database(request).reading() as session:  # a capture reads days of samples, which no writer should wait for
+        found = _given(session, machine_id, body) if body.vectors else _captured(session, machine_id, body)
     with database(request).transaction() as session:
         in_force = machines.get(session, machine_id).slow_roll_version
-        row = _given(session, machine_id, body) if body.vectors else _captured(session, machine_id, body)
+        row = slow_roll.add(session, found.document, found.vectors, found.provenance, reasons=found.reasons)
         return _rendered(row, machines.document(session, machine_id), in_force)
 
 
@@ -179,7 +183,17 @@ def _in_force(session: Session, machine_id: str) -> VersionInForce:
     return VersionInForce(machine=machine_id, version=machines.get(session, machine_id).slow_roll_version)
 
 
-def _given(session: Session, machine_id: str, body: SlowRollIn) -> SlowRollRow:
+@dataclass(frozen=True)
+class _Found:
+    """Vectors that become a version. document: under which they were measured; reasons: per channel why it has none."""
+
+    document: Machine
+    vectors: SlowRoll
+    provenance: Provenance
+    reasons: Mapping[str, str] | None = None
+
+
+def _given(session: Session, machine_id: str, body: SlowRollIn) -> _Found:
     document = machines.document(session, machine_id)
     given = body.vectors or {}
     unknown = sorted(set(given) - set(document.channels))
@@ -192,17 +206,17 @@ def _given(session: Session, machine_id: str, body: SlowRollIn) -> SlowRollRow:
         vector[column] = cmath.rect(one.amplitude_um_pp * MICROMETRES, -one.phase_lag_deg * RADIANS["deg"])
         error[column] = one.standard_error_um_pp * MICROMETRES
     direction = document.direction if body.direction is None else {"positive": 1, "negative": -1}[body.direction]
-    return slow_roll.add(session, document, SlowRoll(direction, vector, error), Provenance(GIVEN, body.comment))
+    return _Found(document, SlowRoll(direction, vector, error), Provenance(GIVEN, body.comment))
 
 
-def _captured(session: Session, machine_id: str, body: SlowRollIn) -> SlowRollRow:
+def _captured(session: Session, machine_id: str, body: SlowRollIn) -> _Found:
     document, held = _stored(session, machine_id, body)
     lowest, highest = (rpm_to_rad_per_s(rpm) for rpm in body.band_rpm or (0.0, 0.0))
     which = (held.speed >= lowest) & (held.speed <= highest)
     found = capture(document, held.measurement(), lowest=lowest, highest=highest)
     time = held.time[which]
     provenance = Provenance(CAPTURED, body.comment, found.speed_minimum, found.speed_maximum, int(time.min()), int(time.max()))
-    return slow_roll.add(session, document, found.slow_roll, provenance, reasons=found.reasons)
+    return _Found(document, found.slow_roll, provenance, found.reasons)
 
 
 def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machine, Samples]:
@@ -222,7 +236,14 @@ def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machin
     document = machines.document(session, machine_id, revision)
     channels, also = len(document.probes), machines.measured_alike(session, machine_id, revision)
     return document, samples.between(
-        session, machine_id, revision=revision, also=also, channels=channels, first=first, last=last
+        session,
+        machine_id,
+        revision=revision,
+        also=also,
+        channels=channels,
+        first=first,
+        last=last,
+        largest=largest_read(channels),
     )
 
 

@@ -144,7 +144,7 @@ def test_far_too_many_samples_are_thinned_and_all_stay_in_the_store(plant: Datab
 def test_a_run_too_long_to_read_is_read_in_steps(
     plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(run_samples, "LARGEST_READ", 500)
+    monkeypatch.setattr(run_samples, "LARGEST_READ", 500 * 4)
     send(journal, [*sweep_rpm(2990.0, 310.0, 2000), *STANDSTILL])
     _, held = only(plant)
     assert 400 <= len(held) <= 500
