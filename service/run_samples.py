@@ -19,7 +19,7 @@ FEWEST_SAMPLES = 20
 SMALLEST_SPAN = 0.2
 """Nor is one that covers less than this part of the machine's speed range."""
 LARGEST_READ = 1_600_000
-"""Phasors that are looked at, a hundred thousand samples of sixteen channels; of more only every second, third, … sample is."""
+"""Phasors of a run that are looked at, 100,000 samples of 16 channels; of more only every second, third, … sample is."""
 
 
 @dataclass(frozen=True)
