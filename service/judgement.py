@@ -44,14 +44,16 @@ class History:
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be judged. limits: in force. speaking: kind and element of the machine's open alerts of a diagnosis.
+    """What is to be judged. limits: in force; basis: the baseline and the limits in force, by number.
 
-    rates: None where nothing is to be said of rates; drifting: severity of the open alerts of that rule by element.
-    baseline, after: oldest first; no baseline: nothing is diagnosed.
+    speaking: kind and element of the machine's open alerts of a diagnosis. rates: None where nothing is to be said of rates;
+    drifting: severity of the open alerts of that rule by element. baseline, after: oldest first; no baseline: nothing is
+    diagnosed.
     """
 
     machine: Machine
     limits: Limits
+    basis: tuple[int | None, int | None]
     baseline: tuple[JudgedRun, ...]
     after: tuple[JudgedRun, ...]
     speaking: tuple[tuple[str, str], ...]

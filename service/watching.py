@@ -19,7 +19,7 @@ from service.judgement import Conditions, FoundCause, History, JudgedRun, Judgem
 from service.limits import RATE_OF_CHANGE, Limits
 from service.setting_limits import limits_in_force
 from service.statements import Statement
-from storage import alerts, baselines, derived, diagnoses, identifications, jobs, machines
+from storage import alerts, baselines, derived, diagnoses, identifications, jobs, limits, machines
 from storage.clock import from_datetime, now
 from storage.tables import AlertRow, IdentificationRow
 
@@ -34,12 +34,12 @@ def question(session: Session, stored: IdentificationRow, *, baseline_runs: int)
     """What is to be judged after an identification was stored; None where nothing is, as of one that no trend follows."""
     if stored.scope != jobs.RUN:
         return None
-    limits = limits_in_force(session, stored.machine_id)
     opened = alerts.open_alerts(session, stored.machine_id)
     baseline, after = _runs(session, stored, baseline_runs=baseline_runs)
     return Question(
         machine=machines.document(session, stored.machine_id, stored.revision),
-        limits=limits,
+        limits=limits_in_force(session, stored.machine_id),
+        basis=_basis(session, stored),
         baseline=baseline,
         after=after,
         speaking=tuple((_kind(one), one.element) for one in opened if one.rule in RULES),
@@ -80,11 +80,16 @@ def carry_out(session: Session, stored: IdentificationRow, asked: Question, answ
             alerting.clear_alert(session, alert)
 
 
-def still_holds(session: Session, stored: IdentificationRow, asked: Question, *, baseline_runs: int) -> bool:
-    """Whether a question would be asked with the same baseline and limits now; a person may have changed them meanwhile."""
-    limits = limits_in_force(session, stored.machine_id)
-    baseline = _baseline_ids(session, stored, baseline_runs=baseline_runs)
-    return limits == asked.limits and baseline == tuple(run.id for run in asked.baseline)
+def still_holds(session: Session, stored: IdentificationRow, asked: Question) -> bool:
+    """Whether baseline and limits are still those that a question was asked with; a person may have changed them meanwhile."""
+    return asked.basis == _basis(session, stored)
+
+
+def _basis(session: Session, stored: IdentificationRow) -> tuple[int | None, int | None]:
+    """The baseline that a person began, and the limits that one set, as they are in force."""
+    baseline = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    chosen = limits.in_force(session, stored.machine_id)
+    return None if baseline is None else baseline.id, None if chosen is None else chosen.version
 
 
 def is_of_today(session: Session, stored: IdentificationRow) -> bool:
@@ -111,10 +116,6 @@ def _runs(
     # What was refused while the baseline was gathered is not the newest of anything.
     after = _judged_runs([row for row in rows.after if row.accepted or row.measured_at > complete])
     return (baseline, after) if after and after[-1].id == stored.id else ((), ())
-
-
-def _baseline_ids(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> tuple[int, ...]:
-    return tuple(run.id for run in _runs(session, stored, baseline_runs=baseline_runs)[0])
 
 
 def _judged_runs(rows: Sequence[IdentificationRow]) -> tuple[JudgedRun, ...]:
@@ -170,13 +171,13 @@ def _since(session: Session, machine_id: str, found: FoundCause) -> tuple[int, i
 
 
 def _raise(
-    session: Session, one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int]
+    session: Session, one: Statement, stored: IdentificationRow, chosen: Limits, baseline: list[int]
 ) -> AlertRow | None:
     """Open an alert or bring it up to date, where a limit is reached. baseline: ids of what it was compared with."""
     rule, element = rule_of(one.cause.kind), one.cause.element
     present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
     severity = cause_severity(
-        limits,
+        chosen,
         kind=one.cause.kind,
         element=element,
         sigma=one.cause.distance,
@@ -192,7 +193,7 @@ def _raise(
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=severity,
-        latching=rule not in DATA_RULES and limits.rule(rule, element).latching,
+        latching=rule not in DATA_RULES and chosen.rule(rule, element).latching,
     )
     return alerting.raise_alert(session, stored.machine_id, rule=rule, element=element, finding=finding)
 
@@ -202,10 +203,10 @@ def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
     return alert.evidence.get("run_kind") == stored.run_kind
 
 
-def _carry_out_rates(session: Session, stored: IdentificationRow, limits: Limits, found: Rates) -> None:
+def _carry_out_rates(session: Session, stored: IdentificationRow, chosen: Limits, found: Rates) -> None:
     """Open, update or clear the alerts of elements that change too fast, whatever the size of the change so far."""
     for one in found.findings:
-        latching = limits.rule(RATE_OF_CHANGE, one.element).latching
+        latching = chosen.rule(RATE_OF_CHANGE, one.element).latching
         _raise_rate(session, stored, one, latching=latching)
     for alert in alerts.open_alerts(session, stored.machine_id):
         if alert.rule == RATE_OF_CHANGE and alert.element in found.gone and _may_clear(alert, stored):
