@@ -26,6 +26,7 @@ from service.forwarding import Forwarding
 from service.housekeeping import Housekeeping
 from service.identifying import Identifying
 from service.ingest import Ingest
+from service.job_quota import JobQuota
 from service.journal import Journal
 from service.leasing import Leasing
 from service.memory import share_one_heap
@@ -139,6 +140,7 @@ def serve(settings: Settings) -> None:
             submissions=forwarding,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
+            job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
             warnings=lambda: housekeeping.warnings,
             gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
         )
