@@ -24,6 +24,7 @@ from storage.blocks import DamagedBlock, encode
 from storage.database import Database
 from storage.errors import concerns_all
 from storage.identifications import Origin
+from storage.job_order import AUTOMATIC, OVERDUE_SHARE
 from storage.tables import IdentificationRow, JobRow
 
 logger = logging.getLogger(__name__)
@@ -36,9 +37,13 @@ GATHERED_KIND = "gathered"
 
 @dataclass(frozen=True)
 class _Taken:
-    """A job that is being computed. reopened: how often each of its runs had been made anew when its samples were read."""
+    """A job that is being computed. reopened: how often each of its runs had been made anew when its samples were read.
+
+    automatic: as of `storage.job_order`.
+    """
 
     job_id: int
+    automatic: bool
     reopened: tuple[int, ...]
 
 
@@ -52,6 +57,7 @@ class Identifying:
         self._options = Options()
         self._engine = engine(settings)
         self._running: dict[Future[worker.Outcome], _Taken] = {}
+        self._automatic_in_a_row = 0
         self._stop = threading.Event()
         self._news = threading.Event()  # a result is there, or the service stops
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
@@ -127,13 +133,17 @@ class Identifying:
         capacity = self._engine.capacity()
         computing = sum(not future.done() for future in self._running)
         free = min(capacity - computing, 2 * capacity - len(self._running))
-        if free <= 0:
+        behind = max(1, capacity - 1) - sum(not (future.done() or taken.automatic) for future, taken in self._running.items())
+        if free <= 0 or (behind <= 0 and not self._automatic_waits()):
             return
         tasks: list[tuple[_Taken, worker.Task]] = []
         with self._database.transaction() as session:
-            for row in jobs.take(session, free, holder=self._share.holder):
+            overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
+            for row in jobs.take(session, free, holder=self._share.holder, behind=behind, overdue=overdue):
+                automatic = row.priority == AUTOMATIC
+                self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
                 try:
-                    taken = _Taken(row.id, _reopened(session, row))
+                    taken = _Taken(row.id, automatic, _reopened(session, row))
                     tasks.append((taken, _task(session, row, self._options, self._settings)))
                 except DBAPIError:
                     raise
@@ -150,6 +160,10 @@ class Identifying:
                 self._put_back_unhurt(taken.job_id)
         if away is not None:
             raise away
+
+    def _automatic_waits(self) -> bool:
+        with self._database.reading() as session:
+            return jobs.waiting(session, automatic=True)
 
     def _file_done(self) -> None:
         """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
@@ -248,7 +262,7 @@ class Identifying:
     def _put_back(self, job_id: int, error: str) -> None:
         with self._database.transaction() as session:
             if (row := self._own(session, job_id)) is not None:
-                jobs.put_back(row, error)
+                jobs.put_back(session, row, error)
 
     def _put_back_unhurt(self, job_id: int) -> None:
         with self._database.transaction() as session:

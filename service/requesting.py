@@ -4,14 +4,17 @@ A job without options is the usual one. It subtracts the slow-roll vectors that 
 then written into the job, so that one that is computed again after a crash subtracts the same.
 """
 
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
 from estimator.machine import QualityRules
+from service.job_quota import LONGEST_IDENTITY, JobQuota
 from storage import jobs, machines, runs, slow_roll
+from storage.job_order import ASKED
 from storage.tables import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int
@@ -39,11 +42,20 @@ class Request:
     accepted_rpm: tuple[float, float] | None = None
 
 
-def ask(session: Session, run_id: int, request: Request) -> JobRow:
+@dataclass(frozen=True)
+class Asker:
+    """Who asks. identity: unambiguous; quota: how many may wait; priority: of one identification, or of many at once."""
+
+    identity: str
+    quota: JobQuota = field(default_factory=JobQuota)
+    priority: int = ASKED
+
+
+def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow:
     """Queue an identification of a closed run; the job that waits or runs already where the same was asked for.
 
     With the usual options it takes the earlier one's place in trends and baselines, otherwise it stands beside them.
-    Raises RunUnknown, NotToIdentify, SlowRollUnknown.
+    Raises RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:
@@ -58,14 +70,44 @@ def ask(session: Session, run_id: int, request: Request) -> JobRow:
     in_force = machines.get(session, run.machine_id).slow_roll_version
     scope = jobs.VARIANT if fit or version != in_force else jobs.RUN
     options: dict[str, Any] = {**fit, _VERSION: version}
-    while True:
-        queued = jobs.ask(session, run.machine_id, scope=scope, run_ids=[run_id], options=options)
-        if queued is not None:
-            return queued
-        before = jobs.asked(session, scope=scope, run_ids=[run_id], options=options)
-        if before is not None and before.state in (jobs.QUEUED, jobs.RUNNING):
-            return before
-        options[_AGAIN] = options.get(_AGAIN, 0) + 1
+
+    def repeated(again: int) -> dict[str, Any]:
+        return options | ({_AGAIN: again} if again else {})
+
+    def asked(again: int) -> JobRow | None:
+        return jobs.asked(session, scope=scope, run_ids=[run_id], options=repeated(again))
+
+    again = _first_missing(lambda number: asked(number) is not None)
+    newest = asked(again - 1) if again else None
+    if newest is not None and newest.state in (jobs.QUEUED, jobs.RUNNING):
+        return newest
+    by = asker.identity[:LONGEST_IDENTITY]
+    asker.quota.require(session, by=by, machine_id=run.machine_id)
+    queued = jobs.ask(
+        session,
+        run.machine_id,
+        scope=scope,
+        run_ids=[run_id],
+        options=repeated(again),
+        asked_by=by,
+        priority=asker.priority,
+    )
+    assert queued is not None
+    return queued
+
+
+def _first_missing(there: Callable[[int], bool]) -> int:
+    """The first number that is not there, of numbers from 0 on without a gap: asked for as often as it has digits."""
+    beyond = 1
+    if not there(0):
+        return 0
+    while there(beyond):
+        beyond *= 2
+    first, last = beyond // 2, beyond  # the one is there, the other not
+    while last - first > 1:
+        middle = (first + last) // 2
+        first, last = (middle, last) if there(middle) else (first, middle)
+    return last
 
 
 def chosen_version(session: Session, machine_id: str, choice: SlowRollChoice) -> int | None:

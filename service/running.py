@@ -27,6 +27,7 @@ from service.forwarding import Forwarding
 from service.housekeeping import Housekeeping
 from service.identifying import Identifying
 from service.ingest import Ingest
+from service.job_quota import JobQuota
 from service.journal import Journal
 from service.leasing import Leasing
 from service.memory import share_one_heap
@@ -141,6 +142,7 @@ def serve(settings: Settings) -> None:
             submissions=forwarding,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
+            job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
             warnings=lambda: housekeeping.warnings,
             gauges=lambda: (
                 {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}

@@ -51,6 +51,12 @@ class Settings(BaseSettings):
     identification_timeout_s: Annotated[float, Field(gt=0)] = Field(
         default=300.0, description="an identification that takes longer is stopped; three times, then quarantined"
     )
+    asked_jobs_per_principal: Annotated[int, Field(ge=1)] = Field(
+        default=500, description="identifications that may wait of those that one principal asked for"
+    )
+    asked_jobs_per_machine: Annotated[int, Field(ge=1)] = Field(
+        default=200, description="identifications of one machine that may wait of those that people asked for"
+    )
     gathered_interval_s: Annotated[float, Field(gt=0)] = Field(
         default=3600.0, description="how often the newest runs are identified together"
     )

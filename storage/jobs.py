@@ -5,15 +5,20 @@ import json
 from collections.abc import Collection, Sequence
 from typing import Any
 
-from sqlalchemy import func, select
+from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
+from storage import machines
 from storage.clock import now
+from storage.job_order import AUTOMATIC, TRIED, next_jobs, next_turn
+from storage.job_order import QUEUED as QUEUED
+from storage.job_order import RUNNING as RUNNING
 from storage.paging import Keys, ordered
 from storage.plain_text import plain_text
+from storage.plant_scope import EVERY_PLANT
 from storage.tables import JobRow, ReplicaRow
 
-QUEUED, RUNNING, DONE, FAILED, QUARANTINED = "queued", "running", "done", "failed", "quarantined"
+DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
 """State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""
 STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
 
@@ -28,13 +33,28 @@ class JobUnknown(KeyError):
 
 
 def ask(
-    session: Session, machine_id: str, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None
+    session: Session,
+    machine_id: str,
+    *,
+    scope: str,
+    run_ids: list[int],
+    options: dict[str, Any] | None = None,
+    asked_by: str | None = None,
+    priority: int = AUTOMATIC,
 ) -> JobRow | None:
-    """Queue an identification of these runs; None when the same was asked for before, with the same options."""
+    """Queue an identification of these runs; None when the same was asked for before, with the same options.
+
+    asked_by: identity of the person who asks for it; priority: as of `storage.job_order`. Raises MachineUnknown.
+    """
     if asked(session, scope=scope, run_ids=run_ids, options=options) is not None:
         return None
+    plant = machines.get(session, machine_id).plant
     row = JobRow(
         machine_id=machine_id,
+        plant=plant,
+        priority=priority,
+        turn=next_turn(session, plant, priority),
+        asked_by=asked_by,
         scope=scope,
         run_ids=run_ids,
         request=_request(scope, run_ids, options),
@@ -62,19 +82,16 @@ def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> 
     return request
 
 
-def take(session: Session, limit: int, *, holder: int | None = None) -> Sequence[JobRow]:
-    """The oldest queued jobs that no other replica is taking, marked as running; behind them those that did harm before.
+def take(
+    session: Session, limit: int, *, holder: int | None = None, behind: int | None = None, overdue: bool = False
+) -> Sequence[JobRow]:
+    """The next jobs by `storage.job_order` that no other replica is taking, marked as running.
 
-    holder: number of the replica, which gets none when it was taken for gone meanwhile.
+    holder: number of the replica, which gets none when it was taken for gone meanwhile. behind, overdue: as of `next_jobs`.
     """
     if holder is not None and session.get(ReplicaRow, holder) is None:
         return []
-    rows: list[JobRow] = []
-    for tried in (JobRow.attempts == 0, JobRow.attempts > 0):
-        if len(rows) == limit:
-            break
-        query = select(JobRow).where(JobRow.state == QUEUED, tried).order_by(JobRow.id).limit(limit - len(rows))
-        rows += session.scalars(query.with_for_update(skip_locked=True))
+    rows = next_jobs(session, limit, behind=limit if behind is None else behind, overdue=overdue)
     for row in rows:
         row.state = RUNNING
         row.attempts += 1
@@ -88,16 +105,17 @@ def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
     row.state, row.error, row.finished_at = state, None if error is None else plain_text(error), now()
 
 
-def put_back(row: JobRow, error: str) -> None:
+def put_back(session: Session, row: JobRow, error: str) -> None:
     """Queue a job again that has cost its worker its life or more than it may; after several times it is put aside."""
     if row.attempts >= LARGEST_ATTEMPTS:
         finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
     else:
-        row.state = QUEUED
+        row.turn, row.priority = next_turn(session, row.plant, TRIED), TRIED
+        row.state, row.holder = QUEUED, None
 
 
 def put_back_unhurt(row: JobRow) -> None:
-    """Queue a job again of which nobody computes: that says nothing against the job."""
+    """Queue a job again that nobody computes any more, in the turn that it had: that says nothing against the job."""
     row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
 
 
@@ -114,9 +132,27 @@ def held_by(session: Session, holder: int) -> Sequence[JobRow]:
     return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
 
 
-def waiting(session: Session) -> bool:
-    """Whether any job is queued."""
-    return session.scalars(select(JobRow.id).where(JobRow.state == QUEUED).limit(1)).first() is not None
+def waiting(session: Session, *, automatic: bool = False) -> bool:
+    """Whether any job is queued; automatic: one that nobody asked for."""
+    query = select(JobRow.id).where(JobRow.state == QUEUED)
+    if automatic:
+        query = query.where(JobRow.priority == AUTOMATIC)
+    return session.scalars(query.limit(1)).first() is not None
+
+
+def waiting_of(session: Session, *, asked_by: str, most: int) -> int:
+    """How many jobs wait that somebody asked for, of whichever plant; counted no further than `most`."""
+    return _counted(session, JobRow.asked_by == asked_by, most)
+
+
+def asked_of_machine(session: Session, machine_id: str, *, most: int) -> int:
+    """How many jobs of a machine wait that people asked for; counted no further than `most`."""
+    return _counted(session, (JobRow.machine_id == machine_id) & JobRow.asked_by.is_not(None), most)
+
+
+def _counted(session: Session, which: ColumnElement[bool], most: int) -> int:
+    rows = select(JobRow.id).where(JobRow.state == QUEUED, which).limit(most).subquery()
+    return session.scalar(select(func.count()).select_from(rows), execution_options=EVERY_PLANT) or 0
 
 
 def get(session: Session, job_id: int) -> JobRow:

@@ -13,9 +13,12 @@ from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
 from service.api.times import Time
+from service.job_quota import JobQuota
+from service.requesting import Asker
 from service.security.principal import Principal
 from service.security.store import Store
 from storage.clock import from_datetime
+from storage.job_order import ASKED
 
 LAST_INSTANT = 2**63 - 1
 """In the year 2262 [ns]."""
@@ -29,6 +32,11 @@ def database(request: Request) -> Store:
 def principal(request: Request) -> Principal:
     """Who asks."""
     return cast(Principal, request.state.principal)
+
+
+def asker(request: Request, priority: int = ASKED) -> Asker:
+    """Who asks for identifications, and how many of theirs may wait."""
+    return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:

@@ -59,6 +59,7 @@ from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
 from service.api.unchanged import Unchanged
 from service.api.unheeded import refuse_unheeded
+from service.job_quota import JobQuota
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
 from service.security.authentication import Authentication
@@ -87,12 +88,14 @@ def application(
     submissions: Taking | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
+    job_quota: JobQuota | None = None,
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
-    who may use it; by default anybody, until there is an API key. warnings: what housekeeping has to say; gauges: figures
+    who may use it; by default anybody, until there is an API key. job_quota: how many identifications that people ask for
+    may wait. warnings: what housekeeping has to say; gauges: figures
     of housekeeping and ingest for a monitoring system.
 
     The documentation page is served without any other host: plants have no internet.
@@ -121,6 +124,7 @@ def application(
     app.state.fresh_answers = FreshAnswers(database)
     app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
+    app.state.job_quota = job_quota or JobQuota()
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     app.add_middleware(Idempotency, database=database)

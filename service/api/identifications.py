@@ -6,9 +6,9 @@ from fastapi import APIRouter, Body, Request, Response, status
 
 from service import requesting
 from service.api import rendering, schemas
-from service.api.access import MachineId, Number, Period, Reading, database
+from service.api.access import MachineId, Number, Period, Reading, asker, database
 from service.api.paging import ById, ByTime
-from service.api.problems import RESPONSES, Problem
+from service.api.problems import RESPONSES, WAIT, Problem
 from service.api.trend_units import TrendUnitChoice
 from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines
@@ -51,7 +51,7 @@ def read_identification(
     operation_id="identify_run",
     dependencies=[ANALYST],
     status_code=status.HTTP_202_ACCEPTED,
-    responses={409: {"model": Problem}},
+    responses={409: {"model": Problem}, **WAIT},
 )
 def identify_run(
     request: Request, response: Response, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]
@@ -59,10 +59,10 @@ def identify_run(
     """Identify a closed run again; the answer is the job, and its Location says where to see what becomes of it.
 
     With the usual options the new identification takes the place of earlier ones of this run in trends and baselines, once it
-    is accepted. With other ones it stands beside them, as a variant that nothing follows.
+    is accepted. With other ones it stands beside them, as a variant that nothing follows. 429 where as many wait as may.
     """
     with database(request).transaction() as session:
-        row = requesting.ask(session, run_id, requesting.Request(**body.model_dump()))
+        row = requesting.ask(session, run_id, requesting.Request(**body.model_dump()), asker(request))
     response.headers["Location"] = f"/api/v1/jobs/{row.id}"
     return rendering.job(row)
 

@@ -21,6 +21,7 @@ from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
 from service.identified import NoModel
+from service.job_quota import RETRY_AFTER_S, QuotaExceeded
 from service.known_parameters import ParameterUnknown
 from service.limits import LimitsRefused
 from service.requesting import NotToIdentify
@@ -130,6 +131,10 @@ def add_handlers(app: FastAPI) -> None:
         problems = [FieldProblem(field=f"limits.{field}", message=message) for field, message in error.problems]
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the limits do not suit the machine", errors=problems)
 
+    @app.exception_handler(QuotaExceeded)
+    async def wait(_request: Request, error: QuotaExceeded) -> JSONResponse:
+        return problem_response(HTTPStatus.TOO_MANY_REQUESTS, str(error), {"Retry-After": str(RETRY_AFTER_S)})
+
     @app.exception_handler(MomentRefused)
     async def moment(_request: Request, error: MomentRefused) -> JSONResponse:
         problems = [FieldProblem(field="until", message=str(error))]
@@ -214,3 +219,13 @@ CHANGES: dict[int | str, dict[str, Any]] = {
     409: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus.CONFLICT.phrase}
 }
 """The same for operations that what is there may forbid."""
+
+WAIT: dict[int | str, dict[str, Any]] = {
+    429: {
+        "model": Problem,
+        "content": {"application/problem+json": {}},
+        "description": "as many identifications wait as may",
+        "headers": {"Retry-After": {"description": "when to ask again [s]", "schema": {"type": "integer"}}},
+    }
+}
+"""The same for operations that ask for identifications."""

@@ -17,16 +17,17 @@ from estimator.slow_roll import SlowRoll, capture
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.written import Written
 from service import requesting
-from service.api.access import MachineId, Reading, database, moment
+from service.api.access import MachineId, Reading, asker, database, moment
 from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
-from service.api.problems import RESPONSES, Unsuitable
+from service.api.problems import RESPONSES, WAIT, Unsuitable
 from service.api.times import Time
 from service.run_samples import largest_read
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
 from storage.clock import to_datetime
+from storage.job_order import RECOMPUTED
 from storage.slow_roll import CAPTURED, GIVEN, Provenance
 from storage.tables import SlowRollRow
 
@@ -159,21 +160,26 @@ def read_in_force(session: Reading, response: Response, machine_id: MachineId) -
     return tagged(response, _in_force(session, machine_id))
 
 
-@router.put("/in-force", operation_id="put_slow_roll_in_force", dependencies=[OPERATOR])
+@router.put("/in-force", operation_id="put_slow_roll_in_force", dependencies=[OPERATOR], responses=WAIT)
 def put_in_force(
     request: Request, response: Response, machine_id: MachineId, body: Annotated[InForce, Body()], if_match: IfMatch = None
 ) -> SlowRollList:
     """Say which version identifications subtract from now on. Baselines hold identifications of one version only.
 
-    If-Match and ETag are those of what GET answers here.
+    If-Match and ETag are those of what GET answers here. 429, and nothing is changed, where as many identifications wait as
+    may.
     """
     with database(request).transaction() as session:
         require(if_match, _in_force(session, machine_id))
         slow_roll.put_in_force(session, machine_id, body.version)
         revision = machines.get(session, machine_id).revision
         if body.identify_again:
-            for run in runs.newest_closed(session, machine_id, revision=revision, limit=body.identify_again):
-                requesting.ask(session, run.id, requesting.Request())
+            newest = runs.newest_closed(session, machine_id, revision=revision, limit=body.identify_again)
+            person = asker(request, RECOMPUTED)
+            if len(newest) > person.quota.at_once:
+                raise Unsuitable(f"identify_again: no more than {person.quota.at_once} runs may wait to be identified again")
+            for run in newest:
+                requesting.ask(session, run.id, requesting.Request(), person)
     with database(request).reading() as session:
         tagged(response, _in_force(session, machine_id))
         return _listed(session, machine_id, slow_roll.versions(session, machine_id, limit=100))

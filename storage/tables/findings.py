@@ -12,10 +12,21 @@ class JobRow(Base):
     """An identification that is to be computed, is being computed, or was. options: what differs from the usual."""
 
     __tablename__ = "identification_jobs"
-    __table_args__ = (Index(None, "state"),)
+    __table_args__ = (
+        Index(None, "state", "priority", "turn"),
+        Index(None, "state", "priority", "plant", "turn"),
+        Index(None, "machine_id", "state"),
+        Index(None, "asked_by", "state"),
+    )
 
     id: Mapped[int] = mapped_column(Key, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    plant: Mapped[str] = mapped_column(Name(64), server_default="?")
+    priority: Mapped[int] = mapped_column(server_default="0")
+    """With `turn` when it is taken, see `storage.job_order`."""
+    turn: Mapped[int] = mapped_column(server_default="0")
+    asked_by: Mapped[str | None] = mapped_column(Name(255))
+    """Identity of the person who asked for it; null where the service did by itself."""
     scope: Mapped[str] = mapped_column(Name(16))
     run_ids: Mapped[list[int]]
     request: Mapped[str] = mapped_column(Name(200), unique=True)

@@ -18,7 +18,7 @@ import pytest
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from estimator.machine import Condition, Machine, Operation
-from service import engines, worker
+from service import engines, requesting, worker
 from service.identifying import Identifying
 from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, quarantine, runs
@@ -194,6 +194,30 @@ def test_damaged_run_fails_without_stopping_the_others(database: Database, train
         runs.get(session, first).data = b"RDSB nonsense"
     with identifying(database):
         wait_until(lambda: counts(database) == {"done": 1, "failed": 1})
+
+
+def test_what_is_asked_for_in_one_plant_delays_no_alert_of_another(database: Database, train: Machine) -> None:
+    other = train.model_copy(update={"id": "train-b", "plant": "plant-b"})
+    with database.transaction() as session:
+        machines.create(session, train)
+        machines.create(session, other)
+    run_id = close_run(database, train, seed=1, start_s=1_700_000_000, ask=False)
+    with database.transaction() as session:
+        for seed in range(1, 100):
+            requesting.ask(session, run_id, requesting.Request(seed=seed), requesting.Asker("anna"))
+    with identifying(database, workers=2):
+        wait_until(lambda: counts(database).get("done", 0) >= 2)
+        before = counts(database)["done"]
+        close_run(database, other, seed=2, start_s=1_700_000_000)
+
+        def of_other() -> list[str]:
+            with database.reading() as session:
+                return [row.state for row in jobs.of_machine(session, other.id, limit=9)]
+
+        wait_until(lambda: of_other() == ["done"])
+        assert counts(database)["done"] - before <= 5
+    with database.reading() as session:
+        assert all(row.asked_by == "anna" for row in jobs.of_machine(session, train.id, limit=200))
 
 
 def costly(tries: Path, until: int, error: str, task: worker.Task) -> worker.Outcome:

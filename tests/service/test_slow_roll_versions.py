@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from sqlalchemy import event
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
@@ -14,6 +15,7 @@ from estimator.slow_roll import SlowRoll
 from service import requesting, watching, worker
 from service.collection import Collector
 from service.identifying import Identifying
+from service.job_quota import JobQuota, QuotaExceeded
 from service.judging import comparison
 from service.requesting import quality_rules
 from service.settings import Settings
@@ -21,16 +23,19 @@ from storage import identifications, jobs, machines, runs, trends
 from storage.blocks import Samples, encode
 from storage.database import Database
 from storage.identifications import Like
-from tests.asking import Api
+from storage.plant_scope import PlantScope
+from tests.asking import PREFIX, Api, problem
 from tests.estimator.trains import ROOT
 from tests.plant import (
     CHANNELS,
+    KEY,
     SECOND,
     START,
     arrived,
     batch,
     document,
     identification,
+    samples,
     store_identification,
     sweep_rpm,
     wait_until,
@@ -217,6 +222,66 @@ def test_the_newest_runs_are_identified_again_when_a_version_is_put_in_force(api
     api("PUT", f"{PUMP}/in-force", json={"version": 1, "identify_again": 10})
     newest = api("GET", "/machines/pump-7/jobs")[0]
     assert (newest["scope"], newest["options"]) == ("run", {"slow_roll_version": 1})
+
+
+def test_of_what_people_ask_for_so_many_may_wait_and_the_rest_is_told_when_to_come_back(plant: Database, api: Api) -> None:
+    (run,) = api("GET", "/machines/pump-7/runs")
+    path = f"/runs/{run['id']}/identifications"
+    for quota, words in ((JobQuota(2, 9), "2 identifications that you asked for wait"), (JobQuota(9, 2), "machine 'pump-7'")):
+        asking = Api(plant, job_quota=quota)
+        first = [asking("POST", path, 202, json={"seed": seed})["id"] for seed in (1, 2)]
+        refused = asking.ask("POST", f"{PREFIX}{path}", json={"seed": 3})
+        assert words in problem(refused, 429)["detail"]
+        assert int(refused.headers["retry-after"]) > 0
+        assert asking("POST", path, 202, json={"seed": 2})["id"] == first[1]  # it waits already
+        with plant.transaction() as session:
+            for row in jobs.take(session, 9):
+                jobs.finish(row, state=jobs.DONE)
+        asking("POST", path, 202, json={"seed": 3})
+        with plant.transaction() as session:
+            for row in jobs.take(session, 9):
+                assert row.asked_by == "open"
+                jobs.finish(row, state=jobs.DONE)
+
+
+def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: Database, api: Api) -> None:
+    api("POST", PUMP, 201, json=given())
+    (run,) = api("GET", "/machines/pump-7/runs")
+    asking = Api(plant, job_quota=JobQuota(1, 1))
+    asking("POST", f"/runs/{run['id']}/identifications", 202, json={"seed": 1})
+    again = {"version": 1, "identify_again": 10}
+    assert "ask again" in asking("PUT", f"{PUMP}/in-force", 429, json=again)["detail"]
+    assert asking("GET", PUMP)["in_force"] is None
+    with plant.transaction() as session:
+        later = runs.open_run(session, "pump-7", revision=1, kind="run-down", direction=1, time_first=START)
+        runs.close(later, samples=samples(40), state=runs.CLOSED, reason="as asked")
+    assert "no more than 1 runs" in asking("PUT", f"{PUMP}/in-force", 422, json=again)["detail"]
+
+
+def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Database, api: Api) -> None:
+    (run,) = api("GET", "/machines/pump-7/runs")
+    asker, wanted = requesting.Asker("anna"), requesting.Request(seed=4)
+    numbers = []
+    for _ in range(100):
+        with plant.transaction() as session:
+            row = requesting.ask(session, run["id"], wanted, asker)
+            jobs.finish(row, state=jobs.DONE)
+            numbers.append((row.options or {}).get("again", 0))
+    assert numbers == list(range(100))
+    questions: list[str] = []
+    event.listen(plant.engine, "before_cursor_execute", lambda *args: questions.append(args[2]))
+    with plant.transaction() as session:
+        requesting.ask(session, run["id"], wanted, asker)
+    assert len(questions) < 40
+
+
+def test_who_sees_one_plant_asks_in_the_same_order_and_quota(plant: Database, api: Api) -> None:
+    (run,) = api("GET", "/machines/pump-7/runs")
+    with PlantScope(plant, frozenset({KEY.plant})).transaction() as session:
+        asker = requesting.Asker("anna", JobQuota(1, 9))
+        assert requesting.ask(session, run["id"], requesting.Request(seed=4), asker).plant == KEY.plant
+        with pytest.raises(QuotaExceeded):
+            requesting.ask(session, run["id"], requesting.Request(seed=5), asker)
 
 
 @pytest.fixture

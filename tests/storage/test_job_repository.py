@@ -60,7 +60,7 @@ def test_a_job_that_costs_every_worker_is_given_up(plant: Database) -> None:
         for attempt in range(1, jobs.LARGEST_ATTEMPTS + 1):
             (row,) = jobs.take(session, 1)
             assert row.attempts == attempt
-            jobs.put_back(row, "the worker died")
+            jobs.put_back(session, row, "the worker died")
         assert jobs.take(session, 1) == []
         assert row.state == jobs.QUARANTINED
         assert row.error == "given up after 3 attempts: the worker died"
@@ -70,7 +70,7 @@ def test_a_job_that_did_harm_waits_behind_all_others(plant: Database) -> None:
     with plant.transaction() as session:
         first, second, third = (ask(session, run_id) for run_id in (1, 2, 3))
         (harmful,) = jobs.take(session, 1)
-        jobs.put_back(harmful, "it took too long")
+        jobs.put_back(session, harmful, "it took too long")
     with plant.transaction() as session:
         assert [row.id for row in jobs.take(session, 1)] == [second]
         assert [row.id for row in jobs.take(session, 2)] == [third, first]
