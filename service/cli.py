@@ -39,6 +39,7 @@ from service.printing import (
     slow_roll_text,
 )
 from service.recording import read_recording, split, write_recording
+from service.retention_command import retention_app
 from service.roles import Role
 from service.security.command import audit_app, key_app
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings, SettingsWrong, settings_of
@@ -55,6 +56,7 @@ from service.wire import Key, Rejected
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 app.add_typer(key_app, name="key")
 app.add_typer(audit_app, name="audit")
+app.add_typer(retention_app, name="retention")
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
 for command in (backup, restore, move, export):

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
@@ -17,8 +18,9 @@ from estimator.operating_state import Event, ModeChanged, OperatingLimits, Opera
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.speed_bins import ROLLING, SpeedBins, filled
 from service.late import Window, noted, without
-from storage import machines, runs
+from storage import machines, runs, samples
 from storage.blocks import Samples
+from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
 
 logger = logging.getLogger(__name__)
 
@@ -28,6 +30,8 @@ LATE_PATIENCE_S = 10.0
 """Late samples are sorted in when no more of them have come for this long, …"""
 LONGEST_LATE_PATIENCE = 10.0
 """… or, where they do not cease, this many times as long after the first of them."""
+RECENT = 3_600_000_000_000
+"""A sample no older than an hour [ns] tells what a machine does at present."""
 
 
 @dataclass
@@ -60,6 +64,11 @@ class Standing:
             bins=None if bins is None else SpeedBins(tuple(tuple(one) for one in bins)),
             rolled_at=stored.get("rolled_at", 0),
         )
+
+    @property
+    def is_of_the_future(self) -> bool:
+        """Whether its newest sample lies ahead of the clock, which was ahead itself when that came."""
+        return is_ahead(self.seen)
 
     @property
     def is_under_way(self) -> bool:
@@ -110,7 +119,7 @@ class Collector:
     def seen(self, session: Session, machine_id: str) -> int:
         """Time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
         stored = runs.collector_state(session, machine_id)
-        return 0 if stored is None else int(stored["seen"])
+        return 0 if stored is None or is_ahead(int(stored["seen"])) else int(stored["seen"])
 
     def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
         """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
@@ -120,6 +129,8 @@ class Collector:
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             self._revise(session, machine.id, now, revision)
+        if now.is_of_the_future and (recent := _recent(new.time)).size:
+            _set_back(session, machine.id, now, seen=int(recent.min()) - 1)
         turning, late = now.direction, new.time <= now.seen
         if late.any():
             self._note_late(session, machine, now, new.time[late])
@@ -148,7 +159,9 @@ class Collector:
     def let_rest(self, session: Session, machine_ids: Collection[str]) -> None:
         """Nothing is to be done, until samples come, for those of these machines of which it is not known what they do."""
         known = self._known(session, machine_ids)
-        self._silent |= {one for one in machine_ids if one not in known or not known[one].is_under_way}
+        self._silent |= {
+            one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
+        }
 
     def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
         """Nothing is to be sorted in, until samples come late, for those of these machines that have none."""
@@ -162,9 +175,12 @@ class Collector:
         """End the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
         now = standing(session, machine_id)
-        if now is not None and now.is_under_way:
-            _silence(session, machine_id, now, reason="the source fell silent")
-            runs.save_collector_state(session, machine_id, now.stored())
+        if now is None or not (now.is_under_way or now.is_of_the_future):
+            return
+        _silence(session, machine_id, now, reason="the source fell silent")
+        if now.is_of_the_future:
+            _set_back(session, machine_id, now, seen=samples.newest_time(session, machine_id, until=latest()) or 0)
+        runs.save_collector_state(session, machine_id, now.stored())
 
     def late_patience(self, session: Session, machine_id: str) -> float | None:
         """How long more late samples of a machine are waited for [s]; None while they still come, or where there are none."""
@@ -209,6 +225,20 @@ class Collector:
     def _revise(self, session: Session, machine_id: str, now: Standing, revision: int) -> None:
         _silence(session, machine_id, now, reason="the machine's document was revised")
         now.revision, now.bins, now.rolled_at = revision, None, 0
+
+
+def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Those that are of the present [ns]."""
+    last = latest()
+    return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
+
+
+def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) -> None:
+    """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
+    logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
+    _silence(session, machine_id, now, reason="the clock was set back")
+    now.operating = replace(now.operating, since=0)
+    now.seen, now.bins, now.rolled_at = seen, None, 0
 
 
 def _silence(session: Session, machine_id: str, now: Standing, *, reason: str) -> None:

@@ -8,13 +8,13 @@ from collections.abc import Callable
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from service.collection import standing
-from service.late import BESIDE
+from service.cut_offs import CutOff, advanced
 from service.memory import give_back
 from service.settings import Settings
 from service.sharing import RETENTION, Share, Whole
-from storage import disk, machines, retention, runs
-from storage.clock import now
+from service.tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
+from storage import disk, machines, retention
+from storage.clock import now, to_datetime
 from storage.database import Database
 from storage.disk import DiskUse
 
@@ -26,9 +26,8 @@ LOOK_S = 10.0
 """Between two looks at disk and memory."""
 PAUSE_S = 0.05
 """Between two transactions, for those who wait."""
-BLOCKS, RUNS = 200, 20
-"""At most so many are let go of in one transaction."""
-DAY_NS = 86_400_000_000_000
+COUNTED_NS = 60_000_000_000
+"""Time served is written down when it is more than this [ns]."""
 TIGHT, FULL = 0.80, 0.95
 """Parts of the room from which on it is warned of, and urgently."""
 
@@ -50,8 +49,14 @@ class Housekeeping:
         """Why the last round was not finished; it stands until one is."""
         self.unseen: str | None = None
         """Why the last look did not show how much room is left."""
-        self.released_blocks = self.released_runs = 0
-        """Since the start."""
+        self.released = dict.fromkeys((Blocks.name, Runs.name), 0)
+        """By tier, since the start."""
+        self._tiers = tiers_of(settings)
+        self._cut_offs: dict[str, CutOff] = {}
+        self._counted_to = time.monotonic_ns()
+        """Up to when the time served is in the cut-offs that are kept."""
+        self._waiting = 0
+        self._said_of_waiting = ""
 
     def start(self) -> None:
         """Begin."""
@@ -73,14 +78,15 @@ class Housekeeping:
         """What is to be said of the room, and why the store is not kept in bounds."""
         hindered = [f"old samples are not let go of: {self.trouble}"] if self.trouble else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
-        return [*([self._said] if self._said else []), *hindered, *blind]
+        return [words for words in (self._said, self._said_of_waiting) if words] + hindered + blind
 
     @property
     def gauges(self) -> dict[str, float]:
         """Figures for a monitoring system, by the name of the metric."""
         found: dict[str, float] = {
-            "rundown_released_sample_blocks": self.released_blocks,
-            "rundown_released_runs": self.released_runs,
+            "rundown_released_sample_blocks": self.released[Blocks.name],
+            "rundown_released_runs": self.released[Runs.name],
+            "rundown_retention_waiting": self._waiting,
             "rundown_housekeeping_working": int(self.trouble is None and self.unseen is None),
         }
         use = self._use
@@ -96,12 +102,17 @@ class Housekeeping:
 
     def round(self) -> None:
         """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
+        moment = now()
         with self._database.reading() as session:
             every = [row.id for row in machines.every(session)]
+        self._move_cut_offs(every, moment)
         failed: Exception | None = None
+        waiting: set[str] = set()
         for machine_id in every:
             try:
-                self._release(machine_id)
+                for tier in self._tiers:
+                    if not self._release(tier, machine_id, moment):
+                        waiting.add(machine_id)
             except DBAPIError:
                 raise
             except Exception as error:
@@ -109,6 +120,7 @@ class Housekeeping:
                 failed = error
             if not self._goes_on():
                 return
+        self._tell_waiting(waiting, moment)
         while disk.give_back(self._database) and self._goes_on(PAUSE_S):
             pass
         if failed is not None:
@@ -131,56 +143,61 @@ class Housekeeping:
             pause = LOOK_S
             self._look_at_all()
             if not self._share.leads(RETENTION):
-                self.trouble = None  # it is another replica's
+                self._leave_to_another()
             elif time.monotonic() >= next_round:
                 next_round = time.monotonic() + INTERVAL_S
                 self.trouble = _tried(self.round)
+        if self._tiers and self._cut_offs and self.trouble is None and self._share.leads(RETENTION):
+            _tried(lambda: self._move_cut_offs([], now()))  # what was served since the last round counts after a restart, too
 
-    def _release(self, machine_id: str) -> None:
-        if self._settings.raw_days:
-            self._release_blocks(machine_id)
-        if self._settings.run_days:
-            self._release_runs(machine_id)
+    def _leave_to_another(self) -> None:
+        """It is another replica's; nothing of it is known here, nor is the time served counted twice."""
+        self.trouble, self._waiting, self._said_of_waiting = None, 0, ""
+        self._counted_to = time.monotonic_ns()
 
-    def _release_blocks(self, machine_id: str) -> None:
+    def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
+        """Let the cut-off of each tier come as near to what clock and settings ask for as the time served allows."""
+        served = time.monotonic_ns() - self._counted_to
         with self._database.reading() as session:
-            if not retention.has_blocks(session, machine_id, before=self._blocks_before(session, machine_id)):
-                return
-        while self._goes_on(PAUSE_S):
-            with self._database.transaction() as session:
-                before = self._blocks_before(session, machine_id)
-                count = retention.release_blocks(session, machine_id, before=before, limit=BLOCKS)
-            self.released_blocks += count
-            if count < BLOCKS:
-                return
+            self._cut_offs = {tier.name: self._moved(session, tier, machine_ids, moment, served) for tier in self._tiers}
+            known = all(retention.cut_off(session, tier.name) is not None for tier in self._tiers)
+        if known and served < COUNTED_NS:
+            return  # nobody need wait for so little to be written
+        with self._database.transaction() as session:  # a person may have confirmed meanwhile
+            for tier in self._tiers:
+                cut_off = self._cut_offs[tier.name] = self._moved(session, tier, machine_ids, moment, served)
+                retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+        self._counted_to += served
 
-    def _blocks_before(self, session: Session, machine_id: str) -> int:
-        """Time before which a machine's sample blocks are let go of [ns]."""
-        newest = retention.newest_sample(session, machine_id)
-        if newest is None:
-            return 0
-        old = _ago(newest, self._settings.raw_days)
-        # What is needed takes longer to find out, and most have nothing old.
-        return min(old, *_needed_since(session, machine_id)) if retention.has_blocks(session, machine_id, before=old) else old
+    def _moved(self, session: Session, tier: Tier, machine_ids: list[str], moment: int, served: int) -> CutOff:
+        kept = retention.cut_off(session, tier.name)
+        if kept is None:
+            return first_cut_off(session, tier, machine_ids, moment=moment)
+        return advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
-    def _release_runs(self, machine_id: str) -> None:
-        kept = self._settings.baseline_runs
+    def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:
+        """Let go of what is old enough of a machine; False where some of that lies behind the cut-off and waits."""
+        limit = self._cut_offs[tier.name].time
         with self._database.reading() as session:
-            before = self._runs_before(session, machine_id)
-            if not retention.has_runs(session, machine_id, before=before, baseline_runs=kept):
-                return
-        while self._goes_on(PAUSE_S):
+            wanted = tier.before(session, machine_id, moment=moment)
+            if not tier.has(session, machine_id, before=wanted):
+                return True
+            some = tier.has(session, machine_id, before=min(wanted, limit))
+        while some and self._goes_on(PAUSE_S):
             with self._database.transaction() as session:
-                before = self._runs_before(session, machine_id)
-                count = retention.release_runs(session, machine_id, before=before, baseline_runs=kept, limit=RUNS)
-            self.released_runs += count
-            if count < RUNS:
-                return
+                wanted = tier.before(session, machine_id, moment=moment)
+                count = tier.release(session, machine_id, before=min(wanted, limit))
+            self.released[tier.name] += count
+            some = count == tier.most
+        with self._database.reading() as session:
+            return wanted <= limit or not tier.has(session, machine_id, before=wanted)
 
-    def _runs_before(self, session: Session, machine_id: str) -> int:
-        """Time before which a machine's runs lose their samples [ns]."""
-        newest = runs.of_machine(session, machine_id, limit=1)
-        return _ago(newest[0].time_last or newest[0].time_first, self._settings.run_days) if newest else 0
+    def _tell_waiting(self, machine_ids: set[str], moment: int) -> None:
+        """Say that old samples wait for a person, as long as they do."""
+        before, self._waiting = self._waiting, len(machine_ids)
+        self._said_of_waiting = _waiting_words(machine_ids, moment) if machine_ids else ""
+        if machine_ids and not before:
+            logger.warning(self._said_of_waiting)
 
     def _look(self) -> None:
         """See how much room is left, and say when that has become too little."""
@@ -214,6 +231,15 @@ def _tried(work: Callable[[], None]) -> str | None:
     return None
 
 
+def _waiting_words(machine_ids: set[str], moment: int) -> str:
+    named = ", ".join(sorted(machine_ids)[:3]) + (", …" if len(machine_ids) > 3 else "")
+    return (
+        f"old samples of {len(machine_ids)} machines ({named}) wait to be let go of: by this machine's clock "
+        f"({to_datetime(moment):%Y-%m-%d %H:%M} UTC) and the settings more of them are old than time has passed here. If both "
+        "are right, `rundown retention confirm` shows them and lets them go"
+    )
+
+
 def warning(use: DiskUse) -> str:
     """What is to be said of the room; empty where there is enough."""
     if use.part is None or use.part < TIGHT:
@@ -225,23 +251,3 @@ def warning(use: DiskUse) -> str:
         f"the store is {urgent}: {100 * use.part:.0f} % are used; the database has {use.data / 1e9:.1f} GB{budget}{left}. "
         "Shorten raw_days or run_days, or give it more room"
     )
-
-
-def _ago(newest: int, days: float) -> int:
-    """By the machine's own newest time, as far as that is not in the future: one that was off for a year loses nothing."""
-    return min(newest, now()) - round(days * DAY_NS)
-
-
-def _needed_since(session: Session, machine_id: str) -> list[int]:
-    """Times from which on a machine's blocks are needed by unfinished runs, its speed bins, and what came late [ns]."""
-    found = [2**63 - 1]
-    machine = machines.document(session, machine_id)
-    before = round(1e9 * machine.collection.pre_trigger_s) + BESIDE
-    found += [row.time_first - before for row in runs.unfinished(session, machine_id)]
-    stands = standing(session, machine_id)
-    if stands is not None:
-        found += [window[1] - before for window in stands.late]
-        found += [stands.seen - before]
-        if stands.bins is not None:
-            found += stands.bins.all_times[:1]
-    return found

@@ -7,6 +7,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, ScalarSelect, Text, cast, func, select
 from sqlalchemy.orm import Session
 
+from storage.clock import latest
 from storage.tables import (
     AlertEventRow,
     AlertRow,
@@ -140,8 +141,14 @@ def _in_force() -> ColumnElement[bool]:
 
 
 def _newest(number: Any, machine_id: Any, time: Any) -> ScalarSelect[Any]:
-    """Id of a machine's newest row, from the index over machine and time."""
-    return select(number).where(machine_id == MachineRow.id).order_by(time.desc(), number.desc()).limit(1).scalar_subquery()
+    """Id of a machine's newest row that is not of the future, from the index over machine and time."""
+    return (
+        select(number)
+        .where(machine_id == MachineRow.id, time <= latest())
+        .order_by(time.desc(), number.desc())
+        .limit(1)
+        .scalar_subquery()
+    )
 
 
 def _some(session: Session, columns: tuple[Any, ...], ids: list[int | None]) -> Sequence[Any]:

@@ -4,6 +4,7 @@ Each call is a part of one small transaction of its own, so that ingest never wa
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from sqlalchemy import Select, delete, func, select, update
 from sqlalchemy.orm import Session
@@ -11,10 +12,30 @@ from sqlalchemy.orm import Session
 from storage import machines
 from storage.clock import now
 from storage.jobs import QUEUED, RUNNING
-from storage.tables import BaselineRow, IdentificationRow, JobRow, RunRow, SampleBlockRow
+from storage.tables import BaselineRow, IdentificationRow, JobRow, RetentionRow, RunRow, SampleBlockRow
 
 KEPT_RUNS = 20
 """Newest runs of a machine that always keep their samples: they may be identified together yet."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How many blocks or runs, and from when to when [ns]."""
+
+    count: int
+    first: int
+    last: int
+
+
+def cut_off(session: Session, tier: str) -> tuple[int, int] | None:
+    """Cut-off and allowance of a tier [ns]; None where none is kept yet."""
+    row = session.get(RetentionRow, tier)
+    return None if row is None else (row.cut_off, row.allowance)
+
+
+def keep_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
+    """Remember cut-off and allowance of a tier [ns]."""
+    session.merge(RetentionRow(tier=tier, cut_off=time, allowance=allowance))
 
 
 def newest_sample(session: Session, machine_id: str) -> int | None:
@@ -41,6 +62,14 @@ def release_blocks(session: Session, machine_id: str, *, before: int, limit: int
     return len(rows)
 
 
+def extent_of_blocks(session: Session, machine_id: str, *, before: int) -> Extent | None:
+    """The sample blocks of a machine that ended before a time [ns]; None where there are none."""
+    block = SampleBlockRow
+    query = select(func.count(), func.min(block.time_first), func.max(block.time_last))
+    count, first, last = session.execute(query.where(block.machine_id == machine_id, block.time_last < before)).one()
+    return Extent(count, first, last) if count else None
+
+
 def _ended_blocks(machine_id: str, before: int) -> Select[int, int]:
     block = SampleBlockRow
     return select(block.id, block.time_last).where(block.machine_id == machine_id, block.time_last < before)
@@ -53,6 +82,15 @@ def has_runs(session: Session, machine_id: str, *, before: int, baseline_runs: i
         return False
     needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
     return session.scalar(ended.where(RunRow.id.not_in(needed)).limit(1)) is not None
+
+
+def extent_of_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int) -> Extent | None:
+    """The runs of which `release_runs` lets go of the samples; None where there are none."""
+    needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
+    ended = _ended_runs(machine_id, before).where(RunRow.id.not_in(needed)).subquery()
+    query = select(func.count(), func.min(RunRow.time_first), func.max(RunRow.time_last))
+    count, first, last = session.execute(query.where(RunRow.id.in_(select(ended.c.id)))).one()
+    return Extent(count, first, last or first) if count else None
 
 
 def release_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int, limit: int) -> int:

@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session, undefer
 from estimator.coverage import Coverage
 from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
-from storage.clock import to_datetime
+from storage.clock import latest, to_datetime
 from storage.paging import Keys, between, ordered
 from storage.tables import CollectorRow, MachineStateRow, RunRow
 
@@ -309,7 +309,11 @@ def states(
     limit: int | None = None,
     after: Keys | None = None,
 ) -> Sequence[MachineStateRow]:
-    """What a machine did, newest first: every state that began between two times [ns]; after: beginning and id."""
+    """What a machine did, newest first: every state that began between two times [ns]; after: beginning and id.
+
+    Without a last time those of the future are left out: a clock that was ahead must not hide the present.
+    """
+    last = latest() if last is None else last
     query = select(MachineStateRow).where(MachineStateRow.machine_id == machine_id)
     query = between(query, MachineStateRow.since, first, last)
     return session.scalars(ordered(query, (MachineStateRow.since, MachineStateRow.id), after).limit(limit)).all()

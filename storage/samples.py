@@ -5,10 +5,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from sqlalchemy import func, select, tuple_
+from sqlalchemy import case, func, select, tuple_
 from sqlalchemy.orm import Session
 
 from storage.blocks import DamagedBlock, Samples, decode, encode, join
+from storage.clock import latest as latest_time
 from storage.paging import Keys, ordered
 from storage.tables import SampleBlockRow, SourceRow
 
@@ -29,7 +30,7 @@ class SourceKey:
 
 @dataclass(frozen=True)
 class Totals:
-    """Samples of all sources of a machine together; last_time: of the newest one stored [ns], 0 where there is none."""
+    """Samples of all sources of a machine together; last_time: of the newest one [ns] that is not of the future, else 0."""
 
     machine_id: str
     received: int
@@ -181,6 +182,12 @@ def latest(
     return newest
 
 
+def newest_time(session: Session, machine_id: str, *, until: int) -> int | None:
+    """Time of a machine's newest sample among the blocks that ended by a time [ns]; None where there is none."""
+    block = SampleBlockRow
+    return session.scalar(select(func.max(block.time_last)).where(block.machine_id == machine_id, block.time_last <= until))
+
+
 def sources(
     session: Session, machine_id: str | None = None, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[SourceRow]:
@@ -196,7 +203,8 @@ def totals(session: Session) -> list[Totals]:
     """What was received, per machine, by id."""
     row = SourceRow
     sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
-    query = select(row.machine_id, *sums, func.max(row.last_time)).group_by(row.machine_id).order_by(row.machine_id)
+    newest = func.max(case((row.last_time <= latest_time(), row.last_time), else_=0))
+    query = select(row.machine_id, *sums, newest).group_by(row.machine_id).order_by(row.machine_id)
     return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
 
 

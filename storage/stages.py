@@ -7,6 +7,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage import jobs
+from storage.clock import latest
 from storage.deliveries import GIVEN_UP, PENDING
 from storage.tables import (
     AlertRow,
@@ -56,17 +57,18 @@ def figures(session: Session, *, since: int, overdue: int) -> Figures:
     def count(*conditions: Any) -> int:
         return one(select(func.count()).where(*conditions)) or 0
 
-    heard = select(func.count(func.distinct(SourceRow.machine_id))).where(SourceRow.last_time >= since)
+    until = latest()
+    heard = select(func.count(func.distinct(SourceRow.machine_id))).where(SourceRow.last_time.between(since, until))
     pending = DeliveryRow.state == PENDING
     return Figures(
         machines_now=one(select(func.count()).select_from(MachineRow)) or 0,
-        newest_sample=one(select(func.max(SourceRow.last_time))) or None,
+        newest_sample=one(select(func.max(SourceRow.last_time)).where(SourceRow.last_time <= until)) or None,
         heard_machines=one(heard) or 0,
         rejected=count(QuarantineRow.received_at >= since),
         lost_ever=int(one(select(func.sum(SourceRow.lost))) or 0),
         runs=count(RunRow.time_first >= since),
         open_runs_now=count(RunRow.state == "open"),
-        newest_run=one(select(func.max(RunRow.time_first))),
+        newest_run=one(select(func.max(RunRow.time_first)).where(RunRow.time_first <= until)),
         waiting_jobs_now=count(JobRow.state.in_((jobs.QUEUED, jobs.RUNNING))),
         failed_jobs=count(JobRow.state == jobs.FAILED, JobRow.finished_at >= since),
         identifications=count(IdentificationRow.computed_at >= since),

@@ -119,6 +119,7 @@ _GAUGES = {
     "rundown_disk_used_ratio": "part of the budget or of the file system that is used, whichever is nearer to its end",
     "rundown_released_sample_blocks": "sample blocks that retention let go of since the start",
     "rundown_released_runs": "runs whose samples retention let go of since the start",
+    "rundown_retention_waiting": "machines of which old samples wait for `rundown retention confirm`",
     "rundown_backup_age_seconds": "of the newest complete backup in the folder that is looked at; +Inf: there is none",
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
     "rundown_housekeeping_working": "1 while old samples are let go of as they should be",

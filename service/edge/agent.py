@@ -23,7 +23,8 @@ from service.edge.files import read_chunks
 from service.edge.topic import Topic
 from service.source import Source
 from service.source_log import LogError
-from service.wire import WIRE_SCHEMA, SampleBatch, is_ahead
+from service.wire import WIRE_SCHEMA, SampleBatch
+from storage.clock import is_ahead
 
 logger = logging.getLogger(__name__)
 

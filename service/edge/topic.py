@@ -13,7 +13,7 @@ from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.files import RATE_TOLERANCE
 from service.edge.waveform_message import BadMessage, WaveformMessage, decode_waveforms
-from service.wire import is_ahead
+from storage.clock import is_ahead
 
 QUEUE_BYTES = 64 << 20
 """Messages that wait to be worked off; more are left out and counted."""

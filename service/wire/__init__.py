@@ -5,11 +5,9 @@ encodings and the conversion to SI. `docs/integrators.md` describes it for those
 from service.wire.answers import Received, SourceReceived
 from service.wire.conversion import (
     EARLIEST_TIME,
-    FUTURE_TOLERANCE,
     LARGEST_AMPLITUDE,
     LARGEST_PHASE,
     OVERSPEED,
-    is_ahead,
     to_samples,
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
@@ -37,7 +35,6 @@ __all__ = [
     "DIRECTIONS",
     "EARLIEST_TIME",
     "ENCODINGS",
-    "FUTURE_TOLERANCE",
     "IDENTIFIER",
     "JSON",
     "LARGEST_AMPLITUDE",
@@ -64,7 +61,6 @@ __all__ = [
     "encode_batch",
     "encode_body",
     "frame",
-    "is_ahead",
     "require_size",
     "source_key",
     "to_samples",

@@ -12,7 +12,7 @@ from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
 from storage.blocks import Samples
-from storage.clock import now
+from storage.clock import FUTURE_TOLERANCE
 from storage.packing import on_grid
 
 LARGEST_AMPLITUDE = 0.02
@@ -22,8 +22,6 @@ LARGEST_PHASE = 1e5
 OVERSPEED = 1.3
 """A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
-FUTURE_TOLERANCE = 600_000_000_000
-"""A sample may be ahead of this machine's clock by ten minutes [ns]; clocks that differ by more want mending."""
 
 _NO_PHASOR = complex(np.nan, np.nan)
 
@@ -72,11 +70,6 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         conditions[index, column] = np.nan
     phasor, second = (on_grid(one.view(np.float64)).view(np.complex128) for one in (phasor, second))
     return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions), taken, faults
-
-
-def is_ahead(time_ns: int) -> bool:
-    """Whether a time [ns] lies so far ahead of this machine's clock that one of the two is wrong."""
-    return time_ns > now() + FUTURE_TOLERANCE
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -23,6 +23,7 @@ from storage.tables.operation import (
     LeaseRow,
     LoginRow,
     ReplicaRow,
+    RetentionRow,
 )
 
 __all__ = [
@@ -52,6 +53,7 @@ __all__ = [
     "QuarantineCountRow",
     "QuarantineRow",
     "ReplicaRow",
+    "RetentionRow",
     "RevisionRow",
     "RunRow",
     "SampleBlockRow",

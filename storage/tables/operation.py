@@ -45,6 +45,18 @@ class LeaseRow(Base):
     since: Mapped[int]
 
 
+class RetentionRow(Base):
+    """How far a tier of retention has come. cut_off: what ended before that may be let go of [ns]; allowance: how much further
+    than the time served it may move [ns].
+    """
+
+    __tablename__ = "retention"
+
+    tier: Mapped[str] = mapped_column(String(32), primary_key=True)
+    cut_off: Mapped[int]
+    allowance: Mapped[int]
+
+
 class ChangeCountRow(Base):
     """How often rows of a table were written, see `storage.changes`; on SQLite only."""
 

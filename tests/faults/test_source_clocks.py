@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from service.wire import ENCODINGS, FUTURE_TOLERANCE, JSON, decode_batch, encode_batch
+from service.wire import ENCODINGS, JSON, decode_batch, encode_batch
+from storage.clock import FUTURE_TOLERANCE
 from storage.database import Database
 from tests.faults.clocks import HOUR, MINUTE, SIZE, STEP, TRUE, kept, told, wandering
 from tests.plant import KEY, SECOND

@@ -1,6 +1,7 @@
 """Clocks that are set back or forward: nothing is shelved for ever, nothing is delivered late, no wrong date rules a trend."""
 
 import time
+from dataclasses import dataclass
 
 import httpx
 import pytest
@@ -11,12 +12,26 @@ from benchmarks.serving import served
 from service import alerting, baselining
 from service.alert_life import Suppression
 from service.alerting import Finding, Person
+from service.collection import Collector, standing
 from service.delivery.dispatcher import Dispatcher
-from storage import alerts, deliveries
+from storage import alerts, deliveries, samples
+from storage.clock import to_datetime
 from storage.database import Database
-from storage.tables import AlertRow
+from storage.tables import AlertRow, SourceRow
+from tests.asking import Api
 from tests.judging import judge
-from tests.plant import SECOND, START, identification, store_identification, wait_until
+from tests.plant import (
+    KEY,
+    SECOND,
+    START,
+    arrived,
+    batch,
+    identification,
+    store_identification,
+    sweep_rpm,
+    wait_until,
+)
+from tests.prompt_journal import PromptJournal
 from tests.service.delivery.receivers import receiver, settings, subscribe
 
 ANNA = Person("anna")
@@ -164,3 +179,128 @@ def test_a_late_run_of_before_a_change_takes_no_alert_back(plant: Database) -> N
             assert [row.state for row in alerts.open_alerts(session, "pump-7")] == ["unacknowledged"]
         file(13, 13, STIFFER)
         assert [row.state for row in alerts.open_alerts(session, "pump-7")] == ["unacknowledged"]
+
+
+# --- a clock that was ahead for seconds ---------------------------------------------------------------------------------
+
+
+YEAR = 365 * 24 * HOUR
+
+
+@dataclass
+class Source:
+    """One that sends a sample a second, by a clock that is off like the service's."""
+
+    journal: PromptJournal
+    by: list[int]
+    sequence: int = 0
+
+    def send(self, rpm: list[float], *, at: int) -> None:
+        """at: time of the first sample by a right clock [ns]."""
+        one = batch(rpm, sequence=self.sequence, start=at + self.by[0])
+        self.journal.store([arrived(one, received_at=time.time_ns())], [])
+        self.sequence += len(rpm)
+
+
+def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[Source, int]:
+    """A source that was at speed before its clock and the service's were a year ahead for eight samples; and now."""
+    moment = time.time_ns()
+    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    source.send([1000.0] * 150, at=moment - 1000 * SECOND)
+    off[0] = YEAR
+    source.send([1480.0] * 8, at=moment)
+    off[0] = 0
+    return source, moment
+
+
+def seen(plant: Database, moment: int) -> tuple[str, bool, bool]:
+    """What a machine does, as its state, the overview and the list of states say; whether its times are of the present."""
+    api = Api(plant)  # another one may be half a second behind
+    state, (row,) = api.value("/machines/pump-7/state"), api.value("/fleet")["machines"]
+    newest = api.value("/machines/pump-7/states")[0]
+    assert state["state"] == row["state"] == newest["state"]
+    assert (state["newest_sample_at"], state["since"]) == (row["newest_sample_at"], row["state_since"])
+    present = to_datetime(moment + HOUR).isoformat()
+    return state["state"], state["newest_sample_at"] < present, (state["since"] or "") < present
+
+
+@pytest.mark.parametrize("restarted", [False, True])
+def test_a_clock_that_was_ahead_does_not_freeze_what_a_machine_does(plant: Database, off: list[int], restarted: bool) -> None:
+    source, moment = ahead_for_seconds(plant, off)
+    if restarted:
+        source.journal = PromptJournal(plant, Collector(late_s=0.0))
+    source.send([700.0] * 10, at=moment + 8 * SECOND)
+    assert seen(plant, moment) == ("at speed", True, True)
+    assert Api(plant).value("/machines/pump-7/state")["speed_rpm"] == pytest.approx(700.0)
+    assert Api(plant).value("/machines/pump-7/state")["late_samples_waiting"] == 0
+    moment -= 300 * SECOND  # and none of what follows is of the future
+    source.send(sweep_rpm(700.0, 2900.0, 60), at=moment + 320 * SECOND)
+    assert seen(plant, moment)[0] == "run-up"
+    assert Api(plant).value("/fleet")["machines"][0]["open_run"]["kind"] == "run-up"
+    source.send([*sweep_rpm(2900.0, 0.0, 60), *[0.0] * 5], at=moment + 380 * SECOND)
+    assert seen(plant, moment) == ("stopped", True, True)
+    kinds = [run["kind"] for run in Api(plant).value("/machines/pump-7/runs") if run["state"] == "closed"]
+    assert kinds == ["run-down", "run-up"]
+    assert Api(plant).value("/fleet")["machines"][0]["last_run"]["kind"] == "run-down"
+
+
+def test_a_run_of_the_future_ends_and_hides_none_of_the_present(plant: Database, off: list[int]) -> None:
+    """It was open when the clock was set right."""
+    moment = time.time_ns()
+    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    off[0] = YEAR
+    source.send([1000.0] * 5 + sweep_rpm(1000.0, 2000.0, 40), at=moment - 100 * SECOND)
+    api = Api(plant)
+    assert api.value("/machines/pump-7/state")["run"] is not None
+    off[0] = 0
+    source.send([900.0] * 10, at=moment)
+    assert seen(plant, moment) == ("at speed", True, True)
+    assert api.value("/machines/pump-7/state")["run"] is None
+    (run,) = api.value("/machines/pump-7/runs")
+    assert run["reason"].startswith("the clock was set back")
+    assert Api(plant).value("/fleet")["machines"][0]["last_run"] is None
+
+
+def test_a_machine_that_falls_silent_is_not_frozen_either(plant: Database, off: list[int]) -> None:
+    source, moment = ahead_for_seconds(plant, off)
+    source.journal = PromptJournal(plant, Collector(late_s=0.0))
+    source.journal.settle(silence_s=0.0)
+    api = Api(plant)
+    state = api.value("/machines/pump-7/state")
+    assert (state["state"], state["since"]) == ("unknown", None)
+    assert state["newest_sample_at"] == api.value("/fleet")["machines"][0]["newest_sample_at"]
+    assert state["newest_sample_at"] < to_datetime(moment).isoformat()
+    source.send([900.0] * 10, at=moment + 10 * SECOND)
+    assert seen(plant, moment) == ("at speed", True, True)
+
+
+def test_the_age_of_the_newest_sample_is_of_the_present(plant: Database, off: list[int]) -> None:
+    """Nobody would hear of a machine that is silent for a year."""
+    ahead_for_seconds(plant, off)
+    with plant.transaction() as session:
+        (row,) = samples.sources(session)
+        session.add(
+            SourceRow(**{c.name: getattr(row, c.name) for c in SourceRow.__table__.columns} | {"epoch": 0, "last_time": START})
+        )
+    text = Api(plant).ask("GET", "/metrics").text
+    (line,) = [one for one in text.splitlines() if one.startswith("rundown_newest_sample_age_seconds{")]
+    assert float(line.split()[1]) == pytest.approx((time.time_ns() - START) / 1e9, rel=1e-3)
+
+
+@pytest.mark.parametrize("hours", [-3, 3])
+def test_late_samples_stay_late_where_no_clock_was_wrong(plant: Database, off: list[int], hours: int) -> None:
+    """Also where the service's own clock is behind: what is a little older is late, and the newest sample is what it was."""
+    moment = time.time_ns()
+    source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
+    source.send([1000.0] * 10, at=moment)
+    with plant.reading() as session:
+        before = standing(session, KEY.machine)
+    off[0] = hours * HOUR
+    one = batch([900.0] * 10, sequence=source.sequence, start=moment - 24 * HOUR, source="other")
+    source.journal.store([arrived(one, received_at=moment)], [])
+    with plant.reading() as session:
+        after = standing(session, KEY.machine)
+    assert before is not None
+    assert after is not None
+    assert (after.seen, after.operating) == (before.seen, before.operating)
+    assert after.late

@@ -9,12 +9,14 @@ import pytest
 from pydantic import ValidationError
 from sqlalchemy import select, text
 
-from service import housekeeping
+from service import housekeeping, tiers
 from service.collection import Collector
-from service.housekeeping import DAY_NS, Housekeeping, warning
+from service.cut_offs import DAY_NS
+from service.housekeeping import Housekeeping, warning
 from service.identifying import _earlier
 from service.settings import Settings
 from service.sharing import Whole
+from service.tiers import Blocks, Runs, tiers_of
 from storage import baselines, disk, identifications, jobs, machines, retention, runs
 from storage.database import Database
 from storage.disk import DiskUse
@@ -46,9 +48,19 @@ def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def kept(database: Database, **settings: Any) -> Housekeeping:
-    one = Housekeeping(database, Settings(database=database.url, **settings))
+    """A round of a service whose clock and settings were confirmed."""
+    one = Housekeeping(database, confirmed(database, **settings))
     one.round()
     return one
+
+
+def confirmed(database: Database, **settings: Any) -> Settings:
+    """Settings, whose cut-offs by the present clock were confirmed."""
+    given = Settings(database=database.url, **settings)
+    with database.transaction() as session:
+        for tier in tiers_of(given):
+            retention.keep_cut_off(session, tier.name, time=time.time_ns() - tier.kept, allowance=DAY_NS)
+    return given
 
 
 def feed(journal: PromptJournal, first_day: int, last_day: int) -> None:
@@ -94,11 +106,11 @@ def test_nothing_is_let_go_of_unless_asked_for(plant: Database, journal: PromptJ
 
 
 def test_old_blocks_go_in_small_transactions(plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(housekeeping, "BLOCKS", 7)
+    monkeypatch.setattr(tiers, "BLOCKS", 7)
     feed(journal, 0, DAYS)
     done = kept(plant, raw_days=30)
     assert days(plant) == list(range(DAYS - 31, DAYS))
-    assert done.released_blocks == DAYS - 31
+    assert done.released[Blocks.name] == DAYS - 31
     with plant.reading() as session:
         assert machines.get(session, KEY.machine).blocks_since == START + (DAYS - 32) * DAY_NS + 9 * SECOND + 1
 
@@ -112,10 +124,10 @@ def test_a_machine_that_cannot_be_looked_after_keeps_no_other_from_it(plant: Dat
     feed(journal, 0, DAYS)
     with plant.transaction() as session:
         session.get_one(CollectorRow, "a-fan").state = {"revision": 1, "seen": "yesterday", "late": "never"}
-    keeping = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    keeping = Housekeeping(plant, confirmed(plant, raw_days=30))
     with pytest.raises(IndexError):
         keeping.round()
-    assert keeping.released_blocks == DAYS - 31
+    assert keeping.released[Blocks.name] == DAYS - 31
 
 
 def test_a_machine_that_was_off_loses_nothing(plant: Database, journal: PromptJournal) -> None:
@@ -187,7 +199,7 @@ def test_old_runs_lose_their_samples_and_nothing_else(plant: Database) -> None:
     before = api.value(f"/runs/{made[0]}")
     done = kept(plant, run_days=30)
     assert with_samples(plant) == made[DAYS - 31 :]
-    assert done.released_runs == DAYS - 31
+    assert done.released[Runs.name] == DAYS - 31
     after = api.value(f"/runs/{made[0]}")
     assert after.pop("samples_released_at") is not None
     assert before.pop("samples_released_at") is None
@@ -266,11 +278,11 @@ def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
     monkeypatch.setattr("storage.database.BUSY_TIMEOUT_MS", 100)
     feed(journal, 0, 20)
     add_runs(plant, 25)
-    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30, run_days=1))
+    one = Housekeeping(plant, confirmed(plant, raw_days=30, run_days=1))
     one.round()
     with plant.transaction():  # another round would have to wait for its turn to write
         one.round()
-    assert (one.released_blocks, one.released_runs) == (0, 5)
+    assert (one.released[Blocks.name], one.released[Runs.name]) == (0, 5)
 
 
 @pytest.mark.parametrize("name", ["raw_days", "run_days"])
@@ -338,16 +350,16 @@ def test_the_room_is_looked_at_during_a_long_round(
 ) -> None:
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.0)
     feed(journal, 0, DAYS)
-    one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001, raw_days=30))
+    one = Housekeeping(plant, confirmed(plant, disk_budget_gb=0.0001, raw_days=30))
     one.round()
     assert "nearly full" in one.warnings[0]
 
 
 def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: PromptJournal) -> None:
     feed(journal, 0, DAYS)
-    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    one = Housekeeping(plant, confirmed(plant, raw_days=30))
     one.start()
-    wait_until(lambda: one.released_blocks == DAYS - 31 or one.trouble is not None, seconds=30)
+    wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.trouble is not None, seconds=30)
     assert one.trouble is None
     assert one.alive
     one.stop()
@@ -358,7 +370,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     """Looks at the disk in between, which succeed, say nothing of retention."""
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
     monkeypatch.setattr(housekeeping, "INTERVAL_S", 1.0)
-    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    one = Housekeeping(plant, confirmed(plant, raw_days=30))
     api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
@@ -390,7 +402,7 @@ class _Elsewhere(Whole):
 def test_what_hindered_it_is_forgotten_where_another_replica_does_it(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
     share = _Elsewhere()
-    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30), share)
+    one = Housekeeping(plant, confirmed(plant, raw_days=30), share)
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
     one.start()
@@ -408,7 +420,7 @@ def test_what_cannot_be_looked_at_is_told_apart_from_retention(
     if plant.kind != "sqlite":
         pytest.skip("a server's disk is not looked at")
     monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
-    one = Housekeeping(plant, Settings(database=plant.url, raw_days=30))
+    one = Housekeeping(plant, confirmed(plant, raw_days=30))
     one.start()
     wait_until(lambda: "rundown_disk_used_ratio" in one.gauges, seconds=30)
     away = tmp_path.rename(tmp_path.with_name("away"))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from service.wire import (
-    FUTURE_TOLERANCE,
     JSON,
     LARGEST_AMPLITUDE,
     Fault,
@@ -15,6 +14,7 @@ from service.wire import (
     encode_batch,
     frame,
 )
+from storage.clock import FUTURE_TOLERANCE
 from tests.plant import START, batch
 from tests.service.wire_messages import HUGE, INFINITY, NAN, NOW, Converted, converted, decoded
 
