@@ -4,17 +4,19 @@ It changes nothing, and may be run beside the service, with the service's own se
 """
 
 import socket
+import sqlite3
 import ssl
 import time
 from collections.abc import Callable, Generator, Iterator
+from contextlib import closing
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 from urllib.parse import urlsplit
 
 import httpx
-from sqlalchemy import text
+from sqlalchemy import Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 
 from service.security.certificates import good_until
@@ -26,11 +28,14 @@ from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
 from storage import disk, schema
 from storage.backup_file import newest_in
-from storage.claim import DatabaseUnusable, file_of
+from storage.claim import DatabaseUnusable, file_of, in_use, require_own_name
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
+from storage.disk import DiskUse
 from storage.errors import words
+from storage.looking import damages, looking_engine
 from storage.private_files import readable_by_others
+from storage.sqlite_files import LOGS
 
 Level = Literal["ok", "warning", "wrong"]
 
@@ -43,6 +48,8 @@ BACKUP_EVERY = timedelta(hours=30)
 SKEW_S = 2.0
 """Clocks of the database's and of this machine that differ by more than this want mending."""
 FULL = 0.8
+PAGES_S = 10.0
+"""How long the pages of an SQLite file are looked through."""
 
 
 @dataclass(frozen=True)
@@ -74,38 +81,89 @@ def _database(settings: Settings) -> Iterator[Finding]:
     what = "database"
     try:
         engine = engine_of(settings.database)
-        name = engine.url.database
-        if engine.dialect.name == "sqlite" and name and not Path(name).exists():
-            yield Finding("wrong", what, f"the file {name} is not there: start the service once, or mend RUNDOWN_DATABASE")
-            return
-        with engine.connect() as connection:
-            version, against = named(engine), objections(engine)
-            revision = schema.revision_of(connection)
-            skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
-    except (SQLAlchemyError, DatabaseUnusable) as error:
+        path = file_of(engine)
+        if path is None:
+            yield from _server(settings, engine)
+        elif not path.exists():
+            yield Finding("wrong", what, f"the file {path} is not there: start the service once, or mend RUNDOWN_DATABASE")
+        elif in_use(path):
+            yield from _file_in_use(settings, path)
+        else:
+            yield from _file(settings, path)
+    except (SQLAlchemyError, DatabaseUnusable, OSError) as error:
         reason = words(error).strip().splitlines()[0]
         yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
-        return
-    yield Finding("ok", what, f"{version} answers")
-    for objection in against:
-        yield Finding("warning", what, objection)
-    if (path := file_of(engine)) is not None and (files := readable_by_others(path)):
-        names = " ".join(map(str, files))
-        yield Finding("warning", "database file", f"others may read it, and secrets in it: chmod 600 {names}")
-    newest = schema.known_revisions()[0]
-    if revision is None:
-        yield Finding("warning", "schema", "there is none yet: the service makes it at its first start")
-    elif revision == newest:
-        yield Finding("ok", "schema", f"revision {revision}, as this release needs it")
-    elif revision in schema.known_revisions():
-        yield Finding("warning", "schema", f"revision {revision}, older than {newest}: the next start brings it up to date")
-    else:
-        yield Finding("wrong", "schema", f"revision {revision} is of a newer release: upgrade this one, or restore a backup")
+
+
+def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
+    with engine.connect() as connection:
+        yield from _version(engine)
+        revision = schema.revision_of(connection)
+        skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
+    engine.dispose()
+    yield _schema(revision)
     if skew > SKEW_S:
         yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
-    if revision == newest:  # opening an older one would bring it up to date
-        yield from _room(settings)
-    engine.dispose()
+    if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
+        yield _room(settings, lambda budget: _used(settings, budget))
+
+
+def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
+    """A service has it: it is asked, and the file is not opened, since who opens one whose log was deleted makes a new log."""
+    require_own_name(path)
+    missing = [one.name for one in (path.with_name(path.name + end) for end in LOGS) if not one.exists()]
+    if missing:
+        words = f"{' and '.join(missing)} is missing though a service runs on {path}: stop it cleanly, which saves all it has"
+        yield Finding("wrong", "database", f"{words}; do not open the file with anything before")
+    else:
+        yield from _version(engine_of(settings.database))
+    yield from _readable(path)
+    yield Finding("ok", "schema", "is the running service's: its file is not opened beside it")
+    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+
+
+def _file(settings: Settings, path: Path) -> Iterator[Finding]:
+    """Nobody has it: it is read, and left as it is."""
+    with looking_engine(path) as engine, engine.connect() as connection:
+        revision = schema.revision_of(connection)
+        yield from _version(engine)
+        yield from _readable(path)
+        yield _schema(revision)
+        yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
+    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+
+
+def _pages(connection: sqlite3.Connection, path: Path) -> Finding:
+    """Whether the file is damaged."""
+    found = damages(connection, within_s=PAGES_S)
+    if found is None:
+        return Finding("ok", "pages", f"{path} was looked through for {PAGES_S:.0f} s, not to its end; a backup looks at all")
+    if found:
+        return Finding("wrong", "pages", f"{path} is damaged: {'; '.join(found)}: look at the disk, and restore a backup")
+    return Finding("ok", "pages", f"{path} is whole")
+
+
+def _version(engine: Engine) -> Iterator[Finding]:
+    yield Finding("ok", "database", f"{named(engine)} answers")
+    for objection in objections(engine):
+        yield Finding("warning", "database", objection)
+
+
+def _readable(path: Path) -> Iterator[Finding]:
+    if files := readable_by_others(path):
+        names = " ".join(map(str, files))
+        yield Finding("warning", "database file", f"others may read it, and secrets in it: chmod 600 {names}")
+
+
+def _schema(revision: str | None) -> Finding:
+    known = schema.known_revisions()
+    if revision is None:
+        return Finding("warning", "schema", "there is none yet: the service makes it at its first start")
+    if revision == known[0]:
+        return Finding("ok", "schema", f"revision {revision}, as this release needs it")
+    if revision in known:
+        return Finding("warning", "schema", f"revision {revision}, older than {known[0]}: the next start brings it up to date")
+    return Finding("wrong", "schema", f"revision {revision} is of a newer release: upgrade this one, or restore a backup")
 
 
 def _skew(connection: Any) -> float:
@@ -114,23 +172,23 @@ def _skew(connection: Any) -> float:
     return max(0.0, abs(there - before) - (time.time() - before))
 
 
-def _room(settings: Settings) -> Iterator[Finding]:
-    budget = int(settings.disk_budget_gb * 1e9) or None
+def _used(settings: Settings, budget: int | None) -> DiskUse:
+    with closing(Database(settings.database)) as database:
+        return disk.used(database, budget=budget)
+
+
+def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Finding:
     try:
-        database = Database(settings.database)
-        use = disk.used(database, budget=budget)
-        database.close()
+        use = used(int(settings.disk_budget_gb * 1e9) or None)
     except (DatabaseUnusable, SQLAlchemyError, OSError) as error:
-        yield Finding("warning", "room", f"cannot be told: {error}")
-        return
+        return Finding("warning", "room", f"cannot be told: {error}")
     left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free"
     taken = f"the data take {use.data / 1e9:.2f} GB{left}"
     if use.part is None:
         unseen = "how much room they have is not seen from here, and disk_budget_gb is not set"
-        yield Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
-        return
+        return Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
     level: Level = "ok" if use.part < FULL else "warning"
-    yield Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
+    return Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
 
 
 def _certificates(settings: Settings) -> Iterator[Finding]:

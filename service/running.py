@@ -35,6 +35,7 @@ from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
 from service.settings import Settings
+from service.store_watch import StoreWatch
 from service.stream import connected, open_session
 from service.stream_access import StreamSecurity
 from service.submissions import Submissions
@@ -114,6 +115,9 @@ def serve(settings: Settings) -> None:
         dispatcher = Dispatcher(database, session, settings, leasing)
         housekeeping = Housekeeping(database, settings, leasing)
         backup_watch = BackupWatch(settings.backups)
+        store_watch = StoreWatch(database)
+        store_watch.start()
+        closing.callback(store_watch.stop)
         parts: dict[str, Part] = {"leasing": leasing}
         if settings.role in ("all", "identify"):
             parts |= {"identifying": identifying, "delivery": dispatcher}

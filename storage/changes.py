@@ -8,7 +8,7 @@ other; instead its snapshot is asked for, which differs as soon as any transacti
 import sqlite3
 import threading
 import weakref
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from typing import cast
 
 from sqlalchemy import text
@@ -76,10 +76,6 @@ class Changes:
     def _opened(self) -> sqlite3.Connection:
         """A connection outside the pool, on which each statement sees what is committed when it begins."""
         if self._connection is None:
-            engine = self._database.engine
-            where, how = engine.dialect.create_connect_args(engine.url)
-            connect: Callable[..., sqlite3.Connection] = sqlite3.connect
-            own = {"timeout": 0.0, "isolation_level": None, "check_same_thread": False}
-            self._connection = connect(*where, **{**how, **own})
+            self._connection = self._database.own_connection(timeout=0.0, isolation_level=None, check_same_thread=False)
             weakref.finalize(self, self._connection.close)
         return self._connection

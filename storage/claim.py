@@ -11,6 +11,7 @@ from typing import TextIO
 from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
+from storage import file_lock
 from storage.private_files import PRIVATE
 
 CLAIM_KEY = 0x52554E444F574E
@@ -24,7 +25,9 @@ class DatabaseUnusable(RuntimeError):
 
 
 class Claim:
-    """A lock file beside an SQLite file, an advisory lock on a PostgreSQL database; both end with the process."""
+    """A lock file beside an SQLite file and a lock on the file itself, an advisory lock on a PostgreSQL database; all of them
+    end with the process.
+    """
 
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
@@ -32,6 +35,7 @@ class Claim:
         self._connection: Connection | None = None
         self._held: set[tuple[int, int]] = set()
         self._file: TextIO | None = None
+        self._place: file_lock.Place | None = None
         self._asking = threading.Lock()
 
     def take(self, *, shared: bool = False) -> None:
@@ -49,11 +53,13 @@ class Claim:
                     raise DatabaseUnusable(held)
                 time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
-            beside = path.with_name(path.name + ".lock")
+            beside = _beside(path)
             try:
                 beside.touch(mode=PRIVATE)  # whoever may read it may hold it
                 self._file = beside.open("w")
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if path.is_file():
+                    self._place = file_lock.take(path)
             except BlockingIOError as error:
                 self.release()
                 raise DatabaseUnusable(held) from error
@@ -102,6 +108,9 @@ class Claim:
             self._connection.close()
             self._connection = None
         self._held.clear()
+        if self._place is not None:
+            file_lock.release(self._place)
+            self._place = None
         if self._file is not None:
             self._file.close()
             self._file = None
@@ -111,3 +120,37 @@ def file_of(engine: Engine) -> Path | None:
     """The file of an SQLite database: the one to which links lead, and beside which SQLite puts its log."""
     name = engine.url.database
     return Path(os.path.realpath(name)) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None
+
+
+def in_use(path: Path) -> bool:
+    """Whether another process has the claim on an SQLite file, by whatever name. Raises OSError."""
+    return path.is_file() and file_lock.held_by_another(path)
+
+
+def require_own_name(path: Path) -> None:
+    """Raises DatabaseUnusable for another name of an SQLite file that a service has open: SQLite would look for its log beside
+    that name, and find the data without it, or write a second one. Raises OSError.
+    """
+    if not path.is_file():
+        return
+    ours = file_lock.holder(path)
+    if (ours is not None and ours != path) or (ours is None and file_lock.held_by_another(path) and not _is_locked(path)):
+        raise DatabaseUnusable(
+            f"{path} is another name of a file that a service uses: take the name that the service has for it"
+        )
+
+
+def _is_locked(path: Path) -> bool:
+    """Whether somebody has the lock file beside it."""
+    try:
+        with _beside(path).open() as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except FileNotFoundError:
+        return False
+    return False
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(path.name + ".lock")

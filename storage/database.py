@@ -4,8 +4,9 @@ Of both kinds holds: one writes at a time, and who only looks sees one state fro
 """
 
 import re
+import sqlite3
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,13 +15,16 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, Operati
 from sqlalchemy.orm import Session, sessionmaker
 
 from storage import database_version, postgresql_archive, private_files
-from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of
+from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_own_name
 from storage.json_text import written
 from storage.longest import Longest
 from storage.schema import known_revisions, revision_of
+from storage.sqlite_files import SqliteFiles
 
 BUSY_TIMEOUT_MS = 15_000
 """How long a writer waits for its turn."""
+SAVING_TURN_S = 1.0
+"""How long the saving of a log that is gone waits for its turn among writers; it is tried again."""
 LARGEST_LOG = 64 * 2**20
 """To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
 WRITER_KEY = CLAIM_KEY + 1
@@ -50,13 +54,12 @@ class Database:
             self.engine.dispose()
             cause = error.orig if isinstance(error, DBAPIError) else error
             raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
-        path = file_of(self.engine)
         self.url = url
-        self._inode = path.stat().st_ino if path is not None else None
         self._claim = Claim(self.engine)
         self._turn = threading.Lock()
         self.longest_transaction = Longest()
         """Of those that write, from when it was their turn until they were durable."""
+        self._files = _kept_files(self.engine)
         consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
         self.for_reading = self.engine.execution_options(**consistent)
         """Its transactions see one state from the first query to the last."""
@@ -112,13 +115,38 @@ class Database:
         """
         return self._claim.hold(number, second)
 
-    def check(self) -> None:
-        """Raises DatabaseUnusable when the database does not answer, its file is no longer there, or another service took it
-        while a PostgreSQL server was away.
+    @property
+    def needs_restart(self) -> bool:
+        """Whether this process cannot go on with the files that it has opened, and nothing is lost by its end."""
+        return self._files is not None and not self._files.look() and self._files.saved
+
+    def look_after_files(self) -> None:
+        """Save what is in no file any more that has a name. Raises DatabaseUnusable where one of an SQLite store's files was
+        deleted or replaced.
         """
-        path = file_of(self.engine)
-        if path is not None and (not path.is_file() or path.stat().st_ino != self._inode):
-            raise DatabaseUnusable(f"the database file {path} was deleted or replaced: restart the service")
+        files = self._files
+        if files is None or files.look():
+            return
+        if not files.saved and self._turn.acquire(timeout=SAVING_TURN_S):
+            try:
+                files.save()
+            finally:
+                self._turn.release()
+        raise DatabaseUnusable(files.trouble)
+
+    def own_connection(self, **options: Any) -> sqlite3.Connection:
+        """A connection of the driver outside the pool, to an SQLite store. Raises OperationalError."""
+        where, how = self.engine.dialect.create_connect_args(self.engine.url)
+        connect: Callable[..., sqlite3.Connection] = sqlite3.connect
+        if self._files is not None:
+            self._files.require()
+        return connect(*where, **{**how, **options})
+
+    def check(self) -> None:
+        """Raises DatabaseUnusable when the database does not answer, a file of it is no longer there, or another service took
+        it while a PostgreSQL server was away.
+        """
+        self.look_after_files()
         try:
             with self.reading() as session:
                 session.execute(select(1))
@@ -129,7 +157,11 @@ class Database:
     def close(self) -> None:
         """Give back all connections and the claim."""
         self._claim.release()
+        if self._files is not None:
+            self._files.look()  # what it says afterwards
         self.engine.dispose()
+        if self._files is not None:
+            self._files.close()
 
     @contextmanager
     def turn(self) -> Iterator[None]:
@@ -140,12 +172,24 @@ class Database:
             yield
         elif self._turn.acquire(timeout=BUSY_TIMEOUT_MS / 1000):
             try:
-                yield
+                with self._durably():
+                    yield
             finally:
                 self._turn.release()
         else:
             waited = TimeoutError(f"database is locked: another thread has written for {BUSY_TIMEOUT_MS / 1000:.0f} s")
             raise OperationalError(None, None, waited)
+
+    @contextmanager
+    def _durably(self) -> Iterator[None]:
+        """What is committed to a log that is gone is saved before anybody counts on it. Raises OperationalError."""
+        if self._files is None:
+            yield
+            return
+        self._files.require()
+        yield
+        if not self._files.look() and not self._files.save():
+            self._files.require()
 
     def _migrate(self) -> None:
         # Under the writer's lock: several processes may open a new database at once.
@@ -170,6 +214,29 @@ class Database:
             yield
         finally:
             claim.release()
+
+
+def _kept_files(engine: Engine) -> SqliteFiles | None:
+    """Those of an SQLite store. Raises DatabaseUnusable."""
+    path = file_of(engine)
+    if path is None:
+        return None
+    try:
+        files = SqliteFiles(path)
+    except sqlite3.Error as error:
+        engine.dispose()
+        raise DatabaseUnusable(f"database {shown(engine.url)} cannot be used: {error}") from error
+
+    def require_behind(connection: Any, _record: Any) -> None:
+        try:
+            files.require()
+        except OperationalError:
+            connection.close()  # nobody else knows of it yet
+            raise
+
+    event.listen(engine, "do_connect", lambda *_: files.require())
+    event.listen(engine, "connect", require_behind)
+    return files
 
 
 def _end_looking(session: Session) -> None:
@@ -245,8 +312,13 @@ def _engine(url: str | URL) -> Engine:
 
 
 def _prepare_sqlite(engine: Engine) -> None:
-    if (path := file_of(engine)) is not None:
-        private_files.prepare(path)
+    if (path := file_of(engine)) is None:
+        return
+    try:
+        require_own_name(path)
+    except (DatabaseUnusable, OSError) as error:
+        raise OperationalError(None, None, error) from error
+    private_files.prepare(path)
 
 
 def _configure_sqlite(connection: Any, _record: Any) -> None:

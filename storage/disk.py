@@ -2,6 +2,7 @@
 
 import shutil
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Connection, func, select
@@ -44,14 +45,19 @@ def used(database: Database, *, budget: int | None) -> DiskUse:
     """How much room a database takes. Raises DBAPIError, OSError."""
     path = file_of(database.engine)
     if path is not None:
-        files = (path, path.with_name(path.name + "-wal"))
-        room = shutil.disk_usage(path.parent)
-        return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
+        return used_by_file(path, budget=budget)
     if database.kind == "sqlite":
         return DiskUse(0, None, None, budget)
     with database.reading() as session:
         size = session.scalar(select(func.pg_database_size(func.current_database())))
     return DiskUse(int(size or 0), None, None, budget)
+
+
+def used_by_file(path: Path, *, budget: int | None) -> DiskUse:
+    """The same of an SQLite file, which is not opened. Raises OSError."""
+    files = (path, path.with_name(path.name + "-wal"))
+    room = shutil.disk_usage(path.parent)
+    return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
 
 
 def give_back(database: Database) -> int:

@@ -8,7 +8,7 @@ from pathlib import Path
 from sqlalchemy import URL, Engine
 
 from storage.backup_file import Backup, BackupUnusable, require_rows, sync_folder, synced_digest
-from storage.claim import DatabaseUnusable, file_of
+from storage.claim import DatabaseUnusable, file_of, require_own_name
 from storage.database import lent_engine
 from storage.private_files import PRIVATE
 from storage.schema import require_known, revision_of, row_counts
@@ -23,6 +23,7 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     path = file_of(engine)
     if path is None or not path.is_file():
         raise DatabaseUnusable(f"there is no database file {path}")
+    require_own_name(path)
     with (
         closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as source,
         closing(sqlite3.connect(part, isolation_level=None)) as target,

@@ -85,12 +85,14 @@ async def read_readiness(request: Request, response: Response) -> schemas.Health
 
 @router.get("/alive", operation_id="read_life", dependencies=[ANYBODY], responses={503: {"model": schemas.Life}})
 async def read_life(request: Request, response: Response) -> schemas.Life:
-    """Whether starting this process anew would help: 503 when one of its threads has ended.
+    """Whether starting this process anew would help: 503 when one of its threads has ended, or a file of its SQLite store was
+    deleted and all that it held is saved.
 
     It depends on nothing outside, so that nobody ends a process that only waits for its database or its router.
     """
     parts: dict[str, str] = request.app.state.parts()
-    alive = ENDED not in parts.values()
+    kept = cast(Database, request.app.state.database)
+    alive = ENDED not in parts.values() and not kept.needs_restart
     if not alive:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
     return schemas.Life(alive=alive)

@@ -2,6 +2,7 @@
 
 import datetime
 import itertools
+import shutil
 import subprocess
 from collections.abc import Callable, Iterable
 from contextlib import closing
@@ -14,13 +15,14 @@ from cryptography.hazmat.primitives.asymmetric import ec
 
 from service.doctor import Finding, examine
 from service.settings import Settings
+from storage import machines
 from storage.backup import back_up
 from storage.backup_file import described_by
 from storage.database import Database
 from tests.conftest import Stores
 from tests.databases import Databases
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
-from tests.plant import document, sqlite_url
+from tests.plant import document, machine, sqlite_url
 
 
 def settings(service: Service, **changes: object) -> Settings:
@@ -103,6 +105,47 @@ def test_a_store_that_others_may_read_is_named(tmp_path: Path) -> None:
         )
     path.chmod(0o640)
     assert "database file" not in found_without_the_service(chosen)
+
+
+def test_the_log_of_a_service_that_was_killed_is_read_and_left_as_it_is(tmp_path: Path) -> None:
+    """Who opens it otherwise plays it back and deletes it."""
+    path, log = tmp_path / "killed" / "rundown.db", tmp_path / "killed" / "rundown.db-wal"
+    path.parent.mkdir()
+    with closing(Database(sqlite_url(tmp_path / "rundown.db"))) as database:
+        with database.transaction() as session:
+            machines.create(session, machine())
+        for end in ("", "-wal"):
+            shutil.copy(tmp_path / f"rundown.db{end}", path.with_name(f"rundown.db{end}"))
+    before = path.read_bytes(), log.read_bytes()
+    chosen = Settings(database=sqlite_url(path), port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"])
+    told = found_without_the_service(chosen)
+    assert {told[what][0] for what in ("schema", "pages", "room")} == {"ok"}
+    assert (path.read_bytes(), log.read_bytes()) == before
+
+
+def test_a_store_that_nobody_uses_gets_no_log(tmp_path: Path) -> None:
+    path = tmp_path / "rundown.db"
+    Database(sqlite_url(path)).close()
+    before = path.read_bytes()
+    chosen = Settings(database=sqlite_url(path), port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"])
+    assert found_without_the_service(chosen)["pages"] == ("ok", f"{path} is whole")
+    assert [one.name for one in tmp_path.iterdir()] == ["rundown.db"]
+    assert path.read_bytes() == before
+
+
+def test_damaged_pages_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "rundown.db"
+    Database(sqlite_url(path)).close()
+    with path.open("r+b") as file:
+        file.seek(path.stat().st_size // 2)
+        file.write(bytes(16_384))
+    chosen = Settings(database=sqlite_url(path), port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"])
+    level, words = found_without_the_service(chosen)["pages"]
+    assert level == "wrong"
+    assert f"{path} is damaged: " in words
+    with path.open("r+b") as file:
+        file.write(b"no database" * 10)
+    assert found_without_the_service(chosen)["database"][0] == "wrong"
 
 
 def test_the_command_ends_with_status_1_where_something_is_wrong(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,114 @@
+"""The log of an SQLite store is deleted under the service: it says so, takes nothing more, and loses nothing acknowledged."""
+
+import sqlite3
+import subprocess
+from collections.abc import Callable
+from contextlib import closing, suppress
+from pathlib import Path
+
+import httpx
+import pytest
+
+from service.wire import JSON, encode_body
+from tests.end_to_end.processes import Service, free_port, rundown, until
+from tests.faults.measured import SIZE, expected, measured, stored
+from tests.plant import KEY, assert_same_samples, document
+
+BEFORE, TOLD_S = 15, 3.0
+"""Batches that are acknowledged before the log is deleted; within this time the service says that it is gone [s]."""
+
+
+def send(service: Service, number: int) -> httpx.Response:
+    body = encode_body(measured(number * SIZE), JSON)
+    return service.client.post(f"/machines/{KEY.machine}/samples", content=body, headers={"content-type": JSON})
+
+
+def acknowledged(service: Service, first: int, last: int) -> int:
+    """How many batches, of these, one after the other, were."""
+    for number in range(first, last):
+        if send(service, number).status_code != 200:
+            return number
+    return last
+
+
+def nobody(_service: Service) -> None:
+    """Does nothing meanwhile."""
+
+
+def doctor(service: Service) -> None:
+    """`rundown doctor`, as the runbook says."""
+    told = rundown(
+        "doctor",
+        RUNDOWN_DATABASE=service.database,
+        RUNDOWN_PORT=str(service.port),
+        RUNDOWN_ZENOH_LISTEN=f'["tcp/127.0.0.1:{free_port()}"]',
+    )
+    assert "wrong    database" in told.stdout, told.stdout
+    assert "was deleted or replaced" in told.stdout, told.stdout
+
+
+def another_program(service: Service) -> None:
+    """One that knows nothing of this, and makes logs of its own."""
+    with closing(sqlite3.connect(service.folder / "rundown.db")) as other, suppress(sqlite3.Error):
+        other.execute("SELECT count(*) FROM machines").fetchall()
+
+
+def killed(started: "subprocess.Popen[bytes]") -> None:
+    started.kill()
+    started.wait()
+
+
+def stopped(started: "subprocess.Popen[bytes]") -> None:
+    started.terminate()
+    assert started.wait(20) == 0
+
+
+def survives(
+    folder: Path,
+    ends: tuple[str, ...],
+    meanwhile: Callable[[Service], None],
+    ended: Callable[["subprocess.Popen[bytes]"], None],
+) -> None:
+    service = Service(folder)
+    with service.running() as started:
+        assert service.client.post("/machines", json=document()).status_code == 201
+        count = acknowledged(service, 0, BEFORE)
+        assert count == BEFORE
+        for end in ends:
+            (folder / f"rundown.db{end}").unlink()
+        count = acknowledged(service, count, 2 * BEFORE)
+        until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
+        told = service.client.get("/health").json()["parts"]["database"]
+        assert "was deleted or replaced" in told
+        assert "is saved in" in told
+        assert service.client.get("/alive").status_code == 503
+        refused = send(service, count)
+        assert refused.status_code == 503
+        assert "was deleted or replaced" in refused.json()["detail"]
+        meanwhile(service)
+        ended(started)
+    with service.running():
+        (row,) = service.get("/sources")
+        assert (row["received"], row["lost"]) == (count * SIZE, 0)
+        assert send(service, count).status_code == 200
+    service.client.close()
+    numbers, samples = stored(folder / "rundown.db")
+    assert numbers == list(range((count + 1) * SIZE))
+    assert_same_samples(samples, expected((count + 1) * SIZE))
+
+
+def test_after_it_was_told_a_kill_loses_nothing(tmp_path: Path) -> None:
+    survives(tmp_path, ("-wal",), doctor, killed)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("ended", [killed, stopped])
+@pytest.mark.parametrize("meanwhile", [nobody, doctor, another_program])
+@pytest.mark.parametrize("ends", [("-wal",), ("-shm",), ("-wal", "-shm")])
+def test_whatever_is_deleted_and_done_meanwhile(
+    tmp_path: Path,
+    ends: tuple[str, ...],
+    meanwhile: Callable[[Service], None],
+    ended: Callable[["subprocess.Popen[bytes]"], None],
+) -> None:
+    survives(tmp_path, ends, meanwhile, ended)
