@@ -160,6 +160,7 @@ class Guard:
 
         state = scope.setdefault("state", {})
         state["principal"] = who
+        state["operation"] = operation
         state["store"] = recorded or plain(self._database, who.plants)
         state["still"] = still
         code = 0
