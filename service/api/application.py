@@ -66,6 +66,7 @@ from service.security.configuration import Security
 from service.security.guard import Guard
 from service.security.operations import Operations
 from service.security.rate import Rate
+from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
 from service.settings import DEFAULT_BASELINE_RUNS
@@ -177,10 +178,11 @@ def _routes() -> list[BaseRoute]:
 
 
 @asynccontextmanager
-async def _served(_app: FastAPI) -> AsyncIterator[None]:
+async def _served(app: FastAPI) -> AsyncIterator[None]:
     """From the start of the server to its end."""
     current_default_thread_limiter().total_tokens = THREADS
-    yield
+    async with app.state.repeated.written():
+        yield
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
@@ -192,6 +194,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
     app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
         Guard,
         database=database,
@@ -200,6 +203,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
         visibility=app.state.visibility,
         requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
         failures=app.state.failures,
+        repeated=app.state.repeated,
         public_url=security.public_url,
         names_checked=security.names_checked,
     )

@@ -17,6 +17,7 @@ from service.security.key_set import KeysUnavailable
 from service.security.operations import Operation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
 from service.security.rate import Rate
+from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import Recorded, plain
 from storage import audit
@@ -42,6 +43,7 @@ class Guard:
         visibility: Visibility,
         requests: Rate,
         failures: Rate,
+        repeated: RepeatedEntries,
         public_url: str = "",
         names_checked: bool = False,
     ) -> None:
@@ -57,6 +59,7 @@ class Guard:
         self._visibility = visibility
         self._requests = requests
         self._failures = failures
+        self._repeated = repeated
         self._public_url = public_url
         self._names_checked = names_checked
 
@@ -94,7 +97,9 @@ class Guard:
             return
         if refused is not None:
             if refused.status_code == HTTPStatus.FORBIDDEN and operation is not None:
-                await self._write_down(_entry(who, scope, operation, "refused"))
+                entry = _entry(who, scope, operation, "refused")
+                if self._repeated.first(entry):
+                    await self._write_down(entry)
             await refused(scope, receive, send)
             return
         await self._passed(who, given, operation, scope, receive, send)
