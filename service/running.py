@@ -32,6 +32,7 @@ from service.memory import share_one_heap
 from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
+from service.security.proxies import as_seen
 from service.settings import Settings
 from service.stream import connected, open_session
 from service.stream_access import StreamSecurity
@@ -150,6 +151,9 @@ def serve(settings: Settings) -> None:
             access_log=False,
             timeout_graceful_shutdown=5,
             server_header=False,
+            # The library by itself believes loopback, or what FORWARDED_ALLOW_IPS says.
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=as_seen(settings.trusted_proxies),
             ssl_certfile=settings.tls_certificate or None,
             ssl_keyfile=settings.tls_key or None,
         )

@@ -100,6 +100,10 @@ class Settings(BaseSettings):
         default=False, description="first of two settings without which nothing but loopback is served without authentication"
     )
     everybody_may_change_everything: bool = Field(default=False, description="the second: it says what that means")
+    trusted_proxies: list[IPvAnyNetwork] = Field(
+        default=[],
+        description='reverse proxies, such as "127.0.0.1" or "10.0.3.0/24", that are believed (X-Forwarded-For, -Proto)',
+    )
     requests_per_s: Annotated[float, Field(gt=0)] = Field(default=100.0, description="of one principal, in the long run")
     requests_burst: Annotated[float, Field(ge=1)] = Field(default=500.0, description="of one principal, at once")
     oidc_issuer: str = Field(default="", description="issuer of tokens (OpenID Connect), exactly as they say it")
