@@ -12,6 +12,7 @@ from service.security.secret_files import encrypted, read_secret, require_privat
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5
+DEFAULT_CONNECTIONS_PER_ADDRESS = 200
 
 
 def _a_day_or_never(days: float) -> float:
@@ -103,6 +104,10 @@ class Settings(BaseSettings):
     trusted_proxies: list[IPvAnyNetwork] = Field(
         default=[],
         description='reverse proxies, such as "127.0.0.1" or "10.0.3.0/24", that are believed (X-Forwarded-For, -Proto)',
+    )
+    connections_per_address: Annotated[int, Field(ge=1)] = Field(
+        default=DEFAULT_CONNECTIONS_PER_ADDRESS,
+        description="of one address to the API at once; trusted proxies may have more",
     )
     requests_per_s: Annotated[float, Field(gt=0)] = Field(default=100.0, description="of one principal, in the long run")
     requests_burst: Annotated[float, Field(ge=1)] = Field(default=500.0, description="of one principal, at once")
