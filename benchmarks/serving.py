@@ -25,10 +25,16 @@ def served(database: Database) -> Iterator[str]:
 
 @contextmanager
 def serving(
-    app: FastAPI, *, patience_s: float = PATIENCE_S, connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS
+    app: FastAPI,
+    *,
+    patience_s: float = PATIENCE_S,
+    connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
+    port: int = 0,
 ) -> Iterator[str]:
-    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing."""
-    listener = socket.create_server(("127.0.0.1", 0))
+    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing; port: 0 takes a
+    free one.
+    """
+    listener = socket.create_server(("127.0.0.1", port))
     end_stuck_connections(listener, after_s=patience_s)
     configuration = uvicorn.Config(app, http=HttpProtocol, log_config=None, access_log=False, timeout_graceful_shutdown=1)
     server = Server(configuration, app.state.broadcaster, connections_per_address=connections_per_address)

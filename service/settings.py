@@ -67,7 +67,7 @@ class Settings(BaseSettings):
         default=[],
         description='private networks, such as "10.1.0.0/16", on which webhooks and Alertmanagers may be; others are refused',
     )
-    public_url: str = Field(default="", description="where people reach this service, for links in alert messages")
+    public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
     smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")
     smtp_security: Literal["none", "starttls", "tls"] = Field(default="starttls", description="none, starttls or tls")
@@ -144,6 +144,8 @@ class Settings(BaseSettings):
     def _complete(self) -> Self:
         if self.oidc_issuer and not self.oidc_audience:
             raise ValueError("oidc_issuer needs oidc_audience: without it tokens made for other services would be taken")
+        if self.oidc_client_id and not self.public_url:
+            raise ValueError("oidc_client_id needs public_url: that is where the issuer sends people back to")
         for name in ("oidc_issuer", "oidc_jwks"):
             url = getattr(self, name)
             if url.startswith("http://") and not encrypted(url):

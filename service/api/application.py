@@ -107,6 +107,7 @@ def application(
         openapi_url=f"{PREFIX}/openapi.json",
         static_url=f"{PREFIX}/docs/static",
         lifespan=_served,
+        redirect_slashes=False,  # they would lead to whatever the Host header says
     )
     add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.state.database = database

@@ -27,6 +27,7 @@ from storage.database import Database
 logger = logging.getLogger(__name__)
 
 CHALLENGE = 'Bearer realm="rundown"'
+TWICE = "a request has one Authorization header: it would not be clear who asks"
 HOW = "send 'Authorization: Bearer' with an API key or a token, or log in at /login"
 
 
@@ -70,6 +71,9 @@ class Guard:
             return
         if scope["type"] != "http":
             await self._app(scope, receive, send)
+            return
+        if sum(name == b"authorization" for name, _ in scope["headers"]) > 1:
+            await problem_response(HTTPStatus.BAD_REQUEST, TWICE)(scope, receive, send)
             return
         headers = dict(scope["headers"])
         found = self._operations.find(scope["method"], scope["path"])

@@ -109,7 +109,7 @@ def begin_at_issuer(request: Request) -> Response:
     if security.open_id is None:
         return _page(request, "No issuer is configured.", 404)
     try:
-        begun = security.open_id.begin(str(request.base_url))
+        begun = security.open_id.begin()
     except LoginFailed as error:
         return _page(request, f"Not logged in: {error}.", 503)
     cookie = secrets.token_urlsafe(32)
@@ -139,7 +139,7 @@ def come_back(request: Request) -> Response:
     address = request.client.host if request.client else "unknown"
     try:
         begun, answered = _under_way(request), dict(request.query_params)
-        token = security.open_id.finish(answered, verifier=begun.verifier, own_url=str(request.base_url))
+        token = security.open_id.finish(answered, verifier=begun.verifier)
         claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=begun.nonce)
         who = security.tokens.stands_for(claims)
     except (LoginFailed, TokenRefused, KeysUnavailable) as error:
