@@ -10,7 +10,9 @@ from fastapi import FastAPI
 
 from service.api.application import application
 from service.api.http_protocol import HttpProtocol
+from service.api.server import Server
 from service.api.stuck_clients import PATIENCE_S, end_stuck_connections
+from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
 from storage.database import Database
 
 
@@ -22,12 +24,20 @@ def served(database: Database) -> Iterator[str]:
 
 
 @contextmanager
-def serving(app: FastAPI, *, patience_s: float = PATIENCE_S) -> Iterator[str]:
-    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing."""
-    listener = socket.create_server(("127.0.0.1", 0))
+def serving(
+    app: FastAPI,
+    *,
+    patience_s: float = PATIENCE_S,
+    connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
+    port: int = 0,
+) -> Iterator[str]:
+    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing; port: 0 takes a
+    free one.
+    """
+    listener = socket.create_server(("127.0.0.1", port))
     end_stuck_connections(listener, after_s=patience_s)
     configuration = uvicorn.Config(app, http=HttpProtocol, log_config=None, access_log=False, timeout_graceful_shutdown=1)
-    server = uvicorn.Server(configuration)
+    server = Server(configuration, app.state.broadcaster, connections_per_address=connections_per_address)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     try:

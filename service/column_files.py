@@ -1,12 +1,12 @@
 """Tables written piece by piece as CSV and Parquet, with what each column means."""
 
-import csv
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
+from service.csv_cells import CsvWriter
 from storage.clock import to_datetime
 
 Kind = Literal["integer", "number", "text", "truth", "time"]
@@ -43,17 +43,17 @@ def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[R
         raise ParquetMissing("Parquet needs the extra rundown[parquet], which is not installed here") from error
     count = 0
 
-    def batches(writer: Any) -> Iterator[Any]:
+    def batches(writer: CsvWriter) -> Iterator[Any]:
         nonlocal count
         for rows in pieces:
             if rows:
                 count += len(rows)
-                writer.writerows([_shown(column, value) for column, value in zip(columns, row, strict=True)] for row in rows)
+                writer.rows([_shown(column, value) for column, value in zip(columns, row, strict=True)] for row in rows)
                 yield _batch(columns, rows)
 
     with (folder / f"{name}.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([column.name for column in columns])
+        writer = CsvWriter(file)
+        writer.row(column.name for column in columns)
         schema = Schema([_field(column) for column in columns])
         reader = RecordBatchReader.from_batches(schema, batches(writer))
         write_parquet(reader, folder / f"{name}.parquet", compression="zstd(1)")

@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from estimator.condensation import Complexes, Floats
 from estimator.machine import Identifier, Machine, Positive, Unbalance, field_path
+from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
@@ -118,11 +119,11 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
     """
     channels = machine.channels
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["speed_rpm", *(f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))])
+        writer = CsvWriter(file)
+        writer.row(["speed_rpm", *(f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))])
         for speed, row in zip(speed_rpm, phasor, strict=True):
             parts = (value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one))))
-            writer.writerow([f"{speed:.4f}", *(f"{value:.6g}" for value in parts)])
+            writer.row([f"{speed:.4f}", *(f"{value:.6g}" for value in parts)])
     sidecar = Sidecar(
         plant=machine.plant,
         machine=machine.id,
@@ -130,7 +131,7 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
         interval_s=interval_s,
         speed="speed_rpm",
         speed_unit="rpm",
-        channels=[RecordedChannel(channel=c, amplitude=f"{c}_um_pp", phase=f"{c}_lag_deg") for c in channels],
+        channels=[RecordedChannel(channel=c, amplitude=cell(f"{c}_um_pp"), phase=cell(f"{c}_lag_deg")) for c in channels],
         amplitude_unit="um",
         amplitude_kind="peak-to-peak",
         phase_convention="lag",

@@ -14,9 +14,9 @@ from typing import Protocol
 import uvicorn
 
 from service.api.application import application
-from service.api.event_stream import Broadcaster
 from service.api.http_protocol import HttpProtocol
 from service.api.operations import ENDED
+from service.api.server import Server
 from service.api.stuck_clients import end_stuck_connections
 from service.backup_watch import BackupWatch
 from service.closing import Closing
@@ -34,6 +34,7 @@ from service.memory import share_one_heap
 from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
+from service.security.proxies import as_seen, of_proxies
 from service.settings import Settings
 from service.store_watch import StoreWatch
 from service.stream import connected, open_session
@@ -66,19 +67,6 @@ class Part(Protocol):
 
     def stop(self) -> None:
         """End."""
-
-
-class Server(uvicorn.Server):
-    """The web server. Streams that never end are told when it stops: it would wait for them."""
-
-    def __init__(self, config: uvicorn.Config, broadcaster: Broadcaster) -> None:
-        super().__init__(config)
-        self._broadcaster = broadcaster
-
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Answer what was asked, and no more."""
-        self._broadcaster.end()
-        await super().shutdown(sockets)
 
 
 def serve(settings: Settings) -> None:
@@ -164,6 +152,9 @@ def serve(settings: Settings) -> None:
             access_log=False,
             timeout_graceful_shutdown=5,
             server_header=False,
+            # The library by itself believes loopback, or what FORWARDED_ALLOW_IPS says.
+            proxy_headers=bool(settings.trusted_proxies),
+            forwarded_allow_ips=as_seen(settings.trusted_proxies),
             ssl_certfile=settings.tls_certificate or None,
             ssl_keyfile=settings.tls_key or None,
         )
@@ -171,7 +162,12 @@ def serve(settings: Settings) -> None:
         scheme = "https" if settings.tls_certificate else "http"
         logger.info("ready: %s://%s:%d/, sources on %s", scheme, host, port, _endpoints(settings))
         if not asked_to_stop.is_set():
-            Server(config, app.state.broadcaster).run(sockets=[listener])
+            Server(
+                config,
+                app.state.broadcaster,
+                connections_per_address=settings.connections_per_address,
+                exempt=of_proxies(settings.trusted_proxies),
+            ).run(sockets=[listener])
     logger.info("stopped")
 
 

@@ -12,6 +12,7 @@ from service.security.secret_files import encrypted, read_secret, require_privat
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5
+DEFAULT_CONNECTIONS_PER_ADDRESS = 200
 
 
 def _a_day_or_never(days: float) -> float:
@@ -72,7 +73,7 @@ class Settings(BaseSettings):
         default=[],
         description='private networks, such as "10.1.0.0/16", on which webhooks and Alertmanagers may be; others are refused',
     )
-    public_url: str = Field(default="", description="where people reach this service, for links in alert messages")
+    public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
     smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")
     smtp_security: Literal["none", "starttls", "tls"] = Field(default="starttls", description="none, starttls or tls")
@@ -106,6 +107,14 @@ class Settings(BaseSettings):
         default=False, description="first of two settings without which nothing but loopback is served without authentication"
     )
     everybody_may_change_everything: bool = Field(default=False, description="the second: it says what that means")
+    trusted_proxies: list[IPvAnyNetwork] = Field(
+        default=[],
+        description='reverse proxies, such as "127.0.0.1" or "10.0.3.0/24", that are believed (X-Forwarded-For, -Proto)',
+    )
+    connections_per_address: Annotated[int, Field(ge=1)] = Field(
+        default=DEFAULT_CONNECTIONS_PER_ADDRESS,
+        description="of one address to the API at once; trusted proxies may have more",
+    )
     requests_per_s: Annotated[float, Field(gt=0)] = Field(default=100.0, description="of one principal, in the long run")
     requests_burst: Annotated[float, Field(ge=1)] = Field(default=500.0, description="of one principal, at once")
     oidc_issuer: str = Field(default="", description="issuer of tokens (OpenID Connect), exactly as they say it")
@@ -141,6 +150,8 @@ class Settings(BaseSettings):
     def _complete(self) -> Self:
         if self.oidc_issuer and not self.oidc_audience:
             raise ValueError("oidc_issuer needs oidc_audience: without it tokens made for other services would be taken")
+        if self.oidc_client_id and not self.public_url:
+            raise ValueError("oidc_client_id needs public_url: that is where the issuer sends people back to")
         for name in ("oidc_issuer", "oidc_jwks"):
             url = getattr(self, name)
             if url.startswith("http://") and not encrypted(url):

@@ -2,11 +2,14 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import delete
+from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.tables import BrowserSessionRow
+
+MOST = 50
+"""That one principal may have at a time: who logs in again and again ends the oldest ones."""
 
 
 def begin(
@@ -20,9 +23,12 @@ def begin(
     token: str,
     expires_at: int,
 ) -> BrowserSessionRow:
-    """A new session; those that have ended by themselves are forgotten."""
+    """A new session; those that have ended by themselves are forgotten, and so are the oldest of too many."""
     moment = now()
     session.execute(delete(BrowserSessionRow).where(BrowserSessionRow.expires_at <= moment))
+    theirs = (BrowserSessionRow.name == name) & BrowserSessionRow.key_prefix.is_not_distinct_from(key_prefix)
+    newest = select(BrowserSessionRow.hash).where(theirs).order_by(BrowserSessionRow.created_at.desc()).limit(MOST - 1)
+    session.execute(delete(BrowserSessionRow).where(theirs & BrowserSessionRow.hash.not_in(newest.scalar_subquery())))
     row = BrowserSessionRow(
         hash=cookie_hash,
         name=name,

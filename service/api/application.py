@@ -67,6 +67,7 @@ from service.security.configuration import Security
 from service.security.guard import Guard
 from service.security.operations import Operations
 from service.security.rate import Rate
+from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
 from service.settings import DEFAULT_BASELINE_RUNS
@@ -109,6 +110,7 @@ def application(
         openapi_url=f"{PREFIX}/openapi.json",
         static_url=f"{PREFIX}/docs/static",
         lifespan=_served,
+        redirect_slashes=False,  # they would lead to whatever the Host header says
     )
     add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.state.database = database
@@ -181,10 +183,11 @@ def _routes() -> list[BaseRoute]:
 
 
 @asynccontextmanager
-async def _served(_app: FastAPI) -> AsyncIterator[None]:
+async def _served(app: FastAPI) -> AsyncIterator[None]:
     """From the start of the server to its end."""
     current_default_thread_limiter().total_tokens = THREADS
-    yield
+    async with app.state.repeated.written():
+        yield
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
@@ -196,6 +199,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
     app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
         Guard,
         database=database,
@@ -204,6 +208,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
         visibility=app.state.visibility,
         requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
         failures=app.state.failures,
+        repeated=app.state.repeated,
         public_url=security.public_url,
         names_checked=security.names_checked,
     )

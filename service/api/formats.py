@@ -1,6 +1,5 @@
 """One table as JSON, CSV or Parquet, as the client asks: by `?format=`, or by its Accept header."""
 
-import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
@@ -8,6 +7,8 @@ from datetime import UTC, datetime, timedelta
 from typing import Any, Literal
 
 from fastapi import HTTPException, Request, status
+
+from service.csv_cells import CsvWriter
 
 Format = Literal["json", "csv", "parquet"]
 
@@ -40,9 +41,9 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
 def csv_bytes(columns: Mapping[str, Column]) -> bytes:
     """A header line and the rows (RFC 4180); what has no value is empty."""
     text = io.StringIO()
-    writer = csv.writer(text)
-    writer.writerow(columns)
-    writer.writerows(zip(*([_shown(value) for value in column] for column in columns.values()), strict=True))
+    writer = CsvWriter(text)
+    writer.row(columns)
+    writer.rows(zip(*([_shown(value) for value in column] for column in columns.values()), strict=True))
     return text.getvalue().encode()
 
 

@@ -51,6 +51,8 @@ class HttpProtocol(HttpToolsProtocol):
     """What is answered when the parser stops."""
     _refusal: tuple[HTTPStatus, str] | None = None
     """What is answered once those who asked before have their answers."""
+    lost: asyncio.Future[None] | None = None
+    """Done when the connection has ended."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin; a peer that says nothing may not stay."""
@@ -61,6 +63,8 @@ class HttpProtocol(HttpToolsProtocol):
         """End."""
         self._stop_waiting()
         super().connection_lost(exc)
+        if self.lost is not None and not self.lost.done():
+            self.lost.set_result(None)
 
     def data_received(self, data: bytes) -> None:
         """Read on."""

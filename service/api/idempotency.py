@@ -35,7 +35,7 @@ class Idempotency:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it as it was answered before."""
         keys = []
-        if scope["type"] == "http" and scope["method"] == "POST":
+        if scope["type"] == "http" and scope["method"] == "POST" and _needs_somebody(scope):
             keys = [value for header, value in scope["headers"] if header == b"idempotency-key"]
         if not keys:
             await self._app(scope, receive, send)
@@ -127,6 +127,12 @@ class Idempotency:
     def _release(self, place: str) -> None:
         with self._database.transaction() as session:
             idempotency.release(session, place)
+
+
+def _needs_somebody(scope: Scope) -> bool:
+    """Whether nobody could ask for this without a role: what anybody may ask for must not let them write to the store."""
+    operation = scope["state"]["operation"]
+    return operation is not None and operation.requirement.role is not None
 
 
 def _done(scope: Scope) -> bool:

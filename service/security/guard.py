@@ -17,6 +17,7 @@ from service.security.key_set import KeysUnavailable
 from service.security.operations import Operation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
 from service.security.rate import Rate
+from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import Recorded, plain
 from storage import audit
@@ -26,6 +27,7 @@ from storage.database import Database
 logger = logging.getLogger(__name__)
 
 CHALLENGE = 'Bearer realm="rundown"'
+TWICE = "a request has one Authorization header: it would not be clear who asks"
 HOW = "send 'Authorization: Bearer' with an API key or a token, or log in at /login"
 
 
@@ -42,6 +44,7 @@ class Guard:
         visibility: Visibility,
         requests: Rate,
         failures: Rate,
+        repeated: RepeatedEntries,
         public_url: str = "",
         names_checked: bool = False,
     ) -> None:
@@ -57,6 +60,7 @@ class Guard:
         self._visibility = visibility
         self._requests = requests
         self._failures = failures
+        self._repeated = repeated
         self._public_url = public_url
         self._names_checked = names_checked
 
@@ -67,6 +71,9 @@ class Guard:
             return
         if scope["type"] != "http":
             await self._app(scope, receive, send)
+            return
+        if sum(name == b"authorization" for name, _ in scope["headers"]) > 1:
+            await problem_response(HTTPStatus.BAD_REQUEST, TWICE)(scope, receive, send)
             return
         headers = dict(scope["headers"])
         found = self._operations.find(scope["method"], scope["path"])
@@ -94,7 +101,9 @@ class Guard:
             return
         if refused is not None:
             if refused.status_code == HTTPStatus.FORBIDDEN and operation is not None:
-                await self._write_down(_entry(who, scope, operation, "refused"))
+                entry = _entry(who, scope, operation, "refused")
+                if self._repeated.first(entry):
+                    await self._write_down(entry)
             await refused(scope, receive, send)
             return
         await self._passed(who, given, operation, scope, receive, send)
@@ -160,6 +169,7 @@ class Guard:
 
         state = scope.setdefault("state", {})
         state["principal"] = who
+        state["operation"] = operation
         state["store"] = recorded or plain(self._database, who.plants)
         state["still"] = still
         code = 0

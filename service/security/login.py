@@ -18,6 +18,7 @@ from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal, Role
 from service.security.rate import Rate
+from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
 from storage import audit, logins, sessions
@@ -91,7 +92,7 @@ async def log_in(request: Request) -> Response:
     except Unauthenticated as error:
         wait = cast(Rate, request.app.state.failures).take(address)
         if not wait:
-            await asyncio.to_thread(_write, request, Entry("unknown", address, "log_in", "API key", "refused"))
+            await asyncio.to_thread(_refused, request, Entry("unknown", address, "log_in", "API key", "refused"))
             return _page(request, f"Not logged in: {error}.", 401)
         answer = _page(request, "Too many tries: wait a little.", 429)
         answer.headers["Retry-After"] = str(round(wait) + 1)
@@ -108,7 +109,7 @@ def begin_at_issuer(request: Request) -> Response:
     if security.open_id is None:
         return _page(request, "No issuer is configured.", 404)
     try:
-        begun = security.open_id.begin(str(request.base_url))
+        begun = security.open_id.begin()
     except LoginFailed as error:
         return _page(request, f"Not logged in: {error}.", 503)
     cookie = secrets.token_urlsafe(32)
@@ -138,11 +139,11 @@ def come_back(request: Request) -> Response:
     address = request.client.host if request.client else "unknown"
     try:
         begun, answered = _under_way(request), dict(request.query_params)
-        token = security.open_id.finish(answered, verifier=begun.verifier, own_url=str(request.base_url))
+        token = security.open_id.finish(answered, verifier=begun.verifier)
         claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=begun.nonce)
         who = security.tokens.stands_for(claims)
     except (LoginFailed, TokenRefused, KeysUnavailable) as error:
-        _write(request, Entry("unknown", address, "log_in", "issuer", "refused"))
+        _refused(request, Entry("unknown", address, "log_in", "issuer", "refused"))
         return _page(request, f"Not logged in: {error}.", 401)
     if who.role is None or who.role is Role.SOURCE:
         return _page(request, f"{who.name} has no role here: ask an administrator.", 403)
@@ -180,7 +181,9 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
             token=secrets.token_urlsafe(32),
             expires_at=now() + LASTS_S * 1_000_000_000,
         )
-        audit.append(session, Entry(f"{who.name} ({who.identity})", address, "log_in", "page", "done"))
+        entry = Entry(f"{who.name} ({who.identity})", address, "log_in", "page", "done")
+        if cast(RepeatedEntries, request.app.state.repeated).first(entry):
+            audit.append(session, entry)
     answer = RedirectResponse("/", 303)
     answer.set_cookie(
         _cookie_name(request), cookie, max_age=LASTS_S, path="/", httponly=True, samesite="strict", secure=_encrypted(request)
@@ -214,6 +217,8 @@ def _cookie_name(request: Request) -> str:
     return cookie_name(request.url.scheme, public_url=security.public_url)
 
 
-def _write(request: Request, entry: Entry) -> None:
+def _refused(request: Request, entry: Entry) -> None:
+    if not cast(RepeatedEntries, request.app.state.repeated).first(entry):
+        return
     with cast(Database, request.app.state.database).transaction() as session:
         audit.append(session, entry)

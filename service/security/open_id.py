@@ -36,7 +36,7 @@ class Begun:
 
 
 class OpenId:
-    """An issuer at which people log in, as the client `client_id`."""
+    """An issuer at which people log in, as the client `client_id`; they come back to `public_url`."""
 
     def __init__(
         self,
@@ -52,19 +52,19 @@ class OpenId:
         self.client_id = client_id
         self._client_secret = client_secret
         self._scope = scope
-        self._public_url = public_url.rstrip("/")
+        self._redirect_uri = public_url.rstrip("/") + CALLBACK
         self._clock = clock
         self._lock = threading.Lock()
         self._found: tuple[float, dict[str, Any]] | None = None
 
-    def begin(self, own_url: str) -> Begun:
-        """A new login. own_url: as the browser calls this service. Blocks. Raises LoginFailed."""
+    def begin(self) -> Begun:
+        """A new login. Blocks. Raises LoginFailed."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
         asked = {
             "response_type": "code",
             "client_id": self.client_id,
-            "redirect_uri": self._redirect(own_url),
+            "redirect_uri": self._redirect_uri,
             "scope": self._scope,
             "state": state,
             "nonce": nonce,
@@ -73,7 +73,7 @@ class OpenId:
         }
         return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
-    def finish(self, answer: Mapping[str, str], *, verifier: str, own_url: str) -> str:
+    def finish(self, answer: Mapping[str, str], *, verifier: str) -> str:
         """The ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""
         if answer.get("iss", self._issuer) != self._issuer:
             raise LoginFailed("another issuer answered")
@@ -82,7 +82,7 @@ class OpenId:
         form = {
             "grant_type": "authorization_code",
             "code": answer["code"],
-            "redirect_uri": self._redirect(own_url),
+            "redirect_uri": self._redirect_uri,
             "client_id": self.client_id,
             "code_verifier": verifier,
         }
@@ -97,9 +97,6 @@ class OpenId:
     def keys_url(self) -> str:
         """Where the issuer publishes its keys. Raises LoginFailed."""
         return self._endpoint("jwks_uri")
-
-    def _redirect(self, own_url: str) -> str:
-        return (self._public_url or own_url.rstrip("/")) + CALLBACK
 
     def _endpoint(self, name: str) -> str:
         with self._lock:

@@ -18,6 +18,7 @@ from service.security.tokens import Claims, Tokens
 from storage import audit
 from storage.database import Database
 from tests.browser.conftest import PATIENCE_MS
+from tests.end_to_end.processes import free_port
 from tests.plant import KEY, sqlite_url
 from tests.service.security.issuer import AUDIENCE, CLIENT, Issuer
 from tests.service.security.two_plants import HIDDEN, fill
@@ -41,12 +42,14 @@ def secured(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Place]:
     fill(database)
     with database.transaction() as session:
         _, key = api_keys.create(session, name="Olga", role=Role.OPERATOR, plants=[KEY.plant], days=1)
+    port = free_port()
+    base = f"http://127.0.0.1:{port}"
     with Issuer() as issuer:
-        open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="")
+        open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url=base)
         tokens = Tokens(issuer=issuer.url, audience=AUDIENCE, keys=KeySet(open_id.keys_url), claims=Claims())
         app = application(database, dict, security=Security(tokens=tokens, open_id=open_id))
-        with serving(app) as url:
-            yield Place(url.removesuffix("/api/v1"), database, key, issuer)
+        with serving(app, port=port):
+            yield Place(base, database, key, issuer)
     database.close()
 
 

@@ -99,7 +99,7 @@ class Followed:
 def followed(folder: Path, *, clients: int, stuck: int, events: int) -> Followed:
     """Events happen while they listen; in the end each client has every one of them."""
     _allow_files(2 * clients + 200)
-    service = Service(folder)
+    service = Service(folder, RUNDOWN_CONNECTIONS_PER_ADDRESS=str(clients + 50))
     with service.running() as serving:
         assert service.client.post("/machines", json=document()).status_code == 201
         database = Database(service.database)

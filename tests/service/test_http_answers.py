@@ -1,6 +1,7 @@
 """What HTTP asks of every answer: HEAD, compression, where things are, errors that say what to do, streams that end."""
 
 import asyncio
+import socket
 import threading
 import time
 from collections.abc import Iterator
@@ -10,7 +11,8 @@ import pytest
 import uvicorn
 
 from service.api.application import application
-from service.running import Server
+from service.api.http_protocol import HttpProtocol
+from service.api.server import Server
 from storage import runs
 from storage.database import Database
 from tests.asking import PREFIX, Api, fields, problem
@@ -117,22 +119,25 @@ def test_a_calibration_is_of_a_channel_that_is_there(api: Api) -> None:
 
 
 @pytest.fixture
-def server(plant: Database) -> Iterator[Server]:
-    """A server that runs as in the service."""
+def served(plant: Database) -> Iterator[tuple[Server, int]]:
+    """A server that runs as in the service, and its port."""
     app = application(plant, dict)
-    server = Server(uvicorn.Config(app, port=0, log_config=None, timeout_graceful_shutdown=30), app.state.broadcaster)
-    thread = threading.Thread(target=lambda: asyncio.run(server.serve()))
+    config = uvicorn.Config(app, http=HttpProtocol, log_config=None, timeout_graceful_shutdown=30)
+    listener = socket.create_server(("127.0.0.1", 0))
+    server = Server(config, app.state.broadcaster)
+    thread = threading.Thread(target=lambda: asyncio.run(server.serve(sockets=[listener])))
     thread.start()
     try:
         until(lambda: server.started, within_s=10, what="the server listens")
-        yield server
+        yield server, listener.getsockname()[1]
     finally:
         server.should_exit = True
         thread.join()
+        listener.close()
 
 
-def test_streams_end_when_the_server_stops(server: Server) -> None:
-    port = server.servers[0].sockets[0].getsockname()[1]
+def test_streams_end_when_the_server_stops(served: tuple[Server, int]) -> None:
+    server, port = served
     with httpx.stream("GET", f"http://127.0.0.1:{port}{PREFIX}/alert-events/stream", timeout=10) as answer:
         lines = answer.iter_lines()
         assert next(lines).startswith(":")

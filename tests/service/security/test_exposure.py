@@ -49,6 +49,7 @@ def test_zenoh_endpoints_beyond_loopback_need_certificates_and_rules() -> None:
     [
         ({"oidc_issuer": "https://id.example"}, "oidc_audience"),
         ({"oidc_issuer": "http://id.example", "oidc_audience": "x"}, "must be https"),
+        ({"oidc_client_id": "rundown"}, "public_url"),
         ({"oidc_jwks": "http://id.example/keys"}, "must be https"),
         ({"tls_certificate": "x.crt"}, "both, or neither"),
         ({"zenoh_tls_ca": "x.crt"}, "all three, or none"),
@@ -138,6 +139,7 @@ def test_a_service_over_tls_with_secrets_logs_none_of_them(tmp_path: Path) -> No
         RUNDOWN_OIDC_ISSUER="https://127.0.0.1:1/issuer",
         RUNDOWN_OIDC_AUDIENCE="rundown",
         RUNDOWN_OIDC_CLIENT_ID="rundown",
+        RUNDOWN_PUBLIC_URL="https://rundown.example",
     )
     key = rundown("key", "create", "anna", "--role", "admin", "--database", sqlite_url(tmp_path / "rundown.db")).stdout.strip()
     trusted = ssl.create_default_context(cafile=str(tmp_path / "authority.crt"))

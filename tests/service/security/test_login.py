@@ -6,6 +6,7 @@ from urllib.parse import parse_qs, urlsplit
 
 import httpx
 import pytest
+from sqlalchemy import select
 
 from service.security import api_keys
 from service.security.answer_headers import NOTHING
@@ -13,9 +14,10 @@ from service.security.authentication import REMEMBERED_S
 from service.security.configuration import Security
 from service.security.login import PATIENCE_S
 from service.security.open_id import LoginFailed, OpenId
-from storage import audit, logins
+from storage import audit, logins, sessions
 from storage.clock import now
 from storage.database import Database
+from storage.tables import BrowserSessionRow
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY
 from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api, tokens
@@ -29,7 +31,7 @@ NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "x"}
 @pytest.fixture
 def api(store: Database, issuer: Issuer) -> Iterator[Api]:
     """The application with keys and an issuer at which one can log in."""
-    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="http://rundown")
     security = Security(tokens=tokens(issuer), open_id=open_id, requests=PATIENT, failures=(0.001, 3.0))
     one = opened_api(store, security)
     yield one
@@ -152,8 +154,20 @@ def test_wrong_keys_are_slowed_down_and_written_down(api: Api, filled: Filled) -
     assert int(api.ask("POST", "/login", data={"key": "no"}).headers["retry-after"]) > 1
     assert api.ask("POST", "/login", data={"key": filled.keys["viewer"]}).status_code == 303
     with api.database.reading() as session:
-        rows = audit.newest(session, limit=4)
-    assert [(row.operation, row.outcome) for row in rows] == [("log_in", "done")] + [("log_in", "refused")] * 3
+        rows = audit.newest(session, limit=2)
+    assert [(row.operation, row.outcome) for row in rows] == [("log_in", "done"), ("log_in", "refused")]
+
+
+def test_of_somebodys_sessions_the_newest_go_on(api: Api, filled: Filled, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sessions, "MOST", 2)
+    logged_in(api, filled.keys["analyst"])
+    found = []
+    for _ in range(3):
+        logged_in(api, filled.keys["viewer"])
+        found.append(api.http.cookies["rundown_session"])
+    with api.database.reading() as session:
+        assert [sessions.find(session, api_keys.key_hash(one), at=now()) is not None for one in found] == [False, True, True]
+        assert len(session.scalars(select(BrowserSessionRow)).all()) == 3
 
 
 def test_a_sources_key_and_a_long_form_log_nobody_in(api: Api, filled: Filled) -> None:
@@ -196,7 +210,7 @@ def test_a_name_at_the_issuer_may_be_of_any_length_and_hold_anything(api: Api, i
 def test_a_login_comes_to_its_end_at_another_replica(api: Api, store: Database, issuer: Issuer) -> None:
     issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "viewer", "rundown_plants": "*"}
     back = begun(api)
-    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    open_id = OpenId(issuer=issuer.url, client_id=CLIENT, client_secret="", scope="openid", public_url="http://rundown")
     other = opened_api(store, Security(tokens=tokens(issuer), open_id=open_id, requests=PATIENT))
     other.http.cookies.update(api.http.cookies)
     assert other.ask("GET", back).status_code == 303
@@ -264,9 +278,9 @@ def test_an_id_token_of_another_login_is_not_taken(api: Api, issuer: Issuer, cha
 
 
 def test_an_issuer_that_calls_itself_otherwise_is_not_believed(issuer: Issuer) -> None:
-    other = OpenId(issuer=issuer.url + "/", client_id=CLIENT, client_secret="", scope="openid", public_url="")
+    other = OpenId(issuer=issuer.url + "/", client_id=CLIENT, client_secret="", scope="openid", public_url="http://rundown")
     with pytest.raises(LoginFailed, match="calls itself"):
-        other.begin("http://rundown")
+        other.begin()
 
 
 # --- headers of every answer ----------------------------------------------------------------------------------------
@@ -296,3 +310,31 @@ def test_an_unexpected_error_has_them_as_well(api: Api, filled: Filled) -> None:
 def test_over_tls_browsers_are_told_to_stay_there(api: Api) -> None:
     secure = httpx.Client(transport=api.http._transport, base_url="https://rundown")
     assert secure.get("/login").headers["strict-transport-security"] == "max-age=31536000"
+
+
+# --- where answers lead to ------------------------------------------------------------------------------------------
+
+EVIL = {"Host": "evil.example"}
+
+
+@pytest.mark.parametrize("path", [f"{PREFIX}/machines/", f"{NOTES}/", "/login/", "/login/issuer/", "//evil.example/"])
+@pytest.mark.parametrize("method", ["GET", "POST"])
+def test_no_answer_leads_to_what_the_host_header_says(api: Api, filled: Filled, path: str, method: str) -> None:
+    answer = api.http.request(method, f"http://rundown{path}", headers=EVIL | bearer(filled.keys["admin"]))
+    assert answer.status_code in (404, 405)
+    assert "evil" not in answer.headers.get("location", "")
+
+
+def test_neither_a_login_nor_a_list_leads_to_what_the_host_header_says(api: Api, filled: Filled) -> None:
+    away = parse_qs(urlsplit(api.ask("GET", "/login/issuer", headers=EVIL).headers["location"]).query)
+    assert away["redirect_uri"] == ["http://rundown/login/callback"]
+    assert api.ask("POST", "/login", headers=EVIL, data={"key": filled.keys["viewer"]}).headers["location"] == "/"
+    part = api.ask("GET", f"{PREFIX}/machines?limit=1", headers=EVIL | bearer(filled.keys["admin"]))
+    assert part.headers["link"].startswith(f"<{PREFIX}/machines?")
+
+
+@pytest.mark.parametrize("first", ["admin", "viewer", "revoked"])
+def test_who_asks_is_said_once(api: Api, filled: Filled, first: str) -> None:
+    both = [("Authorization", f"Bearer {filled.keys[one]}") for one in (first, "admin")]
+    asked = api.http.build_request("GET", f"http://rundown{ME}", headers=httpx.Headers(both))
+    assert "one Authorization header" in problem(api.http.send(asked), 400)["detail"]

@@ -1,0 +1,52 @@
+"""The web server of the service, over sockets that listen already."""
+
+import functools
+import socket
+from collections.abc import Callable
+
+import uvicorn
+
+from service.api.accepting import Acceptor
+from service.api.event_stream import Broadcaster
+from service.api.http_protocol import HttpProtocol
+from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
+
+
+def _nobody(_address: str) -> bool:
+    return False
+
+
+class Server(uvicorn.Server):
+    """Accepts connections by itself, and tells streams that never end when it stops: it would wait for them."""
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        broadcaster: Broadcaster,
+        *,
+        connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
+        exempt: Callable[[str], bool] = _nobody,
+    ) -> None:
+        """connections_per_address, exempt: see `Acceptor`."""
+        super().__init__(config)
+        self._broadcaster = broadcaster
+        self._connections_per_address = connections_per_address
+        self._exempt = exempt
+        self._acceptors: list[Acceptor] = []
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to answer."""
+        await super().startup(sockets=[])  # on none of its own
+        state = self.lifespan.state
+        protocol = functools.partial(HttpProtocol, config=self.config, server_state=self.server_state, app_state=state)
+        for one in sockets or []:
+            acceptor = Acceptor(one, protocol, tls=self.config.ssl, most=self._connections_per_address, exempt=self._exempt)
+            acceptor.start()
+            self._acceptors.append(acceptor)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer what was asked, and no more."""
+        for one in self._acceptors:
+            one.close()
+        self._broadcaster.end()
+        await super().shutdown(sockets)

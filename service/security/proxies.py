@@ -1,0 +1,28 @@
+"""The reverse proxies of a deployment: what they say of who asks (X-Forwarded-For, X-Forwarded-Proto) is believed."""
+
+from collections.abc import Callable, Sequence
+from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
+
+Network = IPv4Network | IPv6Network
+MAPPED = "::ffff:"
+"""How a socket that listens on IPv6 sees the peers that come by way of IPv4 (RFC 4291, section 2.5.5.2)."""
+
+
+def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
+    """Whether an address is one of these proxies'."""
+    seen = [ip_network(one) for one in as_seen(networks)]
+
+    def is_proxy(address: str) -> bool:
+        try:
+            found = ip_address(address)
+        except ValueError:
+            return False
+        return any(found in network for network in seen)
+
+    return is_proxy
+
+
+def as_seen(networks: Sequence[Network]) -> list[str]:
+    """The networks as peers of either kind of socket come from them."""
+    mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
+    return [*map(str, networks), *mapped]

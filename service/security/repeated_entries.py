@@ -1,0 +1,114 @@
+"""What somebody can bring about as often as they like, such as refusals and logins, is in the audit trail once a minute.
+
+The first is written at once. Those of the same principal and operation that follow are counted in memory, and told in one
+entry when the minute is over: a flood of a month leaves an entry a minute, and no more.
+"""
+
+import asyncio
+import logging
+import threading
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field, replace
+
+from sqlalchemy.exc import DBAPIError
+
+from storage import audit
+from storage.audit import Entry
+from storage.database import Database
+
+logger = logging.getLogger(__name__)
+
+MINUTE_S = 60.0
+LOOK_S = 5.0
+"""How often it is looked whether a minute is over [s]."""
+MOST_KEPT = 10_000
+"""So many principals' operations are counted apart; what is beyond is counted together."""
+MOST_ADDRESSES = 100
+MANY = "many"
+
+
+@dataclass
+class _Minute:
+    ends: float
+    latest: Entry
+    count: int = 0
+    addresses: set[str] = field(default_factory=set)
+
+    def told(self) -> Entry:
+        """What was counted, as an entry."""
+        some = len(self.addresses)
+        where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MOST_ADDRESSES else ''} addresses"
+        return replace(self.latest, address=where, outcome=f"{self.latest.outcome}: {self.count} more within a minute")
+
+
+class RepeatedEntries:
+    """Counts them. Called from any thread."""
+
+    def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
+        self._database = database
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._minutes: dict[tuple[str, str, str], _Minute] = {}
+
+    def first(self, entry: Entry) -> bool:
+        """Whether an entry is the first of its minute, and to be written as it is; otherwise it has been counted."""
+        with self._lock:
+            minute = self._minutes.get(_kind(entry))
+            if minute is None and len(self._minutes) >= MOST_KEPT:
+                entry = replace(entry, who=MANY, operation=MANY)
+                minute = self._minutes.get(_kind(entry))
+            if minute is None:
+                self._minutes[_kind(entry)] = _Minute(self._clock() + MINUTE_S, entry)
+                return True
+            minute.latest = entry
+            minute.count += 1
+            if len(minute.addresses) < MOST_ADDRESSES:
+                minute.addresses.add(entry.address)
+            return False
+
+    def write(self, *, everything: bool = False) -> None:
+        """Tell what was counted in minutes that are over, or in all of them. Blocks."""
+        entries = self._taken(everything=everything)
+        if not entries:
+            return
+        try:
+            with self._database.transaction() as session:
+                for entry in entries:
+                    audit.append(session, entry)
+        except DBAPIError as error:
+            logger.error("not in the audit trail: %s: %s", entries, error.orig)
+
+    @asynccontextmanager
+    async def written(self) -> AsyncIterator[None]:
+        """Write regularly, and what is left in the end."""
+        stop = asyncio.Event()
+        writing = asyncio.create_task(self._write_until(stop))
+        try:
+            yield
+        finally:
+            stop.set()
+            await writing
+
+    async def _write_until(self, stop: asyncio.Event) -> None:
+        while not stop.is_set():
+            try:
+                await asyncio.wait_for(stop.wait(), LOOK_S)
+            except TimeoutError:
+                await asyncio.to_thread(self.write)
+        await asyncio.to_thread(self.write, everything=True)
+
+    def _taken(self, *, everything: bool) -> list[Entry]:
+        now = self._clock()
+        with self._lock:
+            over = [kind for kind, minute in self._minutes.items() if everything or minute.ends <= now]
+            taken = [(kind, self._minutes.pop(kind)) for kind in over]
+            counted = [(kind, minute) for kind, minute in taken if minute.count]
+            # Their entry is the first of the minute that begins.
+            self._minutes |= {kind: _Minute(now + MINUTE_S, minute.latest) for kind, minute in counted}
+            return [minute.told() for _, minute in counted]
+
+
+def _kind(entry: Entry) -> tuple[str, str, str]:
+    return entry.who, entry.operation, entry.outcome
