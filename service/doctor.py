@@ -17,6 +17,8 @@ import httpx
 from sqlalchemy import text
 from sqlalchemy.exc import SQLAlchemyError
 
+from service.delivery.secret_upkeep import Look
+from service.delivery.signing_secrets import SigningSecrets
 from service.security.certificates import good_until
 from service.security.exposure import host_of
 from service.security.secret_files import is_loopback
@@ -24,13 +26,14 @@ from service.settings import Settings
 from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
-from storage import disk, schema
+from storage import deliveries, disk, schema
 from storage.backup_file import newest_in
 from storage.claim import DatabaseUnusable, file_of
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
-from storage.errors import words
+from storage.errors import words as words_of
 from storage.private_files import readable_by_others
+from storage.read_only import looking
 
 Level = Literal["ok", "warning", "wrong"]
 
@@ -83,7 +86,7 @@ def _database(settings: Settings) -> Iterator[Finding]:
             revision = schema.revision_of(connection)
             skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
     except (SQLAlchemyError, DatabaseUnusable) as error:
-        reason = words(error).strip().splitlines()[0]
+        reason = words_of(error).strip().splitlines()[0]
         yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
         return
     yield Finding("ok", what, f"{version} answers")
@@ -105,6 +108,8 @@ def _database(settings: Settings) -> Iterator[Finding]:
         yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
     if revision == newest:  # opening an older one would bring it up to date
         yield from _room(settings)
+    if revision is not None:
+        yield from _webhook_secrets(settings)
     engine.dispose()
 
 
@@ -131,6 +136,23 @@ def _room(settings: Settings) -> Iterator[Finding]:
         return
     level: Level = "ok" if use.part < FULL else "warning"
     yield Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
+
+
+def _webhook_secrets(settings: Settings) -> Iterator[Finding]:
+    what = "webhook secrets"
+    try:
+        with looking(settings.database) as session:
+            rows = deliveries.with_secret(session)
+            found = Look.at(rows, SigningSecrets.of(settings))
+    except DatabaseUnusable as error:
+        yield Finding("warning", what, f"cannot be looked at: {error}")
+        return
+    for words in found.unsigned:
+        yield Finding("wrong", what, words)
+    for words in found.plain:
+        yield Finding("warning", what, words)
+    if rows and not found.unsigned and not found.plain:
+        yield Finding("ok", what, f"all of the {len(rows)} that there are can be had, and none lies plain in the database")
 
 
 def _certificates(settings: Settings) -> Iterator[Finding]:

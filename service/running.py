@@ -22,6 +22,7 @@ from service.backup_watch import BackupWatch
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.delivery.secret_upkeep import opened as opened_secrets
 from service.forwarding import Forwarding
 from service.housekeeping import Housekeeping
 from service.identifying import Identifying
@@ -97,6 +98,7 @@ def serve(settings: Settings) -> None:
         logger.info("database: %s", database.version)
         for objection in database.objections:
             logger.warning(objection)
+        secrets = opened_secrets(database, settings)
         listener = _listen(settings.host, settings.port)
         closing.callback(listener.close)
         session = open_session(
@@ -108,7 +110,7 @@ def serve(settings: Settings) -> None:
         journal = Journal(database, Collector(late_s=settings.late_s), leasing)
         ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=submissions, share=leasing)
         identifying = Identifying(database, settings, leasing)
-        dispatcher = Dispatcher(database, session, settings, leasing)
+        dispatcher = Dispatcher(database, session, settings, leasing, secrets)
         housekeeping = Housekeeping(database, settings, leasing)
         backup_watch = BackupWatch(settings.backups)
         parts: dict[str, Part] = {"leasing": leasing}
@@ -139,8 +141,11 @@ def serve(settings: Settings) -> None:
             submissions=forwarding,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
-            warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
+            secrets=secrets,
+            warnings=lambda: [*housekeeping.warnings, *dispatcher.watch.warnings],
+            gauges=lambda: (
+                housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges | dispatcher.watch.gauges
+            ),
         )
         _prefer_answers()
         config = uvicorn.Config(

@@ -59,6 +59,7 @@ from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
 from service.api.unchanged import Unchanged
 from service.api.unheeded import refuse_unheeded
+from service.delivery.signing_secrets import SigningSecrets
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
 from service.security.authentication import Authentication
@@ -87,13 +88,14 @@ def application(
     submissions: Taking | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
+    secrets: SigningSecrets | None = None,
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
-    who may use it; by default anybody, until there is an API key. warnings: what housekeeping has to say; gauges: figures
-    of housekeeping and ingest for a monitoring system.
+    who may use it; by default anybody, until there is an API key. secrets: of webhooks; by default none can be kept.
+    warnings: what the service has to say; gauges: figures of its parts for a monitoring system.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -113,6 +115,7 @@ def application(
     app.state.database_check = DatabaseCheck(database)
     app.state.try_out = try_out
     app.state.submissions = submissions
+    app.state.secrets = secrets or SigningSecrets()
     app.state.warnings = warnings
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
@@ -123,7 +126,7 @@ def application(
     app.state.baseline_runs = baseline_runs
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
-    app.add_middleware(Idempotency, database=database)
+    app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(BodySize)
     app.add_middleware(Compression)
     app.add_middleware(Unchanged)
