@@ -1,5 +1,6 @@
 """The web application over a database, served by a real server in this process."""
 
+import os
 import socket
 import threading
 from collections.abc import Iterator
@@ -12,6 +13,9 @@ from service.api.application import application
 from service.api.http_protocol import HttpProtocol
 from service.api.server import Server
 from service.api.stuck_clients import PATIENCE_S, end_stuck_connections
+from service.delivery.signing_secrets import SigningSecrets
+from service.security.sealing import Sealing
+from service.security.secret_files import KEY_BYTES
 from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
 from storage.database import Database
 
@@ -19,7 +23,7 @@ from storage.database import Database
 @contextmanager
 def served(database: Database) -> Iterator[str]:
     """URL of the API, until the block ends."""
-    with serving(application(database, dict)) as url:
+    with serving(application(database, dict, secrets=SigningSecrets(Sealing([os.urandom(KEY_BYTES)])))) as url:
         yield url
 
 

@@ -18,7 +18,10 @@ from urllib.parse import urlsplit
 import httpx
 from sqlalchemy import Engine, text
 from sqlalchemy.exc import SQLAlchemyError
+from sqlalchemy.orm import Session
 
+from service.delivery.secret_upkeep import Look
+from service.delivery.signing_secrets import SigningSecrets
 from service.security.certificates import good_until
 from service.security.exposure import host_of
 from service.security.secret_files import is_loopback
@@ -26,13 +29,13 @@ from service.settings import Settings
 from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
-from storage import disk, schema
+from storage import deliveries, disk, schema
 from storage.backup_file import newest_in
 from storage.claim import DatabaseUnusable, file_of, in_use, require_own_name
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
 from storage.disk import DiskUse
-from storage.errors import words
+from storage.errors import words as words_of
 from storage.looking import damages, looking_engine
 from storage.private_files import readable_by_others
 from storage.sqlite_files import LOGS
@@ -91,7 +94,7 @@ def _database(settings: Settings) -> Iterator[Finding]:
         else:
             yield from _file(settings, path)
     except (SQLAlchemyError, DatabaseUnusable, OSError) as error:
-        reason = words(error).strip().splitlines()[0]
+        reason = words_of(error).strip().splitlines()[0]
         yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
 
 
@@ -100,10 +103,12 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
         yield from _version(engine)
         revision = schema.revision_of(connection)
         skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
-    engine.dispose()
     yield _schema(revision)
     if skew > SKEW_S:
         yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
+    if revision is not None:
+        yield from _webhook_secrets(settings, engine)
+    engine.dispose()
     if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
         yield _room(settings, lambda budget: _used(settings, budget))
 
@@ -129,6 +134,8 @@ def _file(settings: Settings, path: Path) -> Iterator[Finding]:
         yield from _version(engine)
         yield from _readable(path)
         yield _schema(revision)
+        if revision is not None:
+            yield from _webhook_secrets(settings, engine)
         yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
@@ -189,6 +196,23 @@ def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Finding:
         return Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
     level: Level = "ok" if use.part < FULL else "warning"
     return Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
+
+
+def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[Finding]:
+    what = "webhook secrets"
+    try:
+        with Session(engine) as session:
+            rows = deliveries.with_secret(session)
+            found = Look.at(rows, SigningSecrets.of(settings))
+    except SQLAlchemyError as error:
+        yield Finding("warning", what, f"cannot be looked at: {words_of(error)}")
+        return
+    for words in found.unsigned:
+        yield Finding("wrong", what, words)
+    for words in found.plain:
+        yield Finding("warning", what, words)
+    if rows and not found.unsigned and not found.plain:
+        yield Finding("ok", what, f"all of the {len(rows)} that there are can be had, and none lies plain in the database")
 
 
 def _certificates(settings: Settings) -> Iterator[Finding]:

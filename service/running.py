@@ -23,6 +23,7 @@ from service.closing import Closing
 from service.collection import Collector
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.delivery.secret_upkeep import opened as opened_secrets
 from service.forwarding import Forwarding
 from service.housekeeping import Housekeeping
 from service.identifying import Identifying
@@ -88,6 +89,7 @@ def serve(settings: Settings) -> None:
         logger.info("database: %s", database.version)
         for objection in database.objections:
             logger.warning(objection)
+        secrets = opened_secrets(database, settings)
         listener = _listen(settings.host, settings.port)
         closing.callback(listener.close)
         session = open_session(
@@ -100,7 +102,7 @@ def serve(settings: Settings) -> None:
         journal = Journal(database, collector, leasing)
         ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=submissions, share=leasing)
         identifying = Identifying(database, settings, leasing)
-        dispatcher = Dispatcher(database, session, settings, leasing)
+        dispatcher = Dispatcher(database, session, settings, leasing, secrets)
         housekeeping = Housekeeping(database, settings, leasing)
         backup_watch = BackupWatch(settings.backups)
         store_watch = StoreWatch(database)
@@ -135,13 +137,15 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
-            warnings=lambda: housekeeping.warnings,
+            secrets=secrets,
+            warnings=lambda: [*housekeeping.warnings, *dispatcher.watch.warnings],
             gauges=lambda: (
                 {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}
                 | housekeeping.gauges
                 | ingest.gauges
                 | _certificates(settings)
                 | backup_watch.gauges
+                | dispatcher.watch.gauges
             ),
         )
         _prefer_answers()

@@ -8,7 +8,7 @@ from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
 from service.logs import LogFormat
 from service.roles import Role
-from service.security.secret_files import encrypted, read_secret, require_private
+from service.security.secret_files import encrypted, read_keys, read_secret, require_private
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5
@@ -72,6 +72,14 @@ class Settings(BaseSettings):
     delivery_networks: list[IPvAnyNetwork] = Field(
         default=[],
         description='private networks, such as "10.1.0.0/16", on which webhooks and Alertmanagers may be; others are refused',
+    )
+    sealing_key_file: str = Field(
+        default="",
+        description="file of the keys that seal secrets in the database, one a line, the first one seals; "
+        "beside an SQLite file one is made by itself",
+    )
+    webhook_secrets_folder: str = Field(
+        default="", description="folder of files that hold secrets of webhooks, which a subscription names by `secret_file`"
     )
     public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
@@ -166,6 +174,8 @@ class Settings(BaseSettings):
         for key in (self.tls_key, self.zenoh_tls_key):
             if key:
                 require_private(key)
+        if self.sealing_key_file:
+            read_keys(self.sealing_key_file)
         return self
 
     @model_validator(mode="after")

@@ -74,6 +74,12 @@ def every(session: Session, *, limit: int | None = None, after: Keys | None = No
     return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
 
 
+def with_secret(session: Session) -> Sequence[SubscriptionRow]:
+    """Those that have a secret, whoever may see them, by id."""
+    query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
+    return session.scalars(query.execution_options(**EVERY_PLANT)).all()
+
+
 def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
     """Send it nothing more; what was on its way is given up, and can be delivered again later."""
     row.state, row.reason = DISABLED, reason

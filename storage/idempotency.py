@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from sqlalchemy import delete
+from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
@@ -40,3 +40,12 @@ def answered(session: Session, key: str, answer: Answer) -> None:
 def release(session: Session, key: str) -> None:
     """Forget a key: nothing was changed under it."""
     session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.key == key))
+
+
+def forget_answers_with(session: Session, text: bytes) -> int:
+    """Forget the keys whose answers hold a text; returns how many there were."""
+    held = select(IdempotencyKeyRow.key, IdempotencyKeyRow.body).where(IdempotencyKeyRow.body.is_not(None))
+    found = [key for key, body in session.execute(held) if body is not None and text in body]
+    for key in found:
+        release(session, key)
+    return len(found)

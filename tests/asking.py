@@ -8,9 +8,13 @@ import httpx
 from fastapi import FastAPI
 
 from service.api.application import application
+from service.delivery.signing_secrets import SigningSecrets
+from service.security.sealing import Sealing
 from storage.database import Database
 
 PREFIX = "/api/v1"
+SECRETS = SigningSecrets(Sealing([bytes(range(32))]))
+"""With a key that seals."""
 PROBLEM = {"type", "title", "status", "detail", "errors"}
 
 
@@ -39,7 +43,7 @@ class Api:
     def __init__(self, database: Database, **application_parts: Any) -> None:
         self.database = database
         self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
-        self.app: FastAPI = application(database, lambda: dict(self.parts), **application_parts)
+        self.app: FastAPI = application(database, lambda: dict(self.parts), **({"secrets": SECRETS} | application_parts))
         # Whatever there is may be changed, where a test does not say otherwise.
         self.http = httpx.Client(transport=InProcess(self.app), base_url="http://rundown", headers={"if-match": "*"})
 

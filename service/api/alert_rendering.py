@@ -5,6 +5,7 @@ from typing import Any
 from service.alert_life import Severity
 from service.api import alert_schemas as schemas
 from service.api.rendering import time_or_none
+from service.delivery.signing_secrets import SigningSecrets, where_kept
 from storage import deliveries
 from storage.alerts import ListedAlert
 from storage.clock import to_datetime
@@ -80,7 +81,7 @@ def baseline(row: BaselineRow) -> schemas.BaselineOut:
     )
 
 
-def subscription(row: SubscriptionRow) -> schemas.SubscriptionOut:
+def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.SubscriptionOut:
     return schemas.SubscriptionOut(
         id=row.id,
         kind=row.kind,
@@ -88,6 +89,8 @@ def subscription(row: SubscriptionRow) -> schemas.SubscriptionOut:
         target=row.target,
         state=row.state,
         reason=row.reason,
+        secret_kept=where_kept(row.secret),
+        trouble=secrets.trouble(row),
         plants=deliveries.told_of(row),
         created_at=to_datetime(row.created_at),
     )

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, Field, model_validator
 from estimator.written import Written
 from service.api.evidence import AlertEvidence
 from service.api.times import Time
+from service.delivery.signing_secrets import FILE_NAME, VARIABLE
 from service.security.principal import Author
 
 Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
@@ -151,7 +152,8 @@ _ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 class SubscriptionIn(Written):
     """Who is told of every alert event.
 
-    webhook: target is an http or https URL; the answer gives its secret, once. alertmanager: the URL of a Prometheus
+    webhook: target is an http or https URL; the answer gives its secret, once, unless secret_file or secret_env says where
+    one is. alertmanager: the URL of a Prometheus
     Alertmanager. email: one address, or several with commas between. zenoh: the plant's own network, no target.
     """
 
@@ -161,6 +163,12 @@ class SubscriptionIn(Written):
     plants: Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=100)] | None = (
         Field(default=None, description="only of these plants' events; by default of all that who asks may see")
     )
+    secret_file: Annotated[str, Field(pattern=FILE_NAME)] | None = Field(
+        default=None, description="name of a file in the folder that the service has for them, which holds a webhook's secret"
+    )
+    secret_env: Annotated[str, Field(pattern=VARIABLE)] | None = Field(
+        default=None, description="variable of the service's environment that holds it"
+    )
 
     @model_validator(mode="after")
     def _target(self) -> "SubscriptionIn":
@@ -168,6 +176,13 @@ class SubscriptionIn(Written):
             raise ValueError("target: zenoh needs none, every other kind needs one")
         if self.kind == "email" and not all(_ADDRESS.fullmatch(one.strip(" ")) for one in self.target.split(",")):
             raise ValueError("target: an e-mail address such as anna@plant.example, or several with commas between")
+        return self
+
+    @model_validator(mode="after")
+    def _secret(self) -> "SubscriptionIn":
+        given = [one for one in (self.secret_file, self.secret_env) if one is not None]
+        if len(given) > (self.kind == "webhook"):
+            raise ValueError("secret_file, secret_env: at most one of them, and for a webhook only")
         return self
 
 
@@ -180,12 +195,14 @@ class SubscriptionOut(BaseModel):
     target: str
     state: str = Field(description="active or disabled")
     reason: str | None = Field(description="why it is disabled")
+    secret_kept: str | None = Field(description="where a webhook's secret is: sealed, file NAME, env NAME, or plain")
+    trouble: str | None = Field(description="why nothing can be sent: the secret cannot be had")
     plants: list[str] | None = Field(description="of whose events it tells; null for all")
     created_at: datetime
 
 
 class SubscriptionCreated(SubscriptionOut):
-    """A new subscription with the secret that signs its messages; it is not shown again."""
+    """A new subscription with the secret that signs its messages, where one was made for it; it is not shown again."""
 
     secret: str | None
 

@@ -59,6 +59,7 @@ from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
 from service.api.unchanged import Unchanged
 from service.api.unheeded import refuse_unheeded
+from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
@@ -90,14 +91,15 @@ def application(
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
     job_quota: JobQuota | None = None,
+    secrets: SigningSecrets | None = None,
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
     """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
     who may use it; by default anybody, until there is an API key. job_quota: how many identifications that people ask for
-    may wait. warnings: what housekeeping has to say; gauges: figures
-    of housekeeping and ingest for a monitoring system.
+    may wait. secrets: of webhooks; by default none can be kept. warnings: what the service has to say; gauges: figures of
+    its parts for a monitoring system.
 
     The documentation page is served without any other host: plants have no internet.
     """
@@ -118,6 +120,7 @@ def application(
     app.state.database_check = DatabaseCheck(database)
     app.state.try_out = try_out
     app.state.submissions = submissions
+    app.state.secrets = secrets or SigningSecrets()
     app.state.warnings = warnings
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
@@ -129,7 +132,7 @@ def application(
     app.state.job_quota = job_quota or JobQuota()
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
-    app.add_middleware(Idempotency, database=database)
+    app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(BodySize)
     app.add_middleware(Compression)
     app.add_middleware(Unchanged)

@@ -15,6 +15,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.problems import problem_response
+from service.security.sealing import SEALED, SealBroken, Sealing
 from storage import idempotency
 from storage.database import Database
 from storage.idempotency import Answer
@@ -26,11 +27,12 @@ REPLAYED = "Idempotency-Replayed"
 
 
 class Idempotency:
-    """ASGI middleware over a database."""
+    """ASGI middleware over a database. sealing: opens answers that are kept sealed."""
 
-    def __init__(self, app: ASGIApp, database: Database) -> None:
+    def __init__(self, app: ASGIApp, database: Database, sealing: Sealing | None = None) -> None:
         self._app = app
         self._database = database
+        self._sealing = sealing
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it as it was answered before."""
@@ -79,11 +81,26 @@ class Idempotency:
                 "ask again in a moment, and look before asking under a new key",
                 {"Retry-After": "1"},
             )
-        answer = Response(row.body, row.status)
+        body = self._opened(row.body or b"", place)
+        if body is None:
+            return problem_response(
+                HTTPStatus.CONFLICT,
+                f"the request under Idempotency-Key '{name}' was done; its answer told a secret and cannot be opened any more",
+            )
+        answer = Response(body, row.status)
         for header, value in row.headers or []:
             answer.headers[header] = value
         answer.headers[REPLAYED] = "true"
         return answer
+
+    def _opened(self, body: bytes, place: str) -> bytes | None:
+        """An answer as it was given; None where it is sealed and no key opens it."""
+        if not body.startswith(SEALED.encode()):
+            return body
+        try:
+            return None if self._sealing is None else self._sealing.open(body.decode(), place=_place(place))
+        except SealBroken:
+            return None
 
     async def _work(self, place: str, scope: Scope, body: bytes, receive: Receive, send: Send) -> None:
         given = False
@@ -106,7 +123,7 @@ class Idempotency:
                 parts.append(message.get("body", b""))
                 if not message.get("more_body", False):
                     # Kept before it is sent: a client that got it can rely on it.
-                    answer = Answer(status, headers, b"".join(parts))
+                    answer = Answer(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
                     await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
             await send(message)
 
@@ -133,6 +150,15 @@ def _needs_somebody(scope: Scope) -> bool:
     """Whether nobody could ask for this without a role: what anybody may ask for must not let them write to the store."""
     operation = scope["state"]["operation"]
     return operation is not None and operation.requirement.role is not None
+
+
+def _place(key: str) -> str:
+    return f"answer to {key}"
+
+
+def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
+    """An answer as it may stand in the database. sealing: where it tells a secret."""
+    return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
 
 
 def _done(scope: Scope) -> bool:

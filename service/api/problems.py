@@ -20,6 +20,7 @@ from service.api.patterns import WORDS
 from service.api.preconditions import PreconditionMissing, Stale
 from service.baselining import BaselineRefused, NotYet
 from service.delivery.addresses import TargetRefused
+from service.delivery.signing_secrets import SecretUnusable
 from service.identified import NoModel
 from service.job_quota import RETRY_AFTER_S, QuotaExceeded
 from service.known_parameters import ParameterUnknown
@@ -94,6 +95,7 @@ _STATUS: Mapping[type[Exception], tuple[HTTPStatus, str]] = {
     SubscriptionExists: (HTTPStatus.CONFLICT, "{0}"),
     SubscriptionDisabled: (HTTPStatus.CONFLICT, "{0}"),
     TargetRefused: (HTTPStatus.UNPROCESSABLE_ENTITY, "{0}"),
+    SecretUnusable: (HTTPStatus.CONFLICT, "{0}"),
     LimitsChanged: (HTTPStatus.PRECONDITION_FAILED, "{0}"),
     PreconditionMissing: (HTTPStatus.PRECONDITION_REQUIRED, "{0}"),
     Stale: (HTTPStatus.PRECONDITION_FAILED, "{0}"),

@@ -1,6 +1,7 @@
 """Who is told of alert events, and how each delivery went."""
 
 from collections.abc import Awaitable, Callable
+from typing import cast
 
 from fastapi import APIRouter, HTTPException, Request, Response, status
 
@@ -14,6 +15,7 @@ from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
 from service.delivery.channel import Outcome
 from service.delivery.signing import new_secret
+from service.delivery.signing_secrets import SigningSecrets
 from service.security.requirement import ADMIN, OPERATOR
 from storage import deliveries
 
@@ -24,10 +26,10 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 
 
 @router.get("", operation_id="list_subscriptions")
-def list_subscriptions(session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
+def list_subscriptions(request: Request, session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
     """All subscriptions, without their secrets."""
     rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
-    return [rendering.subscription(row) for row in paging.page(rows, lambda row: (row.id,))]
+    return [rendering.subscription(row, _secrets(request)) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
@@ -40,16 +42,37 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
     for plant in plants or ():
         if not who.sees(plant):
             raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{plant}' is not one of those of {who.name}")
-    secret = new_secret() if said.kind == "webhook" else None
+    kept, secrets = _reference(request, said), _secrets(request)
+    secret = new_secret() if said.kind == "webhook" and kept is None else None
     with database(request).transaction() as session:
-        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=secret, plants=plants)
-        return schemas.SubscriptionCreated(**rendering.subscription(row).model_dump(), secret=secret)
+        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=kept, plants=plants)
+        if secret is not None:
+            row.secret = secrets.sealed(secret, row.id)
+            request.state.sealing = secrets.sealing  # of this answer, should it be kept for who asks again
+        return schemas.SubscriptionCreated(**rendering.subscription(row, secrets).model_dump(), secret=secret)
+
+
+def _secrets(request: Request) -> SigningSecrets:
+    return cast(SigningSecrets, request.app.state.secrets)
+
+
+def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
+    """Where the service finds the secret, if that is said. Raises SecretUnusable."""
+    if said.secret_file is None and said.secret_env is None:
+        return None
+    who = principal(request)
+    if who.plants is not None:  # with another plant's secret, the service would sign what they send in its name
+        detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
+        raise HTTPException(status.HTTP_403_FORBIDDEN, detail)
+    return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
 
 
 @router.get("/{subscription_id}", operation_id="read_subscription")
-def read_subscription(session: Reading, response: Response, subscription_id: Number) -> schemas.SubscriptionOut:
+def read_subscription(
+    request: Request, session: Reading, response: Response, subscription_id: Number
+) -> schemas.SubscriptionOut:
     """One subscription, and the ETag with which it can be changed."""
-    return tagged(response, rendering.subscription(deliveries.get(session, subscription_id)))
+    return tagged(response, rendering.subscription(deliveries.get(session, subscription_id), _secrets(request)))
 
 
 @router.post("/{subscription_id}/disable", operation_id="disable_subscription", dependencies=[ADMIN])
@@ -59,9 +82,9 @@ def disable_subscription(
     """Send it nothing more; what was on its way is given up, and can be delivered again."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
-        require(if_match, rendering.subscription(row))
+        require(if_match, rendering.subscription(row, _secrets(request)))
         deliveries.disable(session, row, "by request")
-        return tagged(response, rendering.subscription(row))
+        return tagged(response, rendering.subscription(row, _secrets(request)))
 
 
 @router.post("/{subscription_id}/enable", operation_id="enable_subscription", dependencies=[ADMIN])
@@ -71,9 +94,9 @@ def enable_subscription(
     """Tell it of what happens from now on."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
-        require(if_match, rendering.subscription(row))
+        require(if_match, rendering.subscription(row, _secrets(request)))
         deliveries.enable(row)
-        return tagged(response, rendering.subscription(row))
+        return tagged(response, rendering.subscription(row, _secrets(request)))
 
 
 @router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")

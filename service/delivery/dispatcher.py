@@ -24,7 +24,9 @@ from service.delivery.alertmanager import FIRING, RESEND_S, Alertmanager
 from service.delivery.channel import Channel, Message, Outcome
 from service.delivery.mail import Mail
 from service.delivery.network import Network
-from service.delivery.webhook import TIMEOUT_S, Webhook
+from service.delivery.secret_upkeep import SecretWatch
+from service.delivery.signing_secrets import SecretUnusable, SigningSecrets
+from service.delivery.webhook import TIMEOUT_S, Unsigned, Webhook
 from service.settings import Settings
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, deliveries, machines
@@ -49,6 +51,8 @@ RETRY_S = 1.0
 """Pause after the database did not answer."""
 EXPIRY_S = 1.0
 """How often suppressions whose time is over are looked for."""
+SECRETS_S = 10.0
+"""How often it is looked whether all webhooks can be signed."""
 SECOND = 1_000_000_000
 
 
@@ -69,12 +73,16 @@ class Channels:
     client: ClientSession
     session: zenoh.Session
     settings: Settings
+    secrets: SigningSecrets
 
     def of(self, row: SubscriptionRow) -> Channel:
         """The channel of a subscription."""
         allowed = tuple(self.settings.delivery_networks)
         if row.kind == "webhook":
-            return Webhook(self.client, row.target, row.secret or "", allowed)
+            try:
+                return Webhook(self.client, row.target, self.secrets.reveal(row), allowed)
+            except SecretUnusable as error:
+                return Unsigned(str(error))
         if row.kind == "alertmanager":
             return Alertmanager(self.client, row.target, allowed, self.settings.public_url)
         if row.kind == "email":
@@ -99,8 +107,18 @@ class Unrecorded(RuntimeError):
 class Dispatcher:
     """Delivers until it is stopped; what is then under way is delivered again after the next start."""
 
-    def __init__(self, database: Database, session: zenoh.Session, settings: Settings, share: Share | None = None) -> None:
+    def __init__(
+        self,
+        database: Database,
+        session: zenoh.Session,
+        settings: Settings,
+        share: Share | None = None,
+        secrets: SigningSecrets | None = None,
+    ) -> None:
         self._database = database
+        self._secrets = secrets or SigningSecrets.of(settings)
+        self.watch = SecretWatch(database, self._secrets)
+        """Of the secrets that sign."""
         self._share = share or Whole()
         self._session = session
         self._settings = settings
@@ -111,6 +129,7 @@ class Dispatcher:
         self._resending: asyncio.Task[None] | None = None
         self._expire_at = 0.0
         self._resend_at = 0.0
+        self._watch_at = 0.0
         self.trouble: str | None = None
         """Why nothing can be delivered at the moment."""
 
@@ -131,7 +150,7 @@ class Dispatcher:
 
     async def _run(self) -> None:
         async with new_client() as client:
-            channels = Channels(client, self._session, self._settings)
+            channels = Channels(client, self._session, self._settings, self._secrets)
             while not self._stop.is_set():
                 pause = POLL_S
                 try:
@@ -166,9 +185,12 @@ class Dispatcher:
 
     async def _begin(self, channels: Channels) -> None:
         """Send what is due."""
+        moment = time.monotonic()
+        if moment >= self._watch_at:
+            self._watch_at = moment + SECRETS_S
+            await asyncio.to_thread(self.watch.look)
         if not self._share.leads(DELIVERY):
             return
-        moment = time.monotonic()
         if moment >= self._expire_at:
             self._expire_at = moment + EXPIRY_S
             await asyncio.to_thread(self._expire)
@@ -274,7 +296,7 @@ class Dispatcher:
 
         row = await asyncio.to_thread(found)
         async with new_client() as client:
-            channel = Channels(client, self._session, self._settings).of(row)
+            channel = Channels(client, self._session, self._settings, self._secrets).of(row)
             return await _sent(Task(0, row.id, test_message(), channel))
 
 

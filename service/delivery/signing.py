@@ -4,7 +4,6 @@ Source: Standard Webhooks specification 1.0, "symmetric signatures".
 """
 
 import base64
-import binascii
 import hashlib
 import hmac
 import secrets
@@ -18,13 +17,17 @@ def new_secret() -> str:
     return PREFIX + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
 
 
+def key_of(secret: str) -> bytes:
+    """The key in a secret. Raises ValueError for a malformed one."""
+    try:
+        return base64.b64decode(secret.removeprefix(PREFIX), validate=True)
+    except ValueError:
+        raise ValueError(f"a secret is {PREFIX} and base64") from None
+
+
 def signed_headers(secret: str, *, message_id: str, seconds: int, body: bytes) -> dict[str, str]:
     """The headers that let a receiver check who sent a body, and when. Raises ValueError for a malformed secret."""
-    try:
-        key = base64.b64decode(secret.removeprefix(PREFIX), validate=True)
-    except binascii.Error as error:
-        raise ValueError(f"a secret is {PREFIX} and base64") from error
-    signature = hmac.new(key, f"{message_id}.{seconds}.".encode() + body, hashlib.sha256).digest()
+    signature = hmac.new(key_of(secret), f"{message_id}.{seconds}.".encode() + body, hashlib.sha256).digest()
     return {
         "webhook-id": message_id,
         "webhook-timestamp": str(seconds),

@@ -33,6 +33,17 @@ class Webhook:
         return await post(self.client, self.target, body, headers | {"content-type": CONTENT_TYPE}, self.allowed)
 
 
+@dataclass(frozen=True)
+class Unsigned:
+    """A receiver for whom nothing can be signed: it is sent nothing."""
+
+    reason: str
+
+    async def send(self, message: Message) -> Outcome:  # noqa: ARG002 - whatever it is
+        """Say why not."""
+        return Outcome("failed", self.reason)
+
+
 async def post(
     client: ClientSession, target: str, body: bytes, headers: dict[str, str], allowed: tuple[Network, ...]
 ) -> Outcome:

@@ -1,9 +1,14 @@
 """Secrets come from files or from the environment; a file that others can read holds no secret."""
 
+import base64
+import binascii
 import ipaddress
 import stat
 from pathlib import Path
 from urllib.parse import urlsplit
+
+KEY_BYTES = 32
+"""Length of a sealing key."""
 
 
 def read_secret(path: str) -> str:
@@ -16,6 +21,24 @@ def read_secret(path: str) -> str:
     if not found or "\n" in found:
         raise ValueError(f"{path} must hold the secret in one line, and nothing else")
     return found
+
+
+def read_keys(path: str) -> list[bytes]:
+    """The sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
+    require_private(path)
+    try:
+        lines = Path(path).read_text(encoding="ascii").split()
+        keys = [base64.b64decode(line.translate(_URL_SAFE), validate=True) for line in lines]
+    except OSError as error:
+        raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+    except (UnicodeDecodeError, binascii.Error):
+        keys = []
+    if not keys or any(len(key) != KEY_BYTES for key in keys):
+        raise ValueError(f"{path} must hold a sealing key in each line, such as `openssl rand -base64 32` makes")
+    return keys
+
+
+_URL_SAFE = str.maketrans("-_", "+/")
 
 
 def require_private(path: str) -> None:

@@ -22,6 +22,7 @@ from service.delivery import addresses
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.security.sealing import Sealing
 from service.sharing import Whole
 from service.stream import open_session
 from storage import alerts, deliveries
@@ -435,3 +436,23 @@ def test_an_absent_mail_server_is_a_failure_to_be_tried_again(
     (row,) = rows(plant, subscription)
     assert row.state == "pending"
     assert said in (row.answer or "")
+
+
+def test_a_webhook_whose_secret_cannot_be_had_is_stated_and_holds_up_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    lost = subscribe(plant, http.url("/ok/lost"), name="lost", secret=Sealing([bytes(32)]).seal(b"x", place="subscription 1"))
+    subscribe(plant, http.url("/ok/old"), name="old")
+    with delivering(plant, network) as one:
+        raise_one(plant, found, machine())
+        wait_until(lambda: bool(http.at("/ok/old")) and rows(plant, lost)[0].attempts == 1)
+        (row,) = rows(plant, lost)
+        assert row.state == "pending"
+        assert "sealed" in (row.answer or "")
+        wait_until(lambda: one.watch.gauges == {"rundown_webhooks_unsigned": 1})
+        unsigned, plain = one.watch.warnings
+        assert unsigned.startswith("webhook 'lost' is told nothing: its secret is sealed")
+        assert plain.startswith("the secret of webhook 'old' lies plain in the database")
+        assert one.trouble is None
+        assert asyncio.run(one.try_out(lost)).result == "failed"
+    assert http.at("/ok/lost") == []

@@ -1,0 +1,102 @@
+"""Bringing kept secrets up to date at a start, and looking whether all of them can be had."""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.exc import DBAPIError
+
+from service.delivery.signing import PREFIX
+from service.delivery.signing_secrets import SigningSecrets, is_plain, is_sealed
+from service.settings import Settings
+from storage import deliveries, idempotency, scrubbing
+from storage.database import Database
+from storage.scrubbing import NotScrubbed
+from storage.tables import SubscriptionRow
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Look:
+    """What was found of the secrets. unsigned: webhooks to which nothing can be sent, and why; plain: those whose secret lies
+    plain in the database; both in words.
+    """
+
+    unsigned: Sequence[str] = ()
+    plain: Sequence[str] = ()
+
+    @classmethod
+    def at(cls, rows: Sequence[SubscriptionRow], secrets: SigningSecrets) -> "Look":
+        """At subscriptions."""
+        troubles = [(row.name, secrets.trouble(row)) for row in rows if row.state == deliveries.ACTIVE]
+        why = f": {secrets.reason}" if secrets.sealing is None else ": the next start seals it"
+        return cls(
+            [f"webhook '{name}' is told nothing: {trouble}" for name, trouble in troubles if trouble],
+            [f"the secret of webhook '{row.name}' lies plain in the database{why}" for row in rows if is_plain(row.secret)],
+        )
+
+
+class SecretWatch:
+    """What a service that delivers says of its webhooks' secrets, as of the last look."""
+
+    def __init__(self, database: Database, secrets: SigningSecrets) -> None:
+        self._database = database
+        self._secrets = secrets
+        self._found = Look()
+
+    def look(self) -> None:
+        """Look at all of them; what is new is logged. Raises DBAPIError."""
+        with self._database.reading() as session:
+            found = Look.at(deliveries.with_secret(session), self._secrets)
+        for words in found.unsigned:
+            if words not in self._found.unsigned:
+                logger.error(words)
+        self._found = found
+
+    @property
+    def warnings(self) -> list[str]:
+        """In words."""
+        return [*self._found.unsigned, *self._found.plain]
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system, by the name of the metric."""
+        return {"rundown_webhooks_unsigned": len(self._found.unsigned)}
+
+
+def opened(database: Database, settings: Settings) -> SigningSecrets:
+    """The secrets of a service that starts: a key is made where one may be, what is plain or under an older key is sealed."""
+    with database.reading() as session:
+        sealed = any(is_sealed(row.secret) for row in deliveries.with_secret(session))
+    # Where something is sealed already, a new key would only hide that the right one is missing.
+    secrets = SigningSecrets.of(settings, make=not sealed)
+    if secrets.sealing is None:
+        logger.warning("secrets of webhooks cannot be sealed: %s", secrets.reason)
+        return secrets
+    try:
+        if seal(database, secrets):
+            scrubbing.scrub(database)
+    except DBAPIError as error:
+        logger.error("secrets of webhooks stay as they are: %s", error.orig)
+    except NotScrubbed as error:
+        logger.warning("copies of secrets that lay plain may be left: %s", error)
+    return secrets
+
+
+def seal(database: Database, secrets: SigningSecrets) -> int:
+    """Seal what lies plain or under an older key; returns how many lay plain. Raises DBAPIError."""
+    with database.reading() as session:
+        if not any(secrets.renewed(row) for row in deliveries.with_secret(session)):
+            return 0
+    with database.transaction() as session:
+        scrubbing.overwrite_deleted(session)
+        plain = again = 0
+        for row in deliveries.with_secret(session):
+            if (renewed := secrets.renewed(row)) is not None:
+                plain, again = plain + is_plain(row.secret), again + is_sealed(row.secret)
+                row.secret = renewed
+        if plain:  # answers that are kept for who asks again told them as well
+            idempotency.forget_answers_with(session, PREFIX.encode())
+    logger.info("secrets of webhooks are sealed: %d that lay plain, %d with the newest key", plain, again)
+    return plain

@@ -1,0 +1,187 @@
+"""Where the secrets that sign webhooks are kept: sealed in the database, or in a file or a variable, which it refers to.
+
+Whoever may make subscriptions names a file or a variable: therefore only files of one folder, only variables of one prefix,
+and only what is a webhook's secret by its form. Nothing else of the service's machine can be named, used or guessed that way.
+"""
+
+import os
+import re
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+from service.delivery.signing import PREFIX, key_of
+from service.security.sealing import SEALED, SealBroken, Sealing, make_key
+from service.security.secret_files import require_private
+from service.settings import Settings
+from storage.claim import file_of
+from storage.database import engine_of
+from storage.tables import SubscriptionRow
+
+FILE, ENVIRONMENT = "file:", "env:"
+"""With which references begin in the database."""
+VARIABLE_PREFIX = "RUNDOWN_WEBHOOK_SECRET_"
+VARIABLE = rf"^{VARIABLE_PREFIX}[A-Z0-9_]{{1,64}}$"
+FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+LARGEST_FILE = 1024
+"""No secret is longer [B]."""
+SHORTEST, LONGEST = 24, 64
+"""Of the key in a secret that is referred to, as Standard Webhooks asks [B]."""
+
+
+class SecretUnusable(ValueError):
+    """A secret cannot be kept or had; the message says why and what would be right, never what it is."""
+
+
+@dataclass(frozen=True)
+class SigningSecrets:
+    """All ways to them. sealing: None where there is no key, and why that is so."""
+
+    sealing: Sealing | None = None
+    folder: Path | None = None
+    reason: str = "no sealing key is set: RUNDOWN_SEALING_KEY_FILE names the file of one"
+
+    @classmethod
+    def of(cls, settings: Settings, *, make: bool = False) -> "SigningSecrets":
+        """As the settings say. make: whether a key may be made where none is set, beside an SQLite file."""
+        folder = Path(settings.webhook_secrets_folder) if settings.webhook_secrets_folder else None
+        file = key_file(settings)
+        if file is None:
+            return cls(None, folder)
+        try:
+            if make and not settings.sealing_key_file and not file.exists():
+                make_key(file)
+            return cls(Sealing.of(file), folder)
+        except (ValueError, OSError) as error:
+            right = "put back the one that belongs to this database; where nothing is sealed yet, the next start makes one"
+            return cls(None, folder, f"there is no sealing key: {error}: {right}")
+
+    def sealed(self, secret: str, subscription_id: int) -> str:
+        """A secret as it may stand in the database. Raises SecretUnusable."""
+        if self.sealing is None:
+            raise SecretUnusable(
+                f"a webhook's secret is not kept in plain, and {self.reason}; or give secret_file or secret_env"
+            )
+        return self.sealing.seal(secret.encode(), place=_place(subscription_id))
+
+    def referred(self, *, file: str | None, variable: str | None) -> str:
+        """A reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
+        if file is not None:
+            self._from_file(file)
+            return FILE + file
+        _from_environment(variable or "")
+        return f"{ENVIRONMENT}{variable}"
+
+    def reveal(self, row: SubscriptionRow) -> str:
+        """A subscription's secret. Raises SecretUnusable."""
+        kept = row.secret or ""
+        if kept.startswith(FILE):
+            return self._from_file(kept.removeprefix(FILE))
+        if kept.startswith(ENVIRONMENT):
+            return _from_environment(kept.removeprefix(ENVIRONMENT))
+        if not is_sealed(kept):
+            return kept
+        if self.sealing is None:
+            raise SecretUnusable(f"its secret is sealed, and {self.reason}")
+        try:
+            return self.sealing.open(kept, place=_place(row.id)).decode()
+        except SealBroken as error:
+            raise SecretUnusable(
+                f"its secret is sealed, and {error}; put back the key that belongs to this database"
+            ) from error
+
+    def trouble(self, row: SubscriptionRow) -> str | None:
+        """Why nothing can be signed for a subscription."""
+        try:
+            self.reveal(row)
+        except SecretUnusable as error:
+            return str(error)
+        return None
+
+    def renewed(self, row: SubscriptionRow) -> str | None:
+        """What should stand in place of a secret that lies plain or under an older key; None where it is as it should be."""
+        kept = row.secret or ""
+        if self.sealing is None or kept.startswith((FILE, ENVIRONMENT)):
+            return None
+        if is_sealed(kept) and (self.sealing.is_current(kept, place=_place(row.id)) or self.trouble(row)):
+            return None
+        return self.sealed(self.reveal(row), row.id)
+
+    def _from_file(self, name: str) -> str:
+        if self.folder is None:
+            raise SecretUnusable("secret_file needs RUNDOWN_WEBHOOK_SECRETS_FOLDER, the folder in which such files are")
+        if not re.fullmatch(FILE_NAME, name):
+            raise SecretUnusable("secret_file is the name of a file in the folder, without any folder")
+        try:
+            return _fit(_read(self.folder, name), f"the file {name}")
+        except (OSError, ValueError) as error:
+            if isinstance(error, SecretUnusable):
+                raise
+            raise SecretUnusable(f"the file {name} cannot be used: {_words(error)}") from None
+
+
+def key_file(settings: Settings) -> Path | None:
+    """Where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
+    if settings.sealing_key_file:
+        return Path(settings.sealing_key_file)
+    path = file_of(engine_of(settings.database))
+    return None if path is None else path.with_name(path.name + ".key")
+
+
+def is_sealed(kept: str | None) -> bool:
+    """Whether what stands in the database is sealed."""
+    return (kept or "").startswith(SEALED)
+
+
+def is_plain(kept: str | None) -> bool:
+    """Whether what stands in the database is a secret as it is."""
+    return bool(kept) and not (kept or "").startswith((SEALED, FILE, ENVIRONMENT))
+
+
+def where_kept(kept: str | None) -> str | None:
+    """Where a secret is, in words; None where there is none."""
+    if not kept:
+        return None
+    if is_sealed(kept):
+        return "sealed"
+    return "plain" if is_plain(kept) else kept.replace(":", " ", 1)
+
+
+def _place(subscription_id: int) -> str:
+    return f"subscription {subscription_id}"
+
+
+def _from_environment(name: str) -> str:
+    if not re.fullmatch(VARIABLE, name):
+        raise SecretUnusable(f"secret_env is a variable whose name begins with {VARIABLE_PREFIX}")
+    if name not in os.environ:
+        raise SecretUnusable(f"the service's environment has no {name}")
+    return _fit(os.environ[name].strip(), name)
+
+
+def _read(folder: Path, name: str) -> str:
+    """Links lead nowhere but into the folder: a mounted secret is a link there. Raises OSError, ValueError."""
+    real = Path(os.path.realpath(folder / name))
+    if not real.is_relative_to(os.path.realpath(folder)):
+        raise ValueError("it leads out of the folder")
+    if not stat.S_ISREG(real.stat().st_mode):
+        raise ValueError("it is no file")
+    require_private(str(real))
+    with real.open("rb") as opened:
+        return opened.read(LARGEST_FILE + 1).decode("ascii", "replace").strip()
+
+
+def _fit(secret: str, what: str) -> str:
+    """Raises SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
+    wanted = f"{what} must hold {PREFIX} and base64 of {SHORTEST} to {LONGEST} bytes, in one line"
+    try:
+        fits = secret.startswith(PREFIX) and SHORTEST <= len(key_of(secret)) <= LONGEST
+    except ValueError:
+        fits = False
+    if not fits:
+        raise SecretUnusable(wanted)
+    return secret
+
+
+def _words(error: OSError | ValueError) -> str:
+    return error.strerror or type(error).__name__ if isinstance(error, OSError) else str(error)
