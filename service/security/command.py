@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from estimator.machine import Identifier
 from service.ending import fail
 from service.security.principal import Role
+from service.terminal import say
 
 if TYPE_CHECKING:
     from storage.database import Database
@@ -49,8 +50,8 @@ def create_key(
     with _opened(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         until = _time(row.expires_at)
-    typer.echo(text)
-    typer.echo(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
+    say(text)
+    say(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
 
 
 @key_app.command("list")
@@ -65,7 +66,7 @@ def list_keys(database: Store = None) -> None:
             state = "revoked" if row.revoked_at else "valid" if keys.valid(row, at=moment) else "expired"
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
-            typer.echo(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
+            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
 
 
 @key_app.command("rotate")
@@ -87,8 +88,8 @@ def rotate_key(
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
         except (KeyUnknown, ValueError) as error:
             fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
-        typer.echo(text)
-        typer.echo(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+        say(text)
+        say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
 
 @key_app.command("revoke")
@@ -103,7 +104,7 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
                 api_keys.revoke(session, prefix)
         except KeyUnknown:
             fail(f"no key {prefix}")
-    typer.echo(f"{prefix} is revoked")
+    say(f"{prefix} is revoked")
 
 
 @audit_app.command("verify")
@@ -127,10 +128,10 @@ def verify_audit(
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
     for one in found:
-        typer.echo(f"entry {one.number}: {one.reason}", err=True)
+        say(f"entry {one.number}: {one.reason}", err=True)
     if found:
         fail(f"the audit trail does not hold, in {len(found)} places")
-    typer.echo(f"{number} entries hold: {number}:{digest}")
+    say(f"{number} entries hold: {number}:{digest}")
 
 
 @contextmanager
