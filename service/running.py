@@ -29,6 +29,7 @@ from service.ingest import Ingest
 from service.journal import Journal
 from service.leasing import Leasing
 from service.memory import share_one_heap
+from service.security.audit_watch import AuditWatch
 from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
@@ -99,6 +100,7 @@ def serve(settings: Settings) -> None:
         dispatcher = Dispatcher(database, session, settings, leasing)
         housekeeping = Housekeeping(database, settings, leasing)
         backup_watch = BackupWatch(settings.backups)
+        audit_watch = AuditWatch(database)
         parts: dict[str, Part] = {"leasing": leasing}
         if settings.role in ("all", "identify"):
             parts |= {"identifying": identifying, "delivery": dispatcher}
@@ -107,8 +109,9 @@ def serve(settings: Settings) -> None:
         for part in [*parts.values(), housekeeping]:
             part.start()
             closing.callback(part.stop)
-        backup_watch.start()
-        closing.callback(backup_watch.stop)
+        for watch in (backup_watch, audit_watch):
+            watch.start()
+            closing.callback(watch.stop)
         forwarding = Forwarding(session, database, leasing, submissions)
         closing.callback(forwarding.close)
         closing.callback(LastStates(session, database, leasing).close)
@@ -127,7 +130,7 @@ def serve(settings: Settings) -> None:
             submissions=forwarding,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
-            warnings=lambda: housekeeping.warnings,
+            warnings=lambda: [*housekeeping.warnings, *audit_watch.warnings],
             gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
         )
         _prefer_answers()

@@ -23,6 +23,7 @@ Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; b
 Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
 Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
 A_YEAR = 365.0
+NOTED = "[0-9]{1,18}:[0-9a-f]{64}"
 SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
 """For how many days a key may be good."""
 
@@ -109,7 +110,13 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
 
 @audit_app.command("verify")
 def verify_audit(
-    noted: Annotated[str | None, typer.Option(help="NUMBER:HASH that an earlier verify printed")] = None,
+    noted: Annotated[
+        list[str] | None, typer.Option(help="NUMBER:HASH that an earlier verify printed or the log has; may be given again")
+    ] = None,
+    noted_in: Annotated[
+        typer.FileText | None,
+        typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
+    ] = None,
     database: Store = None,
 ) -> None:
     """Check that no entry was changed, taken away or moved. Prints the newest number and hash: note them elsewhere.
@@ -118,12 +125,12 @@ def verify_audit(
     """
     from storage import audit
 
-    known = None
-    if noted is not None:
-        match = re.fullmatch(r"([0-9]{1,18}):([0-9a-f]{64})", noted)
-        if match is None:
-            fail(f"'{noted}' is not NUMBER:HASH")
-        known = int(match[1]), match[2]
+    known = {_noted(one) for one in noted or ()}
+    if noted_in is not None:
+        in_log = {_noted(found[1]) for found in re.finditer(rf"audit trail: the newest entry is ({NOTED})", noted_in.read())}
+        if not in_log:
+            fail(f"{noted_in.name} holds no note of the audit trail")
+        known |= in_log
     with _opened(database) as opened, opened.reading() as session:
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
@@ -132,6 +139,14 @@ def verify_audit(
     if found:
         fail(f"the audit trail does not hold, in {len(found)} places")
     say(f"{number} entries hold: {number}:{digest}")
+
+
+def _noted(text: str) -> tuple[int, str]:
+    """Number and hash of an entry."""
+    if re.fullmatch(NOTED, text) is None:
+        fail(f"'{text}' is not NUMBER:HASH")
+    number, _, digest = text.partition(":")
+    return int(number), digest
 
 
 @contextmanager
