@@ -1,5 +1,6 @@
 """The command `rundown`."""
 
+import json
 import logging
 import signal
 import threading
@@ -51,6 +52,7 @@ from service.storage_commands import backup, export, move, restore
 from service.stream import StreamUnusable, wait_connected
 from service.stream import session as zenoh_session
 from service.stream_access import AccessUnusable, from_environment
+from service.terminal import say, say_lines
 from service.wire import Key, Rejected
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
@@ -69,7 +71,7 @@ Method = Literal["likelihood", "regression"]
 
 def _say_version(asked: bool) -> None:
     if asked:
-        typer.echo(f"rundown {version('rundown')}")
+        say(f"rundown {version('rundown')}")
         raise typer.Exit
 
 
@@ -137,7 +139,7 @@ def doctor(
     settings = _settings({})
     wrong = 0
     for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
-        typer.echo(f"{finding.level:8s} {finding.what}: {finding.words}")
+        say(f"{finding.level:8s} {finding.what}: {finding.words}")
         wrong += finding.level == "wrong"
     if wrong:
         fail(f"{wrong} wrong; docs/runbook.md says what to do")
@@ -256,7 +258,7 @@ def edge(
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
     try:
-        typer.echo(read_machine(machine).model_dump_json(indent=1))
+        say_lines(json.dumps(read_machine(machine).model_dump(mode="json"), indent=1))
     except UnreadableFile as error:
         fail(str(error))
 
@@ -323,11 +325,11 @@ def identify_offline(
     if found.identification is None:
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
-    typer.echo(identification_text(result))
+    say_lines(identification_text(result))
     if text:
-        typer.echo(f"\n{text}")
+        say_lines(f"\n{text}")
     if advice:
-        typer.echo(advice_text(described, result, measurement))
+        say_lines(advice_text(described, result, measurement))
     if not result.accepted:
         raise typer.Exit(1)
 
@@ -348,13 +350,13 @@ def model(
     Ends with status 1 when the fit is not accepted.
     """
     described, _, result = _identified(machine, files, sidecar)
-    typer.echo(result.verdict)
+    say(result.verdict)
     if not result.accepted:
         raise typer.Exit(1)
     try:
         speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
         with threadpoolctl.threadpool_limits(1):
-            typer.echo(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
+            say_lines(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
     except ValueError as error:
         fail(str(error))
 
@@ -378,7 +380,7 @@ def compare(
         fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
-    typer.echo(comparison_text(found))
+    say_lines(comparison_text(found))
 
 
 @app.command("slow-roll")
@@ -391,7 +393,7 @@ def show_slow_roll(
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     try:
         described, runs = _runs(machine, [file], sidecar)
-        typer.echo(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
+        say_lines(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
 
@@ -402,7 +404,7 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
         measurement = joined([measured for _, measured in runs])
         with threadpoolctl.threadpool_limits(1):
             found = regress(described, measurement, tikhonov=tikhonov)
-        typer.echo(regression_text(found))
+        say_lines(regression_text(found))
         if found.reduced_chi_square > EXPLAINED or found.impossible:
             raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
@@ -416,11 +418,11 @@ def _runs(
     described = read_machine(machine)
     runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
-        typer.echo(line, err=True)
+        say(line, err=True)
     if slow_roll is None:
         return described, runs
     corrected, rest, found = without_slow_roll(described, runs, slow_roll)
-    typer.echo(slow_roll_text(described, found), err=True)
+    say_lines(slow_roll_text(described, found), err=True)
     return corrected, rest
 
 

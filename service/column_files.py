@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from service.csv_cells import CsvWriter
 from storage.clock import to_datetime
+from storage.private_files import prepare
 
 Kind = Literal["integer", "number", "text", "truth", "time"]
 
@@ -32,7 +33,8 @@ class Column:
 
 
 def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[Rows]) -> int:
-    """Write `name`.csv (RFC 4180; what has no value is empty) and `name`.parquet at once; returns the number of rows.
+    """Write `name`.csv (RFC 4180; what has no value is empty) and `name`.parquet at once, for their owner only;
+    returns the number of rows.
 
     Raises ParquetMissing, OSError.
     """
@@ -51,6 +53,8 @@ def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[R
                 writer.rows([_shown(column, value) for column, value in zip(columns, row, strict=True)] for row in rows)
                 yield _batch(columns, rows)
 
+    prepare(folder / f"{name}.csv")
+    prepare(folder / f"{name}.parquet")
     with (folder / f"{name}.csv").open("w", newline="") as file:
         writer = CsvWriter(file)
         writer.row(column.name for column in columns)

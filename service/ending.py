@@ -4,8 +4,10 @@ from typing import NoReturn
 
 import typer
 
+from service.terminal import say_lines
+
 
 def fail(message: str) -> NoReturn:
     """Say why, and end with status 1."""
-    typer.echo(f"rundown: {message}", err=True)
+    say_lines(f"rundown: {message}", err=True)
     raise typer.Exit(1)

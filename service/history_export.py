@@ -17,6 +17,7 @@ from storage import runs
 from storage.blocks import DamagedBlock, Samples
 from storage.database import Database
 from storage.machines import MachineUnknown
+from storage.private_files import PRIVATE_FOLDER, prepare
 from storage.tables import (
     AlertEventRow,
     AlertRow,
@@ -219,14 +220,15 @@ _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...]
 
 
 def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
-    """Write a machine's history into a new or empty folder, as of one moment; returns the rows of each file.
+    """Write a machine's history into a new or empty folder, as of one moment, for its owner only; returns the rows of each
+    file.
 
     That is its documents, the samples of its runs, what was found and said of it; not samples that belong to no run, nor what
     is needed only to repeat an identification.
 
     Raises MachineUnknown, ParquetMissing, OSError.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    folder.mkdir(PRIVATE_FOLDER, parents=True, exist_ok=True)
     if any(folder.iterdir()):
         raise FileExistsError(f"the folder {folder} is not empty")
     written: dict[str, int] = {}
@@ -239,7 +241,7 @@ def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
             described[name] = columns
         documents = select(RevisionRow).where(RevisionRow.machine_id == machine_id).order_by(RevisionRow.revision)
         for row in session.scalars(documents).all():
-            (folder / f"machine-{row.revision}.json").write_text(json.dumps(row.document, indent=1) + "\n")
+            _write(folder / f"machine-{row.revision}.json", json.dumps(row.document, indent=1))
             name = f"samples-{row.revision}"
             columns = sample_columns(parse_machine(row.document))
             written[name] = write(folder, name, columns, _samples(session, machine_id, row.revision, columns))
@@ -319,4 +321,9 @@ def _sample_rows(run: int, held: Samples, width: int) -> Rows:
 def _describe(folder: Path, machine_id: str, files: dict[str, Sequence[Column]]) -> None:
     described = {name: [asdict(column) for column in columns] for name, columns in files.items()}
     text = {"machine": machine_id, "files": described}
-    (folder / "columns.json").write_text(json.dumps(text, indent=1, ensure_ascii=False) + "\n")
+    _write(folder / "columns.json", json.dumps(text, indent=1, ensure_ascii=False))
+
+
+def _write(file: Path, text: str) -> None:
+    prepare(file)
+    file.write_text(text + "\n")

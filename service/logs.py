@@ -7,9 +7,19 @@ from typing import Literal
 
 import msgspec
 
+from storage.plain_text import plain_lines
+
 LogFormat = Literal["text", "json"]
 
 TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+
+class TextLines(logging.Formatter):
+    """For people: what others wrote steers no terminal."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """A line, and those of a traceback."""
+        return plain_lines(super().format(record))
 
 
 class JsonLines(logging.Formatter):
@@ -32,6 +42,6 @@ class JsonLines(logging.Formatter):
 def log_to_terminal(level: str, log_format: LogFormat = "text") -> None:
     """Log from now on."""
     handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(JsonLines() if log_format == "json" else logging.Formatter(TEXT))
+    handler.setFormatter(JsonLines() if log_format == "json" else TextLines(TEXT))
     logging.basicConfig(level=level.upper(), handlers=[handler])
     logging.getLogger("alembic").setLevel(logging.WARNING)

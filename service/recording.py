@@ -18,6 +18,7 @@ from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
+from storage.private_files import prepare
 
 LONGEST_S = 1e9
 """No recording is longer than thirty years [s]."""
@@ -113,11 +114,13 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
 
 
 def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
-    """Write a run as CSV with its sidecar beside it, to be read by `read_recording`.
+    """Write a run as CSV with its sidecar beside it, for their owner only, to be read by `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     """
     channels = machine.channels
+    prepare(path)
+    prepare(path.with_suffix(".yaml"))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = CsvWriter(file)
         writer.row(["speed_rpm", *(f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))])

@@ -32,6 +32,7 @@ from service.job_quota import JobQuota
 from service.journal import Journal
 from service.leasing import Leasing
 from service.memory import share_one_heap
+from service.security.audit_watch import AuditWatch
 from service.security.certificates import days_left
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
@@ -108,6 +109,7 @@ def serve(settings: Settings) -> None:
         store_watch = StoreWatch(database)
         store_watch.start()
         closing.callback(store_watch.stop)
+        audit_watch = AuditWatch(database)
         parts: dict[str, Part] = {"leasing": leasing}
         if settings.role in ("all", "identify"):
             parts |= {"identifying": identifying, "delivery": dispatcher}
@@ -116,8 +118,9 @@ def serve(settings: Settings) -> None:
         for part in [*parts.values(), housekeeping]:
             part.start()
             closing.callback(part.stop)
-        backup_watch.start()
-        closing.callback(backup_watch.stop)
+        for watch in (backup_watch, audit_watch):
+            watch.start()
+            closing.callback(watch.stop)
         forwarding = Forwarding(session, database, leasing, submissions)
         closing.callback(forwarding.close)
         closing.callback(LastStates(session, database, leasing).close)
@@ -138,7 +141,7 @@ def serve(settings: Settings) -> None:
             security=Security.of(settings),
             job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
             secrets=secrets,
-            warnings=lambda: [*housekeeping.warnings, *dispatcher.watch.warnings],
+            warnings=lambda: [*housekeeping.warnings, *dispatcher.watch.warnings, *audit_watch.warnings],
             gauges=lambda: (
                 {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}
                 | housekeeping.gauges

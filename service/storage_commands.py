@@ -7,6 +7,7 @@ import typer
 
 from service.ending import fail
 from service.settings import SettingsWrong, settings_of
+from service.terminal import say
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
 
@@ -24,7 +25,7 @@ def backup(
         made = backups.back_up(_url(database), file)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
-    typer.echo(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
+    say(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
 
 
 def restore(
@@ -41,7 +42,7 @@ def restore(
         found = backups.restore(_url(database), file, overwrite=overwrite)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
-    typer.echo(f"{sum(found.rows.values())} rows of {found.made_at} restored")
+    say(f"{sum(found.rows.values())} rows of {found.made_at} restored")
 
 
 def move(
@@ -62,12 +63,10 @@ def move(
     except DBAPIError as error:
         fail(f"the data were not taken over, the new database is empty: {error.orig}")
     for name, count in moved.rows.items():
-        typer.echo(f"{name:24s} {count:12d}")
+        say(f"{name:24s} {count:12d}")
     for name, count in moved.escaped.items():
-        typer.echo(
-            f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled"
-        )
-    typer.echo("all of them compared: the same on both sides")
+        say(f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled")
+    say("all of them compared: the same on both sides")
 
 
 def export(
@@ -94,7 +93,7 @@ def export(
         fail(str(error))
     try:
         for name, count in export_history(opened, machine, folder).items():
-            typer.echo(f"{name:24s} {count:12d}")
+            say(f"{name:24s} {count:12d}")
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (ParquetMissing, OSError) as error:

@@ -8,6 +8,11 @@ def plain_text(text: str) -> str:
     return "".join(c if c.isprintable() or c == " " else c.encode("unicode_escape").decode() for c in text)
 
 
+def plain_lines(text: str) -> str:
+    """The same of each of its lines."""
+    return "\n".join(map(plain_text, text.split("\n")))
+
+
 def nul_escaped(text: str) -> str:
     """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_back` can tell; another as it is."""
     return text.replace("\\", "\\\\").replace("\0", "\\x00") if "\0" in text else text

@@ -7,13 +7,15 @@ from pathlib import Path
 
 PRIVATE = 0o600
 """Mode of files that hold data."""
+PRIVATE_FOLDER = 0o700
+"""Mode of folders that hold such files."""
 BESIDE = ("", "-wal", "-shm")
 """What SQLite puts behind the name of a database file for those that hold its data."""
 
 
 def prepare(path: Path) -> None:
-    """Create a database file that is not there yet, empty and private: SQLite would make it with what the umask leaves, and
-    gives its log the mode of the file. One that is there is left as it is, and what cannot be created is SQLite's to say.
+    """Create a file that is not there yet, empty and private, for who writes it next: else it had what the umask leaves, and
+    SQLite gives its log the mode of the file. One that is there is left as it is, and what cannot be created is theirs to say.
     """
     with contextlib.suppress(OSError):
         # Never one that is there: closing it would take SQLite's locks on it from the whole process.

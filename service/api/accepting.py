@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import errno
 import logging
+import math
 import resource
 import socket
 import ssl
@@ -76,10 +77,9 @@ class Acceptor:
                     raise
                 self._wait(str(error))
                 return
-            limit = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-            if connection.fileno() >= limit - min(RESERVED, limit // 4):  # the lowest free number is what a file gets
+            if connection.fileno() >= _last():  # the lowest free number is what a file gets
                 connection.close()
-                self._wait(f"{limit} are allowed")
+                self._wait("the last ones are for the rest of the service")
                 return
             self._take(connection, peer[0])
 
@@ -126,3 +126,9 @@ class Acceptor:
             )
         self._loop.remove_reader(self._listener)
         self._pause = self._loop.call_later(PAUSE_S, self._loop.add_reader, self._listener, self._accept)
+
+
+def _last() -> float:
+    """The first of the descriptors that no connection gets."""
+    allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+    return math.inf if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)

@@ -168,7 +168,7 @@ class Authentication:
                 if key is None or not keys.valid(key, at=now()):
                     raise Unauthenticated("the API key that you logged in with is no longer valid: log in with another one")
             plants = None if row.plants is None else frozenset(row.plants)
-            identity = f"session of key {row.key_prefix}" if row.key_prefix else f"session {row.hash[:12]} of {row.name}"
+            identity = f"session of key {row.key_prefix}" if row.key_prefix else f"session of {row.name}"
             return Principal(row.name, Role.of(row.role), plants, "session", identity, row.token)
 
     def _keys_are_there(self) -> bool:

@@ -11,6 +11,7 @@ from pydantic import TypeAdapter, ValidationError
 from estimator.machine import Identifier
 from service.ending import fail
 from service.security.principal import Role
+from service.terminal import say
 
 if TYPE_CHECKING:
     from storage.database import Database
@@ -22,6 +23,7 @@ Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; b
 Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
 Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
 A_YEAR = 365.0
+NOTED = "[0-9]{1,18}:[0-9a-f]{64}"
 SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
 """For how many days a key may be good."""
 
@@ -49,8 +51,8 @@ def create_key(
     with _opened(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         until = _time(row.expires_at)
-    typer.echo(text)
-    typer.echo(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
+    say(text)
+    say(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
 
 
 @key_app.command("list")
@@ -65,7 +67,7 @@ def list_keys(database: Store = None) -> None:
             state = "revoked" if row.revoked_at else "valid" if keys.valid(row, at=moment) else "expired"
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
-            typer.echo(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
+            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
 
 
 @key_app.command("rotate")
@@ -87,8 +89,8 @@ def rotate_key(
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
         except (KeyUnknown, ValueError) as error:
             fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
-        typer.echo(text)
-        typer.echo(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+        say(text)
+        say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
 
 @key_app.command("revoke")
@@ -103,12 +105,18 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
                 api_keys.revoke(session, prefix)
         except KeyUnknown:
             fail(f"no key {prefix}")
-    typer.echo(f"{prefix} is revoked")
+    say(f"{prefix} is revoked")
 
 
 @audit_app.command("verify")
 def verify_audit(
-    noted: Annotated[str | None, typer.Option(help="NUMBER:HASH that an earlier verify printed")] = None,
+    noted: Annotated[
+        list[str] | None, typer.Option(help="NUMBER:HASH that an earlier verify printed or the log has; may be given again")
+    ] = None,
+    noted_in: Annotated[
+        typer.FileText | None,
+        typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
+    ] = None,
     database: Store = None,
 ) -> None:
     """Check that no entry was changed, taken away or moved. Prints the newest number and hash: note them elsewhere.
@@ -117,20 +125,28 @@ def verify_audit(
     """
     from storage import audit
 
-    known = None
-    if noted is not None:
-        match = re.fullmatch(r"([0-9]{1,18}):([0-9a-f]{64})", noted)
-        if match is None:
-            fail(f"'{noted}' is not NUMBER:HASH")
-        known = int(match[1]), match[2]
+    known = {_noted(one) for one in noted or ()}
+    if noted_in is not None:
+        in_log = {_noted(found[1]) for found in re.finditer(rf"audit trail: the newest entry is ({NOTED})", noted_in.read())}
+        if not in_log:
+            fail(f"{noted_in.name} holds no note of the audit trail")
+        known |= in_log
     with _opened(database) as opened, opened.reading() as session:
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
     for one in found:
-        typer.echo(f"entry {one.number}: {one.reason}", err=True)
+        say(f"entry {one.number}: {one.reason}", err=True)
     if found:
         fail(f"the audit trail does not hold, in {len(found)} places")
-    typer.echo(f"{number} entries hold: {number}:{digest}")
+    say(f"{number} entries hold: {number}:{digest}")
+
+
+def _noted(text: str) -> tuple[int, str]:
+    """Number and hash of an entry."""
+    if re.fullmatch(NOTED, text) is None:
+        fail(f"'{text}' is not NUMBER:HASH")
+    number, _, digest = text.partition(":")
+    return int(number), digest
 
 
 @contextmanager

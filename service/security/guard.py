@@ -200,8 +200,7 @@ class Guard:
 
 
 def _entry(who: Principal, scope: Scope, operation: Operation, outcome: str) -> Entry:
-    name = who.identity if who.name in ("", who.identity) else f"{who.name} ({who.identity})"
-    return Entry(name, _address(scope), operation.name, f"{scope['method']} {scope['path']}", outcome)
+    return Entry(who.in_full, _address(scope), operation.name, f"{scope['method']} {scope['path']}", outcome)
 
 
 def _address(scope: Scope) -> str:

@@ -181,7 +181,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
             token=secrets.token_urlsafe(32),
             expires_at=now() + LASTS_S * 1_000_000_000,
         )
-        entry = Entry(f"{who.name} ({who.identity})", address, "log_in", "page", "done")
+        entry = Entry(who.in_full, address, "log_in", "page", "done")
         if cast(RepeatedEntries, request.app.state.repeated).first(entry):
             audit.append(session, entry)
     answer = RedirectResponse("/", 303)

@@ -55,6 +55,11 @@ class Principal:
         """Whether it is known who this is."""
         return self.kind in ("key", "token", "session")
 
+    @property
+    def in_full(self) -> str:
+        """Name and identity, for the audit trail."""
+        return self.identity if self.name in self.identity else f"{self.name} ({self.identity})"
+
     def sees(self, plant: str | None) -> bool:
         """Whether a plant concerns them; None: something of no plant that is known."""
         return self.plants is None or (plant is not None and plant in self.plants)

@@ -1,5 +1,6 @@
 """Bearer tokens of an issuer (JWT, RFC 7519; checked as RFC 8725 asks): RS256 and ES256 only, by the issuer's keys."""
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,6 +14,8 @@ from storage.plain_text import plain_text
 LEEWAY_S = 30.0
 EVERY_PLANT = "*"
 LONGEST = 8192
+LONGEST_SUBJECT = 64
+"""Of a longer one the beginning is shown, and a digest."""
 
 
 class TokenRefused(ValueError):
@@ -46,8 +49,7 @@ class Tokens:
         """Who checked claims stand for."""
         subject = str(claims["sub"])
         name = str(_inside(claims, self._claims.name) or claims.get("preferred_username") or subject)
-        name = plain_text(name)[:MOST_CHARACTERS]
-        return Principal(name, self._role(claims), self._plants(claims), "token", f"token {subject}")
+        return Principal(_shown(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
 
     def checked(self, token: str, *, audience: str, nonce: str | None = None) -> dict[str, Any]:
         """The claims of a token that is the issuer's, for that audience, and valid now. Raises as `principal`."""
@@ -88,6 +90,15 @@ class Tokens:
         """Those that are named; none without the claim."""
         said = frozenset(_words(_inside(claims, self._claims.plants)))
         return None if EVERY_PLANT in said else said
+
+
+def _shown(name: str, subject: str) -> str:
+    """The name beside the subject and never alone: who bears a name may choose it, the subject is the issuer's."""
+    shown = plain_text(subject)
+    if len(shown) > LONGEST_SUBJECT:
+        digest = hashlib.sha256(subject.encode("utf-8", "backslashreplace")).hexdigest()[:16]
+        shown = f"{shown[: LONGEST_SUBJECT - 17]}…{digest}"
+    return f"{plain_text(name)[: MOST_CHARACTERS - len(shown) - 3]} ({shown})"
 
 
 def _inside(claims: Mapping[str, Any], path: str) -> Any:

@@ -107,7 +107,7 @@ def test_one_logs_in_at_the_issuer(context: BrowserContext, secured: Place) -> N
     secured.issuer.claims = {"sub": "berta", "name": "Berta", "rundown_role": "viewer", "rundown_plants": "*"}
     page.goto(f"{secured.url}/login")
     page.get_by_role("link", name="Log in with your organisation").click()
-    expect(page.get_by_text("Berta (viewer)")).to_be_visible()
+    expect(page.get_by_text("Berta (berta) (viewer)")).to_be_visible()
     expect(page.locator("main")).to_contain_text(HIDDEN)
     assert [one["name"] for one in context.cookies()] == ["rundown_session"]
     assert complaints == []

@@ -91,6 +91,7 @@ def test_handshakes_that_do_not_end_count_and_trusted_proxies_may_have_more(tmp_
             assert until(lambda: sum(map(closed, held)) == 20, within_s=20, what="what is too many is closed")
             assert client.get(ALIVE).status_code == 200
             assert not any(map(closed, proxied))
+    assert "Traceback" not in service.log.read_text()
 
 
 def answers_over(client: httpx.Client) -> bool:

@@ -3,6 +3,8 @@
 import csv
 import errno
 import json
+import os
+import stat
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +31,7 @@ from storage.tables import (
     TimelineRow,
 )
 from tests.databases import Databases
+from tests.end_to_end.processes import EXAMPLES
 from tests.plant import CHANNELS, KEY, SECOND, START, identification, machine, samples, sqlite_url, store_identification
 
 COUNT = 1234
@@ -159,6 +162,19 @@ def test_a_run_that_cannot_be_read_is_left_out_of_an_export(
     said = rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
     assert f"samples-1 {COUNT}".split() in [line.split() for line in said.splitlines()]
     assert f"left out: the samples of run {number} cannot be read: sample block is damaged" in caplog.text
+
+
+def test_an_export_is_its_owners_only(told: Database, tmp_path: Path) -> None:
+    before = os.umask(0)
+    try:
+        rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+        rundown("sample", str(EXAMPLES / "motor-pump.yaml"), str(tmp_path / "run.csv"), "--samples", "20")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "pump").stat().st_mode) == 0o700
+    files = [*(tmp_path / "pump").iterdir(), tmp_path / "run.csv", tmp_path / "run.yaml"]
+    assert {one.suffix for one in files} == {".csv", ".parquet", ".json", ".yaml"}
+    assert {stat.S_IMODE(one.stat().st_mode) for one in files} == {0o600}
 
 
 def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None:

@@ -245,7 +245,7 @@ def test_nul_in_a_text_is_escaped_where_it_cannot_be_and_the_audit_trail_holds(
     for url in (target, back):
         opened = Database(url)
         with opened.reading() as session:
-            assert audit.verify(session, known=audit.head(session)) == []
+            assert audit.verify(session, known=[audit.head(session)]) == []
             texts = session.scalars(select(AuditRow.target).order_by(AuditRow.number)).all()
             note = session.scalars(select(TimelineRow.text)).one()
         opened.close()

@@ -1,10 +1,14 @@
 """The audit trail: what is in it, that it is written with what it tells of, and that a change of it is found."""
 
+import logging
+from pathlib import Path
+
 import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
 from service.security import api_keys
+from service.security.audit_watch import LOOK_S, AuditWatch
 from storage import audit
 from storage.audit import Entry
 from storage.database import Database
@@ -30,9 +34,10 @@ def broken(database: Database, *statements: str) -> list[tuple[int, str]]:
     """What is found after somebody changed the file itself, without its triggers."""
     with database.engine.begin() as connection:
         if connection.dialect.name == "postgresql":
-            connection.execute(text("ALTER TABLE audit DISABLE TRIGGER audit_append_only"))
+            for name in ("audit", "audit_head"):
+                connection.execute(text(f"ALTER TABLE {name} DISABLE TRIGGER ALL"))
         else:
-            for name in ("audit_no_update", "audit_no_delete"):
+            for name in ("audit_no_update", "audit_no_delete", "audit_head_follows", "audit_head_no_delete"):
                 connection.execute(text(f"DROP TRIGGER IF EXISTS {name}"))
         for statement in statements:
             connection.execute(text(statement))
@@ -45,7 +50,7 @@ def test_a_trail_that_nobody_touched_holds(trail: Database) -> None:
         assert audit.verify(session) == []
         number, digest = audit.head(session)
         assert (number, len(digest)) == (5, 64)
-        assert audit.verify(session, known=(5, digest)) == []
+        assert audit.verify(session, known=[(5, digest)]) == []
 
 
 OTHER_ENTRY = (
@@ -83,6 +88,105 @@ def test_no_entry_is_replaced(trail: Database, statement: str) -> None:
     with trail.transaction() as session:
         assert audit.append(session, Entry("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
         assert audit.verify(session) == []
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "DELETE FROM audit_head",
+        "UPDATE audit_head SET number = 3, hash = (SELECT hash FROM audit WHERE number = 3)",
+        "UPDATE audit_head SET number = 0",
+        "UPDATE audit_head SET number = 6",
+        "UPDATE audit_head SET hash = 'x'",
+        "UPDATE audit_head SET id = 2",
+        "UPDATE audit_head SET number = 7, hash = 'x'",
+        "INSERT INTO audit_head VALUES (1, 3, 'x') ON CONFLICT (id) DO UPDATE SET number = 3",
+        "INSERT OR REPLACE INTO audit_head VALUES (1, 3, 'x')",
+        "REPLACE INTO audit_head (id, number, hash) SELECT '1', number, hash FROM audit WHERE number = 3",
+        "UPDATE OR REPLACE audit_head SET id = 1, number = 3",
+        "TRUNCATE audit_head",
+    ],
+)
+def test_the_head_only_follows_an_entry(trail: Database, statement: str) -> None:
+    only = {"sqlite": "REPLACE", "postgresql": "TRUNCATE"}
+    if any(word in statement and trail.kind != kind for kind, word in only.items()):
+        pytest.skip("no statement of this database")
+    with trail.reading() as session:
+        before = audit.head(session)
+    with pytest.raises(DBAPIError, match="audit trail"), trail.engine.begin() as connection:
+        connection.execute(text(statement))
+    with trail.transaction() as session:
+        assert audit.head(session) == before
+        assert audit.append(session, Entry("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
+        assert audit.verify(session) == []
+
+
+CUT = (
+    "DELETE FROM audit WHERE number > 3",
+    "UPDATE audit_head SET number = 3, hash = (SELECT hash FROM audit WHERE number = 3)",
+)
+
+
+def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
+    trail: Database, caplog: pytest.LogCaptureFixture, tmp_path: Path
+) -> None:
+    caplog.set_level(logging.INFO)
+    watch = AuditWatch(trail, clock=lambda: 0.0)
+    watch.look()
+    watch.look()
+    assert watch.warnings == []
+    noted = [record.getMessage() for record in caplog.records]
+    assert len(noted) == 1
+    assert broken(trail, *CUT) == []  # by itself what is left holds
+    url = trail.engine.url.render_as_string(hide_password=False)
+    (tmp_path / "rundown.log").write_text(f"INFO service: ready\n2026-01-01 INFO {noted[0]}\n")
+    told = rundown("audit", "verify", "--noted-in", str(tmp_path / "rundown.log"), "--database", url)
+    assert (told.returncode, "entry 5: was noted, and there are only 3" in told.stderr) == (1, True)
+    watch.look()
+    assert watch.warnings == ["the audit trail was changed: entry 5, which was there before, is not there as it was"]
+    assert "rundown audit verify --noted 5:" in caplog.text
+    assert "holds no note" in rundown("audit", "verify", "--noted-in", __file__, "--database", url).stderr
+
+
+def test_the_newest_entry_is_in_the_log_at_the_start_and_each_day(trail: Database, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    now = 0.0
+    watch = AuditWatch(trail, clock=lambda: now)
+    for _ in range(3 * 144 + 1):
+        watch.look()
+        now += LOOK_S
+    assert caplog.text.count("audit trail: the newest entry is 5:") == 4
+
+
+def test_an_entry_that_grew_into_another_is_noticed(trail: Database) -> None:
+    watch = AuditWatch(trail)
+    watch.look()
+    broken(trail, "UPDATE audit SET hash = 'x' WHERE number = 5", "UPDATE audit_head SET hash = 'x'")
+    watch.look()
+    assert len(watch.warnings) == 1
+    watch.look()
+    assert len(watch.warnings) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("who = x'00ff'", "entry 3: was changed: its `who` is no text"),
+        ("hash = x'00ff'", "entry 3: was changed: its `hash` is no text"),
+        ("target = CAST(x'61ff62' AS TEXT)", "entry 3: was changed: its `target` is no text"),
+        ("at = 'yesterday'", "entry 3: was changed: its `at` is no number"),
+        ("at = x'01'", "entry 3: was changed: its `at` is no number"),
+        ("previous = 7", "entry 3: does not follow the entry before it"),
+    ],
+)
+def test_an_entry_that_is_no_text_is_named(trail: Database, change: str, words: str) -> None:
+    if trail.kind != "sqlite":
+        pytest.skip("only SQLite takes anything for a text")
+    broken(trail, f"UPDATE audit SET {change} WHERE number = 3")
+    told = rundown("audit", "verify", "--database", trail.engine.url.render_as_string(hide_password=False))
+    assert (told.returncode, told.stdout) == (1, "")
+    assert words in told.stderr
+    assert "Traceback" not in told.stderr
 
 
 @pytest.mark.parametrize("column", ["at", "who", "address", "operation", "target", "outcome"])
@@ -125,7 +229,7 @@ def test_a_chain_forged_throughout_does_not_fit_what_was_noted(trail: Database) 
             audit.append(session, Entry("nobody", "127.0.0.1", "nothing", str(number), "done"))
     with trail.reading() as session:
         assert audit.verify(session) == []
-        assert [one.reason for one in audit.verify(session, known=known)] == ["is not the entry that was noted"]
+        assert [one.reason for one in audit.verify(session, known=[known])] == ["is not the entry that was noted"]
 
 
 def test_the_command_says_what_does_not_hold(trail: Database) -> None:

@@ -126,7 +126,7 @@ def test_who_does_something_is_who_asks(api: Api, filled: Filled, issuer: Issuer
     value(api.ask("POST", path, json=NOTE, headers=bearer(issuer.token(rundown_role="analyst", name="Berta"))), 201)
     with api.database.reading() as session:
         names = session.scalars(select(TimelineRow.by).order_by(TimelineRow.id.desc()).limit(2)).all()
-    assert names == ["Berta", "analyst 2"]
+    assert names == ["Berta (anna)", "analyst 2"]
 
 
 def test_every_body_that_says_who_does_it_is_filled_in() -> None:
@@ -255,7 +255,7 @@ def test_claims_may_be_called_and_nested_as_the_issuer_has_them(issuer: Issuer) 
         realm_access={"roles": ["offline", "vib-engineer", "viewer"]}, sites=["a", "b"], email="a@plant.example"
     )
     who = tokens.principal(text)
-    assert (who.name, who.role, who.plants) == ("a@plant.example", Role.ANALYST, frozenset({"a", "b"}))
+    assert (who.name, who.role, who.plants) == ("a@plant.example (anna)", Role.ANALYST, frozenset({"a", "b"}))
     bare = tokens.principal(issuer.token(rundown_role="admin"))
     assert (bare.role, bare.plants) == (None, frozenset())
     with pytest.raises(TokenRefused, match="characters"):

@@ -1,5 +1,6 @@
 """Logging in over HTTP: what the cookie is like, what it opens, and what another site's page cannot do with it."""
 
+import hashlib
 from collections.abc import Iterator
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -195,7 +196,7 @@ def test_a_login_at_the_issuer_gives_its_role_and_plants(api: Api, issuer: Issue
     back = begun(api)
     assert api.ask("GET", back).status_code == 303
     me = value(api.ask("GET", ME))
-    assert (me["name"], me["role"], me["plants"]) == ("Berta", "analyst", [KEY.plant])
+    assert (me["name"], me["role"], me["plants"]) == ("Berta (berta)", "analyst", [KEY.plant])
     api.http.cookies.clear()
     assert api.ask("GET", back).status_code == 401  # a code is good once
 
@@ -204,7 +205,31 @@ def test_a_name_at_the_issuer_may_be_of_any_length_and_hold_anything(api: Api, i
     issuer.claims = {"sub": "berta", "name": "B\x00" * 100, "rundown_role": "viewer", "rundown_plants": "*"}
     assert api.ask("GET", begun(api)).status_code == 303
     name = value(api.ask("GET", ME))["name"]
-    assert (len(name), name[:10]) == (120, "B\\x00B\\x00")
+    assert (len(name), name[:10], name[-8:]) == (120, "B\\x00B\\x00", " (berta)")
+
+
+@pytest.mark.parametrize(
+    ("claims", "shown"),
+    [
+        ({"sub": "mallory", "name": "root"}, "root (mallory)"),
+        ({"sub": "mallory", "name": "own admin"}, "own admin (mallory)"),
+        ({"sub": "mallory", "name": "\u202e(toor"}, "\\u202e(toor (mallory)"),
+        ({"sub": "root", "name": None, "preferred_username": None}, "root (root)"),
+        ({"sub": "m" * 200, "name": "root"}, f"root ({'m' * 47}…{hashlib.sha256(b'm' * 200).hexdigest()[:16]})"),
+    ],
+)
+def test_a_name_from_the_issuer_never_stands_alone(api: Api, issuer: Issuer, claims: dict[str, Any], shown: str) -> None:
+    issuer.claims = claims | {"rundown_role": "analyst", "rundown_plants": "*"}
+    assert api.ask("GET", begun(api)).status_code == 303
+    me = value(api.ask("GET", ME))
+    token = {"X-Rundown-Token": me["token"]}
+    by_session = value(api.ask("POST", NOTES, json=NOTE, headers=token), 201)["by"]
+    api.http.cookies.clear()
+    by_token = value(api.ask("POST", NOTES, json=NOTE, headers=bearer(issuer.token(**issuer.claims))), 201)["by"]
+    assert [me["name"], by_session, by_token] == [shown] * 3
+    with api.database.reading() as session:
+        rows = audit.newest(session, limit=2)
+        assert [row.who for row in rows] == [f"{shown} (token {claims['sub']})"[:200], f"session of {shown}"]
 
 
 def test_a_login_comes_to_its_end_at_another_replica(api: Api, store: Database, issuer: Issuer) -> None:
@@ -214,7 +239,7 @@ def test_a_login_comes_to_its_end_at_another_replica(api: Api, store: Database, 
     other = opened_api(store, Security(tokens=tokens(issuer), open_id=open_id, requests=PATIENT))
     other.http.cookies.update(api.http.cookies)
     assert other.ask("GET", back).status_code == 303
-    assert value(other.ask("GET", ME))["name"] == "Berta"
+    assert value(other.ask("GET", ME))["name"] == "Berta (berta)"
     other.http.close()
 
 
@@ -257,7 +282,7 @@ def test_who_has_no_role_at_the_issuer_is_told_so(api: Api, issuer: Issuer) -> N
     issuer.claims = {"sub": "carl", "name": "Carl", "rundown_role": None, "rundown_plants": "*"}
     answer = api.ask("GET", begun(api))
     assert answer.status_code == 403
-    assert "Carl has no role here" in answer.text
+    assert "Carl (carl) has no role here" in answer.text
 
 
 @pytest.mark.parametrize("changes", [{"nonce": "another"}, {"aud": "another"}, {"exp": 1}])

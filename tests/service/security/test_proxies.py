@@ -10,6 +10,8 @@ from pydantic import ValidationError
 
 from service.security.proxies import as_seen, of_proxies
 from service.settings import Settings
+from storage import audit
+from storage.database import Database
 from tests.end_to_end.processes import Service, rundown
 from tests.service.security.conftest import bearer
 
@@ -35,6 +37,10 @@ def test_the_address_is_the_peers_own_unless_a_trusted_proxy_says_another(
         assert ("strict-transport-security" in answers[0].headers) != limited
         (row,) = client.get("/api/v1/audit", params={"limit": 1}, headers=bearer(key)).json()
         assert (row["operation"], row["address"]) == ("log_in", address)
+    with closing(Database(service.database)) as database, database.reading() as session:  # a clean stop told the rest
+        told = audit.newest(session, limit=1)[0]
+    more = f"{[one.status_code for one in answers].count(401) - 1} more within a minute"
+    assert (told.address, told.outcome) == (address if limited else "19 addresses", f"refused: {more}")
 
 
 def test_a_proxy_is_known_on_either_kind_of_socket() -> None:

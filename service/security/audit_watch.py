@@ -1,0 +1,66 @@
+"""Notes the newest entry of the audit trail outside of the database, in the log and in memory, and sees that it stays.
+
+Who can write to the database could cut off the trail's end, head and all, and the rest would hold: what was noted tells.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+
+from sqlalchemy.exc import DBAPIError
+
+from storage import audit
+from storage.audit import BEGINNING
+from storage.database import Database
+
+logger = logging.getLogger(__name__)
+
+LOOK_S = 600.0
+A_DAY_S = 86_400.0
+
+
+class AuditWatch:
+    """A thread that looks now and then."""
+
+    def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
+        self._database = database
+        self._clock = clock
+        self._noted = (0, BEGINNING)
+        self._told_at: float | None = None
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="audit watch", daemon=True)
+        self.warnings: list[str] = []
+        """What does not hold, for people; it stays until the next start."""
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End."""
+        self._stop.set()
+        self._thread.join()
+
+    def look(self) -> None:
+        """Compare with what was noted last, and note the newest entry; once a day the log has it."""
+        with self._database.reading() as session:
+            held, newest = audit.holds(session, self._noted), audit.head(session)
+        if not held:
+            number, digest = self._noted
+            words = f"the audit trail was changed: entry {number}, which was there before, is not there as it was"
+            logger.error("%s; see rundown audit verify --noted %d:%s", words, number, digest)
+            self.warnings = [*self.warnings, words]
+        self._noted = newest
+        if not held or self._told_at is None or self._clock() - self._told_at >= A_DAY_S:
+            logger.info("audit trail: the newest entry is %d:%s", *newest)
+            self._told_at = self._clock()
+
+    def _run(self) -> None:
+        pause = 0.0
+        while not self._stop.wait(pause):
+            pause = LOOK_S
+            try:
+                self.look()
+            except DBAPIError as error:
+                logger.warning("the audit trail cannot be looked at: %s", error.orig)
