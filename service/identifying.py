@@ -20,8 +20,9 @@ from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
 from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
+from storage.damage import is_damage
 from storage.database import Database
-from storage.errors import concerns_all
+from storage.errors import concerns_all, words
 from storage.identifications import Origin
 from storage.tables import IdentificationRow, JobRow
 
@@ -39,6 +40,14 @@ class _Taken:
 
     job_id: int
     reopened: tuple[int, ...]
+
+
+class _Unreadable(Exception):
+    """What a job is about cannot be read."""
+
+    def __init__(self, job_id: int, why: str) -> None:
+        super().__init__(why)
+        self.job_id = job_id
 
 
 class Identifying:
@@ -128,16 +137,11 @@ class Identifying:
         free = min(capacity - computing, 2 * capacity - len(self._running))
         if free <= 0:
             return
-        tasks: list[tuple[_Taken, worker.Task]] = []
-        with self._database.transaction() as session:
-            for row in jobs.take(session, free, holder=self._share.holder):
-                try:
-                    taken = _Taken(row.id, _reopened(session, row))
-                    tasks.append((taken, _task(session, row, self._options, self._settings)))
-                except DBAPIError:
-                    raise
-                except Exception as error:  # noqa: BLE001 - whatever is the matter with one job must not stop the others
-                    jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+        try:
+            tasks = self._take(free)
+        except _Unreadable as error:
+            self._fail_unread(error.job_id, str(error))
+            return
         away: EngineAway | None = None
         for taken, task in tasks:
             try:
@@ -149,6 +153,32 @@ class Identifying:
                 self._put_back_unhurt(taken.job_id)
         if away is not None:
             raise away
+
+    def _take(self, count: int) -> list[tuple[_Taken, worker.Task]]:
+        """The next jobs, with what they are about. Raises _Unreadable, and has taken none then: behind damage, SQLite writes
+        nothing more in a transaction.
+        """
+        tasks: list[tuple[_Taken, worker.Task]] = []
+        with self._database.transaction() as session:
+            for row in jobs.take(session, count, holder=self._share.holder):
+                try:
+                    with session.begin_nested():
+                        taken = _Taken(row.id, _reopened(session, row))
+                        tasks.append((taken, _task(session, row, self._options, self._settings)))
+                except Exception as error:  # whatever is the matter with one job must not stop the others
+                    if concerns_all(error):
+                        raise
+                    if is_damage(error):
+                        raise _Unreadable(row.id, words(error)) from error
+                    jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+        return tasks
+
+    def _fail_unread(self, job_id: int, why: str) -> None:
+        logger.error("the data of job %d cannot be read: %s", job_id, why)
+        with self._database.transaction() as session:
+            row = jobs.get(session, job_id)
+            self._database.damage.concerns(row.machine_id)
+            jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {why}")
 
     def _file_done(self) -> None:
         """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
@@ -184,9 +214,11 @@ class Identifying:
             self._store(taken, result)
         except (DataError, IntegrityError) as error:
             self._fail(job_id, f"its result cannot be stored: {error.orig}")
-        except (DBAPIError, MemoryError):
+        except MemoryError:
             raise  # of the moment, not of the result
         except Exception as error:
+            if concerns_all(error):
+                raise  # so is this
             logger.exception("the result of job %d cannot be stored", job_id)
             self._fail(job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
@@ -223,8 +255,8 @@ class Identifying:
             with session.begin_nested():
                 watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
         except Exception as error:
-            if concerns_all(error):
-                raise  # it is tried again as a whole
+            if concerns_all(error) or is_damage(error):
+                raise  # it is tried again as a whole; behind damage, nothing more is written in a transaction
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
             of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
             quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])

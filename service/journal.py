@@ -6,7 +6,7 @@ restart therefore finds all of it or none of it.
 
 import logging
 from collections import defaultdict
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
+from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all
 from storage.quarantine import Rejection
@@ -71,6 +72,14 @@ class _Pending:
     received_at: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
+
+
+class _Damaged(Exception):
+    """What is stored of a machine cannot be read."""
+
+    def __init__(self, machine_id: str) -> None:
+        super().__init__(machine_id)
+        self.machine_id = machine_id
 
 
 class Journal:
@@ -139,6 +148,21 @@ class Journal:
         A machine of which this fails holds up no other: it is tried again, after a longer pause each time.
         alive: machines of which a source is connected.
         """
+        while self._met_damage(lambda: self._close_silent(silence_s=silence_s, alive=alive)):
+            pass  # again without the machine whose data are damaged: behind that, SQLite takes nothing more in a transaction
+
+    def _met_damage(self, work: Callable[[], None]) -> bool:
+        """Do it; returns whether it was given up for a machine that is put off now."""
+        try:
+            work()
+        except _Damaged as error:
+            pause = self._put_off.failed(error.machine_id, at_once=True)
+            self._database.damage.concerns(error.machine_id)
+            logger.error("%s: its runs cannot be read; tried again in %.0f s", error.machine_id, pause)
+            return True
+        return False
+
+    def _close_silent(self, *, silence_s: float, alive: Set[str]) -> None:
         own: list[str] = []
         try:
             with self._database.transaction() as session:
@@ -185,6 +209,8 @@ class Journal:
         except Exception as error:
             if concerns_all(error):
                 raise
+            if is_damage(error):
+                raise _Damaged(machine_id) from error
             pause = self._put_off.failed(machine_id)
             self._collector.look_again([machine_id])
             logger.exception("%s: its runs cannot be brought up to date; tried again in %.0f s", machine_id, pause)
