@@ -16,7 +16,7 @@ from typing import Any, Literal, cast
 from urllib.parse import urlsplit
 
 import httpx
-from sqlalchemy import Engine, text
+from sqlalchemy import Connection, Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
@@ -26,6 +26,7 @@ from service.security.certificates import good_until
 from service.security.exposure import host_of
 from service.security.secret_files import is_loopback
 from service.settings import Settings
+from service.store_watch import WAITING
 from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
@@ -36,8 +37,9 @@ from storage.database import Database, engine_of
 from storage.database_version import named, objections
 from storage.disk import DiskUse
 from storage.errors import words as words_of
-from storage.looking import damages, looking_engine
+from storage.looking import damages, looking_engine, revision_beside_a_service
 from storage.private_files import readable_by_others
+from storage.restored_access import known_keys
 from storage.sqlite_files import LOGS
 
 Level = Literal["ok", "warning", "wrong"]
@@ -103,6 +105,7 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
         yield from _version(engine)
         revision = schema.revision_of(connection)
         skew = _skew(connection) if engine.dialect.name == "postgresql" else 0.0
+        yield from _keys(connection)
     yield _schema(revision)
     if skew > SKEW_S:
         yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
@@ -123,7 +126,8 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
     else:
         yield from _version(engine_of(settings.database))
     yield from _readable(path)
-    yield Finding("ok", "schema", "is the running service's: its file is not opened beside it")
+    revision = revision_beside_a_service(path)
+    yield _schema(revision) if revision else Finding("ok", "schema", "is the running service's, and not in its main file yet")
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
@@ -136,8 +140,16 @@ def _file(settings: Settings, path: Path) -> Iterator[Finding]:
         yield _schema(revision)
         if revision is not None:
             yield from _webhook_secrets(settings, engine)
+        yield from _keys(connection)
         yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+
+
+def _keys(connection: Connection) -> Iterator[Finding]:
+    """Whether keys wait since a restore."""
+    waiting = sum(one.expires_at < 0 and one.revoked_at is None for one in known_keys(connection).values())
+    if waiting:
+        yield Finding("warning", "API keys", WAITING.format(waiting))
 
 
 def _pages(connection: sqlite3.Connection, path: Path) -> Finding:
@@ -314,7 +326,10 @@ def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
         first = _asked(client, "/api/v1/machines?limit=1")
         sources = _asked(client, "/api/v1/sources")
     except _KeyNeeded:
-        yield Finding("warning", "API key", "the rest needs a key of a viewer or more: give one with --api-key-file")
+        words = (
+            "the rest needs a key of a viewer or more: give one with --api-key-file (behind a restore, one that is confirmed)"
+        )
+        yield Finding("warning", "API key", words)
         return None
     except _NoAnswer as error:
         yield Finding("wrong", "machines", str(error))

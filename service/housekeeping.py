@@ -17,6 +17,7 @@ from storage import disk, machines, retention
 from storage.clock import now, to_datetime
 from storage.database import Database
 from storage.disk import DiskUse
+from storage.errors import concerns_all
 
 logger = logging.getLogger(__name__)
 
@@ -113,9 +114,9 @@ class Housekeeping:
                 for tier in self._tiers:
                     if not self._release(tier, machine_id, moment):
                         waiting.add(machine_id)
-            except DBAPIError:
-                raise
             except Exception as error:
+                if concerns_all(error):
+                    raise
                 logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
                 failed = error
             if not self._goes_on():

@@ -21,8 +21,9 @@ from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
 from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
+from storage.damage import is_damage
 from storage.database import Database
-from storage.errors import concerns_all
+from storage.errors import concerns_all, words
 from storage.identifications import Origin
 from storage.job_order import AUTOMATIC, OVERDUE_SHARE
 from storage.tables import IdentificationRow, JobRow
@@ -45,6 +46,14 @@ class _Taken:
     job_id: int
     automatic: bool
     reopened: tuple[int, ...]
+
+
+class _Unreadable(Exception):
+    """What a job is about cannot be read."""
+
+    def __init__(self, job_id: int, why: str) -> None:
+        super().__init__(why)
+        self.job_id = job_id
 
 
 class Identifying:
@@ -136,19 +145,11 @@ class Identifying:
         behind = max(1, capacity - 1) - sum(not (future.done() or taken.automatic) for future, taken in self._running.items())
         if free <= 0 or (behind <= 0 and not self._automatic_waits()):
             return
-        tasks: list[tuple[_Taken, worker.Task]] = []
-        with self._database.transaction() as session:
-            overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
-            for row in jobs.take(session, free, holder=self._share.holder, behind=behind, overdue=overdue):
-                automatic = row.priority == AUTOMATIC
-                self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
-                try:
-                    taken = _Taken(row.id, automatic, _reopened(session, row))
-                    tasks.append((taken, _task(session, row, self._options, self._settings)))
-                except DBAPIError:
-                    raise
-                except Exception as error:  # noqa: BLE001 - whatever is the matter with one job must not stop the others
-                    jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+        try:
+            tasks = self._take(free, behind)
+        except _Unreadable as error:
+            self._fail_unread(error.job_id, str(error))
+            return
         away: EngineAway | None = None
         for taken, task in tasks:
             try:
@@ -164,6 +165,35 @@ class Identifying:
     def _automatic_waits(self) -> bool:
         with self._database.reading() as session:
             return jobs.waiting(session, automatic=True)
+
+    def _take(self, count: int, behind: int) -> list[tuple[_Taken, worker.Task]]:
+        """The next jobs, with what they are about. Raises _Unreadable, and has taken none then: behind damage, SQLite writes
+        nothing more in a transaction.
+        """
+        tasks: list[tuple[_Taken, worker.Task]] = []
+        with self._database.transaction() as session:
+            overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
+            for row in jobs.take(session, count, holder=self._share.holder, behind=behind, overdue=overdue):
+                automatic = row.priority == AUTOMATIC
+                self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
+                try:
+                    with session.begin_nested():
+                        taken = _Taken(row.id, automatic, _reopened(session, row))
+                        tasks.append((taken, _task(session, row, self._options, self._settings)))
+                except Exception as error:  # whatever is the matter with one job must not stop the others
+                    if concerns_all(error):
+                        raise
+                    if is_damage(error):
+                        raise _Unreadable(row.id, words(error)) from error
+                    jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+        return tasks
+
+    def _fail_unread(self, job_id: int, why: str) -> None:
+        logger.error("the data of job %d cannot be read: %s", job_id, why)
+        with self._database.transaction() as session:
+            row = jobs.get(session, job_id)
+            self._database.damage.concerns(row.machine_id)
+            jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {why}")
 
     def _file_done(self) -> None:
         """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
@@ -199,9 +229,11 @@ class Identifying:
             self._store(taken, result)
         except (DataError, IntegrityError) as error:
             self._fail(job_id, f"its result cannot be stored: {error.orig}")
-        except (DBAPIError, MemoryError):
+        except MemoryError:
             raise  # of the moment, not of the result
         except Exception as error:
+            if concerns_all(error):
+                raise  # so is this
             logger.exception("the result of job %d cannot be stored", job_id)
             self._fail(job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
@@ -241,8 +273,8 @@ class Identifying:
                 if question is not None:
                     watching.carry_out(session, stored, question, judged(question))
         except Exception as error:
-            if concerns_all(error):
-                raise  # it is tried again as a whole
+            if concerns_all(error) or is_damage(error):
+                raise  # it is tried again as a whole; behind damage, nothing more is written in a transaction
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
             of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
             quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])

@@ -26,6 +26,7 @@ from service.sharing import Share, Whole
 from service.wire import Fault, Rejected, SampleBatch, SourceReceived, source_key, to_samples
 from storage import machines, quarantine, runs, samples
 from storage.blocks import Samples, join
+from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all
 from storage.quarantine import Rejection
@@ -76,6 +77,14 @@ class _Pending:
     received_at: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
     outcomes: list[Outcome] = field(default_factory=list)
+
+
+class _Damaged(Exception):
+    """What is stored of a machine cannot be read."""
+
+    def __init__(self, machine_id: str) -> None:
+        super().__init__(machine_id)
+        self.machine_id = machine_id
 
 
 class Journal:
@@ -151,17 +160,18 @@ class Journal:
 
         with self._database.reading() as session:
             due = [one for one in machines.ids(session) if self._share.owns(one) and is_due(one)]
-            for first in range(0, len(due), AT_ONCE):
-                self._let_rest(session, due[first : first + AT_ONCE])
+        for first in range(0, len(due), AT_ONCE):
+            self._let_rest(due[first : first + AT_ONCE])
         due = list(filter(is_due, due))
         ends = time.monotonic() + LONGEST_ENDING_S
         while due and time.monotonic() < ends:
             due = self._end_some(due)
 
-    def _let_rest(self, session: Session, machine_ids: list[str]) -> None:
+    def _let_rest(self, machine_ids: list[str]) -> None:
         """See by one look at all of them of which nothing is to be done; where one spoils that, each is looked at alone."""
         try:
-            self._collector.let_rest(session, machine_ids)
+            with self._database.reading() as session:
+                self._collector.let_rest(session, machine_ids)
         except Exception as error:
             if concerns_all(error):
                 raise
@@ -178,6 +188,13 @@ class Journal:
                 while left and (not done or time.monotonic() < ends):
                     done.append(left.pop(0))
                     self._end(session, done[-1])
+        except _Damaged as error:
+            # Behind damage, SQLite takes nothing more in a transaction: the others are ended in another one.
+            pause = self._put_off.failed(error.machine_id, at_once=True)
+            self._database.damage.concerns(error.machine_id)
+            logger.error("%s: its run cannot be ended; tried again in %.0f s", error.machine_id, pause)
+            self._collector.look_again(done)
+            return [one for one in due if one != error.machine_id]
         except BaseException:
             self._collector.look_again(done)
             raise
@@ -190,6 +207,8 @@ class Journal:
         except Exception as error:
             if concerns_all(error):
                 raise
+            if is_damage(error):
+                raise _Damaged(machine_id) from error
             pause = self._put_off.failed(machine_id)
             self._collector.look_again([machine_id])
             logger.exception("%s: its run cannot be ended; tried again in %.0f s", machine_id, pause)

@@ -141,7 +141,12 @@ def serve(settings: Settings) -> None:
             security=Security.of(settings),
             job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
             secrets=secrets,
-            warnings=lambda: [*housekeeping.warnings, *dispatcher.watch.warnings, *audit_watch.warnings],
+            warnings=lambda: [
+                *housekeeping.warnings,
+                *dispatcher.watch.warnings,
+                *audit_watch.warnings,
+                *store_watch.warnings,
+            ],
             gauges=lambda: (
                 {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}
                 | housekeeping.gauges

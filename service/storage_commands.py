@@ -39,10 +39,19 @@ def restore(
     from storage.claim import DatabaseUnusable
 
     try:
-        found = backups.restore(_url(database), file, overwrite=overwrite)
+        restored = backups.restore(_url(database), file, overwrite=overwrite)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
+    found, access = restored.backup, restored.access
     say(f"{sum(found.rows.values())} rows of {found.made_at} restored")
+    if access.sessions:
+        say(f"{access.sessions} browser sessions of the backup are over: people log in again")
+    if access.revoked:
+        say(f"keys revoked since the backup stay revoked: {', '.join(access.revoked)}")
+    if access.waiting:
+        waiting = ", ".join(access.waiting)
+        say(f"keys that open nothing before they are confirmed, as they may have been revoked since: {waiting}")
+        say("rundown key list shows whose they are; rundown key confirm PREFIX, or --all, lets them be good again")
 
 
 def move(

@@ -1,14 +1,30 @@
-"""Looks after the store though nobody asks: what is only in a log that was deleted is saved within a moment."""
+"""Looks after the store though nobody asks: what is only in a log that was deleted is saved within a moment, and damage that
+somebody met is looked for until a check is clean.
+"""
 
 import logging
+import sqlite3
 import threading
+import time
 
+from sqlalchemy.exc import DBAPIError
+
+from storage import keys
 from storage.claim import DatabaseUnusable
 from storage.database import Database
+from storage.errors import words
 
 logger = logging.getLogger(__name__)
 
 LOOK_S = 0.5
+KEYS_EVERY_S = 10.0
+"""Between two looks for API keys that wait for a confirmation."""
+CHECK_EVERY_S = 600.0
+"""Between two checks of a store that was met to be damaged; …"""
+CHECK_S = 300.0
+"""… none takes longer."""
+
+WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
 
 
 class StoreWatch:
@@ -19,6 +35,8 @@ class StoreWatch:
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="store watch", daemon=True)
         self._said = ""
+        self._check_at = self._keys_at = 0.0
+        self._waiting = 0
 
     def start(self) -> None:
         """Begin."""
@@ -30,6 +48,11 @@ class StoreWatch:
         if self._thread.ident is not None:
             self._thread.join()
 
+    @property
+    def warnings(self) -> list[str]:
+        """What is to be said of keys."""
+        return [WAITING.format(self._waiting)] if self._waiting else []
+
     def _run(self) -> None:
         while not self._stop.wait(LOOK_S):
             try:
@@ -38,3 +61,29 @@ class StoreWatch:
                 if str(error) != self._said:
                     self._said = str(error)
                     logger.critical(self._said)
+            else:
+                self._check()
+                self._count_keys()
+
+    def _count_keys(self) -> None:
+        if time.monotonic() < self._keys_at:
+            return
+        self._keys_at = time.monotonic() + KEYS_EVERY_S
+        try:
+            with self._database.reading() as session:
+                self._waiting = keys.waiting(session)
+        except DBAPIError as error:
+            logger.warning("API keys cannot be looked at: %s", words(error))
+
+    def _check(self) -> None:
+        """Look at all pages where some were met that are damaged."""
+        damage = self._database.damage
+        if damage.trouble is None or time.monotonic() < self._check_at:
+            return
+        try:
+            self._database.look_for_damage(within_s=CHECK_S, stopped=self._stop.is_set)
+        except (DBAPIError, sqlite3.Error) as error:
+            logger.warning("the store cannot be looked through for damage: %s", words(error))
+        self._check_at = time.monotonic() + CHECK_EVERY_S
+        if damage.trouble is None:
+            logger.warning("the store was looked through, and is whole")

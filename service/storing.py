@@ -18,6 +18,7 @@ from service.putting_off import PutOff
 from service.sharing import lease_of
 from service.submissions import UNFORESEEN, NotStoring
 from service.wire import OwnFault, Reason, Rejected, source_key
+from storage.damage import is_damage
 from storage.errors import concerns_all
 from storage.quarantine import Rejection
 from storage.samples import SourceKey
@@ -96,7 +97,8 @@ class Storing:
                 raise
             logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
             self._store_one_by_one()
-            self._store_together()  # what was put aside
+            self._keep_rejections()  # what was put aside
+            self._answer_refused()
 
     @contextmanager
     def guarding(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> Iterator[None]:
@@ -112,7 +114,7 @@ class Storing:
         """Keep a batch that cannot be stored, and say so to who waits."""
         answer: Exception
         reason: Reason | OwnFault
-        if isinstance(error, DBAPIError):
+        if isinstance(error, DBAPIError) and not is_damage(error):
             reason, detail = "undecodable", f"the database cannot hold it: {error.orig}"
             answer = Rejected(reason, detail)
         else:
@@ -171,6 +173,9 @@ class Storing:
                 self._stored(one, outcome)
             self._held.clear()
             self._rejections.clear()
+        self._answer_refused()
+
+    def _answer_refused(self) -> None:
         for promise, answer in self._refused:
             promise.set_exception(answer)
         self._refused.clear()

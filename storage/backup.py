@@ -5,6 +5,7 @@ PostgreSQL it is an archive of `pg_dump`.
 import errno
 import os
 import sqlite3
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from storage.backup_file import (
 )
 from storage.claim import Claim, file_of
 from storage.database import lent_engine, shown
+from storage.restored_access import Access, KnownKey, amend, known_keys
 from storage.schema import require_known, revision_of, row_counts
 
 _NEVER = "a backup never replaces another one"
@@ -60,11 +62,21 @@ def back_up(url: str, file: Path) -> Backup:
     return made
 
 
-def restore(url: str, file: Path, *, overwrite: bool = False) -> Backup:
+@dataclass(frozen=True)
+class Restored:
+    """What was restored, and who gets in less than with the backup."""
+
+    backup: Backup
+    access: Access
+
+
+def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
     """Put a backup in the place of a database that holds no data, or of any one with `overwrite`.
 
-    All of it is there in the end, or what was there before. Raises BackupUnusable, DatabaseUnusable; also while a service
-    uses the database.
+    All of it is there in the end, or what was there before; but nobody stays logged in, keys that the replaced database knows
+    as revoked are, and those that it does not know wait for a confirmation (`storage.restored_access`).
+
+    Raises BackupUnusable, DatabaseUnusable; also while a service uses the database.
     """
     found = read(file)
     require_known(found.schema_revision, str(file))
@@ -80,14 +92,14 @@ def restore(url: str, file: Path, *, overwrite: bool = False) -> Backup:
             if not overwrite:
                 _require_empty(engine, url)
             if engine.dialect.name == "sqlite":
-                sqlite_copy.replace(engine, file, found)
+                access = sqlite_copy.replace(engine, file, found)
             else:
-                _replace_postgresql(engine, file, found)
+                access = _replace_postgresql(engine, file, found)
         except (OSError, sqlite3.Error, postgresql_archive.ToolFailed) as error:
             raise BackupUnusable(f"{file} cannot be restored: {error}") from error
         finally:
             claim.release()
-    return found
+    return Restored(found, access)
 
 
 def _require_empty(engine: Engine, url: str) -> None:
@@ -118,9 +130,20 @@ def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     return revision, rows
 
 
-def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> None:
+def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> Access:
     with postgresql_archive.set_aside(engine):
         postgresql_archive.load(engine, file)
         with engine.connect() as connection:
             rows = row_counts(connection)
         require_rows(rows, file, found)
+        with engine.begin() as connection:
+            return amend(connection, _keys_aside(engine))
+
+
+def _keys_aside(engine: Engine) -> dict[str, KnownKey]:
+    """What the database that is replaced knows of its keys; nothing where it cannot be read."""
+    try:
+        with engine.connect() as connection:
+            return known_keys(connection, schema=postgresql_archive.ASIDE)
+    except DatabaseError:
+        return {}

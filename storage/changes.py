@@ -59,8 +59,8 @@ class Changes:
         with self._lock:
             try:
                 counts = self._counted(self._opened())
-            except sqlite3.OperationalError:
-                return None  # locked for a moment: nobody should wait for that here
+            except sqlite3.DatabaseError:
+                return None  # locked for a moment, for which nobody should wait here; or damaged, which who reads is told
         return tuple(counts[table] for table in tables)
 
     def _counted(self, connection: sqlite3.Connection) -> dict[str, int]:

@@ -7,7 +7,7 @@ import re
 import sqlite3
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from typing import Any
 
 from sqlalchemy import URL, Engine, create_engine, event, make_url, select
@@ -16,8 +16,10 @@ from sqlalchemy.orm import Session, sessionmaker
 
 from storage import database_version, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_own_name
+from storage.damage import Damage, marker_of
 from storage.json_text import written
 from storage.longest import Longest
+from storage.looking import damages
 from storage.schema import known_revisions, revision_of
 from storage.sqlite_files import SqliteFiles
 
@@ -60,6 +62,10 @@ class Database:
         self.longest_transaction = Longest()
         """Of those that write, from when it was their turn until they were durable."""
         self._files = _kept_files(self.engine)
+        path = file_of(self.engine)
+        self.damage = Damage(None if path is None else marker_of(path))
+        """Of the store, as far as somebody has met it."""
+        event.listen(self.engine, "handle_error", self.damage.watch)
         consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
         self.for_reading = self.engine.execution_options(**consistent)
         """Its transactions see one state from the first query to the last."""
@@ -133,6 +139,21 @@ class Database:
             finally:
                 self._turn.release()
         raise DatabaseUnusable(files.trouble)
+
+    def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
+        """Look through all pages of an SQLite store of which damage was met; where they are whole, it is over.
+
+        Of PostgreSQL, and where the time is too short, what was met stays told.
+        """
+        if self.kind != "sqlite":
+            return
+        met = self.damage.met
+        with closing(self.own_connection(check_same_thread=False)) as connection:
+            found = damages(connection, within_s=within_s, thorough=True, stopped=stopped)
+        if found:
+            self.damage.found(found)
+        elif found is not None:
+            self.damage.clear(met=met)
 
     def own_connection(self, **options: Any) -> sqlite3.Connection:
         """A connection of the driver outside the pool, to an SQLite store. Raises OperationalError."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
@@ -55,6 +55,25 @@ def every(session: Session) -> Sequence[ApiKeyRow]:
 def are_there(session: Session) -> bool:
     """Whether there ever was a key: one that is revoked or has expired must not leave the door open."""
     return session.scalars(select(ApiKeyRow.id).limit(1)).first() is not None
+
+
+def waits(row: ApiKeyRow) -> bool:
+    """Whether a restore brought a key back of which nobody knows whether it was revoked since.
+
+    Its end has a minus sign then: no release opens anything with it.
+    """
+    return row.revoked_at is None and row.expires_at < 0
+
+
+def waiting(session: Session) -> int:
+    """How many keys wait for a confirmation."""
+    query = select(func.count()).select_from(ApiKeyRow).where(ApiKeyRow.revoked_at.is_(None), ApiKeyRow.expires_at < 0)
+    return session.scalar(query) or 0
+
+
+def confirm(row: ApiKeyRow) -> None:
+    """Let a key that waits be good again, until it ends."""
+    row.expires_at = abs(row.expires_at)
 
 
 def valid(row: ApiKeyRow, *, at: int) -> bool:

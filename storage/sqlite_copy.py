@@ -9,8 +9,10 @@ from sqlalchemy import URL, Engine
 
 from storage.backup_file import Backup, BackupUnusable, require_rows, sync_folder, synced_digest
 from storage.claim import DatabaseUnusable, file_of, require_own_name
+from storage.damage import marker_of
 from storage.database import lent_engine
 from storage.private_files import PRIVATE
+from storage.restored_access import Access, KnownKey, amend, known_keys
 from storage.schema import require_known, revision_of, row_counts
 
 _PIECE = 1 << 20
@@ -42,9 +44,9 @@ def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
-def replace(engine: Engine, file: Path, found: Backup) -> None:
+def replace(engine: Engine, file: Path, found: Backup) -> Access:
     """Put a backup in the place of the database's file, which is the old one or the new one at any moment. For who has the
-    claim on it only. Raises BackupUnusable, OSError, sqlite3.Error.
+    claim on it only. Returns who gets in less than with the backup. Raises BackupUnusable, OSError, sqlite3.Error.
     """
     path = file_of(engine)
     if path is None:
@@ -61,20 +63,43 @@ def replace(engine: Engine, file: Path, found: Backup) -> None:
         if digest.hexdigest() != found.sha256:
             raise BackupUnusable(f"{file} changed while it was read")
         _require_whole(part, file, found)
-        synced_digest(part)
         engine.dispose()
         if path.exists():
             _end_log(path)
+        access = _amended(part, _keys_of(path))
+        content = _content(part, str(part))
+        synced_digest(part)
         # Before the new file is there: who dies in between leaves an old database, never a new one beside an old log, which
         # SQLite would play back into it.
         _remove_beside(path)
         sync_folder(path.parent)
         part.replace(path)
         sync_folder(path.parent)
-        _require_whole(path, file, found)
+        if _content(path, str(path)) != content:
+            raise BackupUnusable(f"{file} was not restored whole: {path} does not hold what was written to it")
     finally:
         part.unlink(missing_ok=True)
         _remove_beside(part)
+    return access
+
+
+def _keys_of(path: Path) -> dict[str, KnownKey]:
+    """What a database that is to be replaced knows of its keys; nothing where it cannot be read or is not there."""
+    if not path.exists():
+        return {}
+    try:
+        with lent_engine(URL.create("sqlite", database=str(path))) as engine, engine.connect() as connection:
+            return known_keys(connection)
+    except DatabaseUnusable:
+        return {}
+
+
+def _amended(part: Path, known: dict[str, KnownKey]) -> Access:
+    with (
+        lent_engine(URL.create("sqlite", database=str(part))) as engine,
+        engine.execution_options(writing="alone").begin() as connection,
+    ):
+        return amend(connection, known)
 
 
 def _end_log(path: Path) -> None:
@@ -91,8 +116,8 @@ def _end_log(path: Path) -> None:
 
 
 def _beside(path: Path) -> list[Path]:
-    """Logs of a database file, also of one that is no longer there."""
-    return [path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")]
+    """Logs of a database file, also of one that is no longer there, and the note that it is damaged."""
+    return [*(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")), marker_of(path)]
 
 
 def _remove_beside(path: Path) -> None:

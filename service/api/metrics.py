@@ -23,6 +23,7 @@ from service.wire import OwnFault, Reason
 from storage import deliveries, jobs, quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.clock import now
+from storage.errors import concerns_all
 from storage.samples import Totals
 
 router = APIRouter(tags=["operations"], dependencies=[VIEWER])
@@ -113,6 +114,7 @@ _GAUGES = {
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_ingest_storing": "1 while samples can be stored",
     "rundown_database_answers": "1 while the database answers; otherwise only what needs none is shown",
+    "rundown_store_damaged": "1 where damage of what is stored was met, until a check of all of it is clean",
     "rundown_database_bytes": "size of the database with its log",
     "rundown_disk_free_bytes": "free on the file system of the database",
     "rundown_disk_budget_bytes": "how large the database may become",
@@ -136,14 +138,16 @@ async def read_metrics(request: Request) -> Response:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
     # Only the parts: the jobs that are counted there are of all plants, whoever asks.
-    parts, _ = await looked_at(request)
-    kept = _Kept()
-    if parts["database"] == "ok":
+    look = await looked_at(request)
+    parts, answers, kept = look.parts, look.answers, _Kept()
+    if answers:
         try:
             kept = await run_in_threadpool(_kept, database(request))
         except (DatabaseUnusable, DBAPIError) as error:
-            parts["database"] = str(error)
-    gauges["rundown_database_answers"] = int(parts["database"] == "ok")
+            answers = not concerns_all(error) and not isinstance(error, DatabaseUnusable)
+            parts["database"] = state.database.damage.trouble or str(error)
+    gauges["rundown_database_answers"] = int(answers)
+    gauges["rundown_store_damaged"] = int(state.database.damage.trouble is not None)
     registry = CollectorRegistry(auto_describe=False)
     registry.register(_Figures(kept, parts, gauges))
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)

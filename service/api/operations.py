@@ -1,6 +1,7 @@
 """How the service itself is doing: health, readiness, sources, quarantine."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import version
 from typing import Annotated, cast
 
@@ -16,6 +17,7 @@ from service.wire import OwnFault, Reason
 from storage import quarantine, samples
 from storage.claim import DatabaseUnusable
 from storage.database import Database
+from storage.errors import concerns_all
 
 router = APIRouter(tags=["operations"])
 
@@ -24,28 +26,45 @@ ENDED = "its thread has ended"
 """What is said of a part that will not work again in this process."""
 
 
-async def looked_at(request: Request) -> tuple[dict[str, str], dict[str, int]]:
-    """What each part says of itself, `ok` or what is wrong, the database too; and the jobs of all plants by their state."""
+@dataclass(frozen=True)
+class Look:
+    """What each part says of itself, `ok` or what is wrong, the database too; the jobs of all plants by their state.
+
+    answers: whether the database does. Where it is damaged in parts it does, and samples of others are taken.
+    """
+
+    parts: dict[str, str]
+    jobs: dict[str, int]
+    answers: bool
+
+
+async def looked_at(request: Request) -> Look:
+    """How the parts are doing now."""
+    kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
     if (trouble := request.app.state.broadcaster.trouble) is not None:
         parts = parts | {"alert_events": trouble}
     counts: dict[str, int] = {}
+    unanswered: str | None = None
     try:
         counts = await request.app.state.database_check.jobs()
-        parts["database"] = "ok"
     except DatabaseUnusable as error:
-        parts["database"] = str(error)
+        unanswered = str(error)
     except DBAPIError as error:
-        parts["database"] = f"the database does not answer: {error.orig}"
-    return parts, counts
+        if concerns_all(error):
+            unanswered = f"the database does not answer: {error.orig}"
+    parts["database"] = unanswered or kept.damage.trouble or "ok"
+    return Look(parts, counts, answers=unanswered is None)
 
 
 async def _health(request: Request) -> schemas.Health:
-    parts, counts = await looked_at(request)
+    look = await looked_at(request)
+    parts = look.parts
     kept = cast(Database, request.app.state.database)
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
-    ready = healthy and parts.get("stream", "ok") == "ok"
+    # Of a store that is damaged in parts, what concerns other machines is taken.
+    ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
     whole = schemas.Health(
         healthy=healthy,
         ready=ready,
@@ -53,7 +72,7 @@ async def _health(request: Request) -> schemas.Health:
         parts=parts,
         database=kept.version,
         warnings=[*kept.objections, *request.app.state.warnings()],
-        jobs=counts,
+        jobs=look.jobs,
     )
     who = principal(request)
     if who.kind != "anonymous" and who.plants is None:

@@ -31,6 +31,7 @@ from service.setting_limits import LimitsChanged
 from storage.alerts import AlertUnknown
 from storage.blocks import DamagedBlock
 from storage.claim import DatabaseUnusable
+from storage.damage import is_damage
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
 from storage.jobs import JobUnknown
@@ -168,7 +169,9 @@ def add_handlers(app: FastAPI) -> None:
         return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, f"the database cannot hold or look for that: {error.orig}")
 
     @app.exception_handler(DBAPIError)
-    async def no_database(_request: Request, error: DBAPIError) -> JSONResponse:
+    async def no_database(request: Request, error: DBAPIError) -> JSONResponse:
+        if is_damage(error):
+            return _damaged(request, error)
         return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
 
     @app.exception_handler(Exception)
@@ -178,6 +181,15 @@ def add_handlers(app: FastAPI) -> None:
             f"unexpected {type(error).__name__}; the log has the details",
             {name.decode(): value.decode() for name, value in ALWAYS},  # answered outside of all middleware
         )
+
+
+def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
+    """Where the path says whose data they are, that is told by the service's health, too."""
+    machine_id = request.path_params.get("machine_id")
+    if machine_id is not None:
+        request.app.state.database.damage.concerns(machine_id)
+    detail = f"what is stored is damaged, and cannot be read: {error.orig}; look at the disk, and restore a backup"
+    return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)
 
 
 def _mislabelled(request: Request, error: RequestValidationError) -> bool:

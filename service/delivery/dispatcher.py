@@ -31,7 +31,9 @@ from service.settings import Settings
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, deliveries, machines
 from storage.clock import now, to_datetime
+from storage.damage import is_damage
 from storage.database import Database
+from storage.errors import concerns_all
 from storage.plain_text import plain_text
 from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
 
@@ -211,11 +213,14 @@ class Dispatcher:
                 if row.id in self._tasks or load[row.subscription_id] >= AT_ONCE:
                     continue
                 try:
-                    found.append(_task(session, row, channels))
+                    with session.begin_nested():
+                        found.append(_task(session, row, channels))
                     load[row.subscription_id] += 1
-                except (DBAPIError, MemoryError):
+                except MemoryError:
                     raise  # of the moment, not of the row
                 except Exception as error:
+                    if concerns_all(error):
+                        raise  # so is this
                     logger.exception("delivery %d of event %d cannot be made into a message", row.id, row.event_id)
                     unsayable[row.id] = f"event {row.event_id} cannot be made into a message: {type(error).__name__}: {error}"
         if unsayable:
@@ -231,6 +236,23 @@ class Dispatcher:
 
     def _record(self, finished: dict[int, Outcome]) -> list[int]:
         """Write down how deliveries ended; returns which need no more of it. One that cannot be stops no other."""
+        try:
+            return self._record_together(finished)
+        except DBAPIError as error:
+            if concerns_all(error):
+                raise
+        done = []
+        for number, outcome in finished.items():
+            try:
+                done += self._record_together({number: outcome})
+            except DBAPIError as error:
+                if concerns_all(error):
+                    raise
+                logger.error("how delivery %d ended cannot be recorded: %s", number, error.orig)
+        return done
+
+    def _record_together(self, finished: dict[int, Outcome]) -> list[int]:
+        """In one transaction. Raises DBAPIError, also of damage: behind that, SQLite writes nothing more in one."""
         done = []
         with self._database.transaction() as session:
             for number, outcome in finished.items():
@@ -242,9 +264,9 @@ class Dispatcher:
                 except (DataError, IntegrityError):
                     logger.exception("how delivery %d ended cannot be recorded", number)
                     continue
-                except DBAPIError:
-                    raise  # of the database, which is asked again as a whole
-                except Exception:
+                except Exception as error:
+                    if concerns_all(error) or is_damage(error):
+                        raise  # of the database, which is asked again
                     logger.exception("how delivery %d ended cannot be recorded", number)
                     continue
                 done.append(number)
@@ -281,9 +303,11 @@ class Dispatcher:
                     continue
                 try:
                     found.append(_message(session, alerts.history(session, alert.id)[-1]))
-                except (DBAPIError, MemoryError):
+                except MemoryError:
                     raise
-                except Exception:
+                except Exception as error:
+                    if concerns_all(error):
+                        raise
                     logger.exception("no Alertmanager is told that alert %d lasts", alert.id)
             return rows, found
 

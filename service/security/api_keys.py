@@ -58,10 +58,19 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
     """
     old = keys.get(session, prefix)
     if not keys.valid(old, at=now()):
-        raise ValueError(f"key {prefix} is revoked or has expired: create a new one")
+        raise ValueError(f"key {prefix} is revoked, has expired or waits for a confirmation: create a new one, or confirm it")
     keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
     audit.append(session, Entry(COMMAND, "local", "rotate_key", prefix, "done"))
     return create(session, name=old.name, role=Role.of(old.role), plants=old.plants, days=days)
+
+
+def confirm(session: Session, prefix: str) -> None:
+    """Let a key be good again that waits since a restore. Raises KeyUnknown, ValueError for one that does not wait."""
+    row = keys.get(session, prefix)
+    if not keys.waits(row):
+        raise ValueError(f"key {prefix} does not wait for a confirmation")
+    keys.confirm(row)
+    audit.append(session, Entry(COMMAND, "local", "confirm_key", prefix, "done"))
 
 
 def revoke(session: Session, prefix: str) -> None:

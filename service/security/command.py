@@ -15,6 +15,7 @@ from service.terminal import say
 
 if TYPE_CHECKING:
     from storage.database import Database
+    from storage.tables import ApiKeyRow
 
 key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
 audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")
@@ -64,10 +65,10 @@ def list_keys(database: Store = None) -> None:
     with _opened(database) as opened, opened.reading() as session:
         moment = now()
         for row in keys.every(session):
-            state = "revoked" if row.revoked_at else "valid" if keys.valid(row, at=moment) else "expired"
+            state = _state(row, at=moment)
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
-            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(row.expires_at)}  {used}  {row.name}")
+            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(abs(row.expires_at))}  {used}  {row.name}")
 
 
 @key_app.command("rotate")
@@ -91,6 +92,30 @@ def rotate_key(
             fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
         say(text)
         say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+
+
+@key_app.command("confirm")
+def confirm_key(
+    prefix: Annotated[list[str] | None, typer.Argument(help="as `rundown key list` shows it")] = None,
+    everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
+    database: Store = None,
+) -> None:
+    """Let keys be good again that a restore brought back, and of which nobody knows whether they were revoked since."""
+    from service.security import api_keys
+    from storage import keys
+    from storage.keys import KeyUnknown
+
+    if bool(prefix) == everyone:
+        fail("name the keys to confirm, or say --all")
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                chosen = [row.prefix for row in keys.every(session) if keys.waits(row)] if everyone else prefix or []
+                for one in chosen:
+                    api_keys.confirm(session, one)
+        except (KeyUnknown, ValueError) as error:
+            fail(f"no key {error.args[0]}" if isinstance(error, KeyUnknown) else str(error))
+    say(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
 
 
 @key_app.command("revoke")
@@ -173,6 +198,16 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         database.close()
+
+
+def _state(row: "ApiKeyRow", *, at: int) -> str:
+    from storage import keys
+
+    if row.revoked_at:
+        return "revoked"
+    if keys.waits(row):
+        return "waits"
+    return "valid" if keys.valid(row, at=at) else "expired"
 
 
 def _require_plant(name: str) -> None:

@@ -76,7 +76,7 @@ def test_a_backup_is_the_database_and_says_what_it_is(told: Database, target: st
     made = backup.back_up(told.url, tmp_path / "backup")
     assert made.kind == told.kind
     assert made.rows["machines"] == made.rows["identifications"] == made.rows["quarantine"] == 1
-    assert backup_file.read(tmp_path / "backup") == made == backup.restore(target, tmp_path / "backup")
+    assert backup_file.read(tmp_path / "backup") == made == backup.restore(target, tmp_path / "backup").backup
     assert contents_of(target) == contents(told)
     assert sorted(path.name for path in tmp_path.glob("backup*")) == ["backup", "backup.json"]
 

@@ -211,7 +211,7 @@ def test_signs_that_mean_something_in_urls_mean_nothing_in_names_of_files(tmp_pa
     made = backup.back_up(database.url, folder / "what?mode=ro#2")
     database.close()
     assert made.rows["machines"] == 1
-    assert backup.restore(database.url, folder / "what?mode=ro#2", overwrite=True) == made
+    assert backup.restore(database.url, folder / "what?mode=ro#2", overwrite=True).backup == made
     assert {one.name for one in tmp_path.iterdir()} == {folder.name}
     assert sorted(one.name for one in folder.glob("what*")) == ["what?mode=ro#2", "what?mode=ro#2.json"]
 

@@ -1,0 +1,152 @@
+"""Damage of the store: which errors of the database tell of it, what was met, and that it is told until a check is clean."""
+
+import json
+import logging
+import sqlite3
+import threading
+import time
+from pathlib import Path
+
+from sqlalchemy.engine import ExceptionContext
+from sqlalchemy.exc import DBAPIError
+
+from storage.clock import now, to_datetime
+
+logger = logging.getLogger(__name__)
+
+LOG_EVERY_S = 60.0
+LARGEST_MACHINE_COUNT = 20
+"""Machines that are named."""
+WHOLE_FILE = sqlite3.SQLITE_NOTADB
+PAGES = frozenset(
+    {
+        sqlite3.SQLITE_IOERR_READ,
+        sqlite3.SQLITE_IOERR_SHORT_READ,
+        sqlite3.SQLITE_IOERR_CORRUPTFS,
+        sqlite3.SQLITE_IOERR_DATA,
+    }
+)
+"""SQLite's errors of a disk that does not give back what was written; all kinds of SQLITE_CORRUPT besides."""
+SQLSTATES = frozenset({"XX001", "XX002"})
+"""PostgreSQL's data_corrupted and index_corrupted."""
+
+
+def is_damage(error: BaseException | None) -> bool:
+    """Whether an error, the driver's or around it, says that what is stored cannot be read."""
+    error = error.orig if isinstance(error, DBAPIError) else error
+    code = getattr(error, "sqlite_errorcode", None)
+    if code is not None:
+        return code & 0xFF in (sqlite3.SQLITE_CORRUPT, WHOLE_FILE) or code in PAGES
+    return getattr(error, "sqlstate", None) in SQLSTATES or str(error).startswith("Could not decode to UTF-8 column")
+
+
+def is_of_a_part(error: BaseException) -> bool:
+    """Whether it is damage that need not hinder what concerns other rows."""
+    code = getattr(getattr(error, "orig", None), "sqlite_errorcode", 0)
+    return is_damage(error) and code & 0xFF != WHOLE_FILE
+
+
+class Damage:
+    """What was met since a check was clean.
+
+    marker: a file that keeps it over a restart, None without one.
+    """
+
+    def __init__(self, marker: Path | None) -> None:
+        self._marker = marker
+        self._lock = threading.Lock()
+        self._since = ""
+        self._words = ""
+        self._machines: list[str] = []
+        self._unsaid = 0
+        self._log_at = 0.0
+        self.met = 0
+        """How often, in this process."""
+        if marker is not None and marker.exists():
+            self._remember(marker)
+
+    @property
+    def trouble(self) -> str | None:
+        """What is damaged, as far as it is known, and what to do; None where nothing is known."""
+        with self._lock:
+            if not self._since:
+                return None
+            whose = f", of {', '.join(self._machines)}" if self._machines else ""
+            return (
+                f"the store is damaged{whose}: {self._words} (first met {self._since}). What concerns others goes on. "
+                "Look at the disk, then restore a backup"
+            )
+
+    def note(self, error: BaseException, machine_id: str | None = None) -> None:
+        """Remember an error, and whose data it was about."""
+        self._add(str(getattr(error, "orig", None) or error), machine_id)
+
+    def found(self, findings: list[str]) -> None:
+        """Remember what a check found."""
+        self._add("; ".join(findings), None)
+
+    def watch(self, context: ExceptionContext) -> None:
+        """Listens to the errors of an engine."""
+        if is_damage(context.original_exception):
+            self.note(context.original_exception, _machine(context))
+
+    def concerns(self, machine_id: str) -> None:
+        """Name a machine whose data could not be read."""
+        self._add("", machine_id)
+
+    def clear(self, *, met: int) -> None:
+        """A check was clean that began when damage had been met so often."""
+        with self._lock:
+            if met == self.met:
+                self._since = self._words = ""
+                self._machines = []
+                if self._marker is not None:
+                    self._marker.unlink(missing_ok=True)
+
+    def _add(self, words: str, machine_id: str | None) -> None:
+        with self._lock:
+            self.met += 1
+            before = (self._since, self._words, tuple(self._machines))
+            self._since = self._since or to_datetime(now()).strftime("%Y-%m-%d %H:%M:%S UTC")
+            self._words = words or self._words
+            if machine_id and machine_id not in self._machines and len(self._machines) < LARGEST_MACHINE_COUNT:
+                self._machines.append(machine_id)
+            if before != (self._since, self._words, tuple(self._machines)):
+                self._keep()
+            self._unsaid += 1
+            if time.monotonic() >= self._log_at:
+                named = ", ".join(self._machines) or "no machine that is known"
+                logger.error("the store is damaged, met %d times: %s (%s)", self._unsaid, self._words, named)
+                self._log_at, self._unsaid = time.monotonic() + LOG_EVERY_S, 0
+
+    def _keep(self) -> None:
+        if self._marker is not None:
+            try:
+                self._marker.write_text(
+                    json.dumps({"since": self._since, "words": self._words, "machines": self._machines}) + "\n"
+                )
+            except OSError as error:
+                logger.error("that the store is damaged cannot be noted in %s: %s", self._marker, error)
+
+    def _remember(self, marker: Path) -> None:
+        try:
+            kept = json.loads(marker.read_text())
+            self._since, self._words = str(kept["since"]), str(kept["words"])
+            self._machines = [str(one) for one in kept["machines"]]
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            self._since, self._words = "before", f"{marker} says so, and cannot be read: {error}"
+
+
+def marker_of(path: Path) -> Path:
+    """Where it is kept for an SQLite file."""
+    return path.with_name(path.name + ".damaged")
+
+
+def _machine(context: ExceptionContext) -> str | None:
+    """Whose data a statement was about, where its parameters say so."""
+    for parameters in getattr(context.execution_context, "compiled_parameters", None) or ():
+        for name, value in parameters.items():
+            one = value[0] if isinstance(value, list | tuple) and len(value) == 1 else value
+            if name.startswith("machine_id") and isinstance(one, str):
+                return one
+    return None
