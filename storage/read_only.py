@@ -3,6 +3,7 @@
 import sqlite3
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from sqlalchemy import create_engine
 from sqlalchemy.exc import DBAPIError
@@ -18,7 +19,7 @@ def looking(url: str) -> Iterator[Session]:
     engine = engine_of(url)
     path = file_of(engine)
     if path is not None:
-        engine = create_engine("sqlite://", creator=lambda: sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True))
+        engine = create_engine("sqlite://", creator=lambda: sqlite3.connect(_address(path), uri=True))
     try:
         with Session(engine) as session:
             yield session
@@ -26,3 +27,9 @@ def looking(url: str) -> Iterator[Session]:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
+
+
+def _address(path: Path) -> str:
+    """Of a file without its log nobody reads one: SQLite would make one, and leave it."""
+    alone = not path.with_name(path.name + "-wal").exists()
+    return f"{path.as_uri()}?mode=ro{'&immutable=1' if alone else ''}"
