@@ -128,15 +128,22 @@ def serve(
 def doctor(
     url: Annotated[str | None, typer.Option(help="where the API answers; by default as the settings say")] = None,
     api_key_file: Annotated[Path | None, typer.Option(help="file with an API key, if one is needed")] = None,
+    exposed: Annotated[
+        bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
+    ] = False,
 ) -> None:
     """Look at a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
 
     Prints a line for each thing that it looked at, and ends with status 1 when one is wrong. It changes nothing.
     """
     from service.doctor import examine
+    from service.security.exposed_command import report
     from service.security.secret_files import read_secret
 
     settings = _settings({})
+    if exposed:
+        report(settings, url=url)
+        return
     wrong = 0
     for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
         say(f"{finding.level:8s} {finding.what}: {finding.words}")

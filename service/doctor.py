@@ -22,8 +22,8 @@ from sqlalchemy.orm import Session
 
 from service.delivery.secret_upkeep import Look
 from service.delivery.signing_secrets import SigningSecrets
+from service.own_addresses import api_trust, api_url, endpoint_here
 from service.security.certificates import good_until
-from service.security.exposure import host_of
 from service.security.secret_files import is_loopback
 from service.settings import Settings
 from service.store_watch import WAITING
@@ -74,7 +74,7 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
         yield _backups(Path(settings.backups))
     yield from _receivers(settings)
     patience = httpx.Timeout(ANSWER_S, connect=CONNECT_S)
-    with httpx.Client(base_url=url or _address(settings), timeout=patience, verify=_trust(settings)) as client:
+    with httpx.Client(base_url=url or api_url(settings), timeout=patience, verify=api_trust(settings)) as client:
         if api_key:
             client.headers["Authorization"] = f"Bearer {api_key}"
         answers = yield from _api(client)
@@ -362,7 +362,7 @@ def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
 
 def _stream(settings: Settings, machine: Key | None) -> Iterator[Finding]:
     """Whether a zenoh session reaches the service, and by way of it the store."""
-    endpoints = settings.zenoh_connect or [_here(one) for one in settings.zenoh_listen]
+    endpoints = settings.zenoh_connect or [endpoint_here(one) for one in settings.zenoh_listen]
     what = "zenoh"
     try:
         with session(listen=[], connect=endpoints, security=StreamSecurity.of(settings)) as opened:
@@ -391,27 +391,3 @@ def _soon(look: Callable[[], bool]) -> bool:
             return False
         time.sleep(0.05)
     return True
-
-
-def _here(endpoint: str) -> str:
-    """An endpoint that is listened on, as one to connect to."""
-    host = host_of(endpoint)
-    return endpoint.replace(f"[{host}]", "127.0.0.1").replace(host, "127.0.0.1") if host in ("0.0.0.0", "::") else endpoint
-
-
-def _address(settings: Settings) -> str:
-    host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
-    scheme = "https" if settings.tls_certificate else "http"
-    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{settings.port}"
-
-
-def _trust(settings: Settings) -> ssl.SSLContext | bool:
-    """The service's own certificate is trusted: whether it is still good is looked at by itself."""
-    if not settings.tls_certificate:
-        return True
-    context = ssl.create_default_context(cafile=settings.tls_certificate)
-    # The file need not hold the authority that the certificate ends at, nor what a strict one would want of it.
-    context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
-    context.verify_flags &= ~ssl.VERIFY_X509_STRICT
-    context.check_hostname = False
-    return context

@@ -1,4 +1,4 @@
-"""Files that hold all data, of which only their owner may read any: secrets of subscriptions are among them."""
+"""Files that hold all data, or what opens it, of which only their owner may read any."""
 
 import contextlib
 import os

@@ -103,18 +103,7 @@ def application(
 
     The documentation page is served without any other host: plants have no internet.
     """
-    app = FastAPIOffline(
-        title="Rundown",
-        version=version("rundown"),
-        description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
-        docs_url=None,
-        redoc_url=None,
-        openapi_url=f"{PREFIX}/openapi.json",
-        static_url=f"{PREFIX}/docs/static",
-        lifespan=_served,
-        redirect_slashes=False,  # they would lead to whatever the Host header says
-    )
-    add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
+    app = _bare()
     app.state.database = database
     app.state.parts = parts
     app.state.database_check = DatabaseCheck(database)
@@ -136,11 +125,40 @@ def application(
     app.add_middleware(BodySize)
     app.add_middleware(Compression)
     app.add_middleware(Unchanged)
-    app.router.routes.extend(_routes())
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # outside: the guard knows each operation by its own method
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
+
+
+def _bare() -> FastAPI:
+    """All routes, with nothing behind them."""
+    app = FastAPIOffline(
+        title="Rundown",
+        version=version("rundown"),
+        description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
+        docs_url=None,
+        redoc_url=None,
+        openapi_url=f"{PREFIX}/openapi.json",
+        static_url=f"{PREFIX}/docs/static",
+        lifespan=_served,
+        redirect_slashes=False,  # they would lead to whatever the Host header says
+    )
+    add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
+    app.router.routes.extend(_routes())
+    return app
+
+
+def operations_of(app: FastAPI) -> Operations:
+    """Every route with what it needs. Raises Undeclared."""
+    anybody = Requirement(None, recorded=False)
+    public = {PREFIX + path: anybody for path in DOCUMENTATION}
+    return Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
+
+
+def every_operation() -> Operations:
+    """Those of the application, without one."""
+    return operations_of(_bare())
 
 
 @functools.cache
@@ -195,10 +213,8 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
     """Nothing is asked but through the guard; it looks at every route, and raises Undeclared for one that says nothing."""
-    anybody = Requirement(None, recorded=False)
-    public = {PREFIX + path: anybody for path in DOCUMENTATION}
     app.state.security = security
-    app.state.operations = Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
+    app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
     app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])

@@ -12,7 +12,6 @@ from pathlib import Path
 
 from service.delivery.signing import PREFIX, key_of
 from service.security.sealing import SEALED, SealBroken, Sealing, make_key
-from service.security.secret_files import require_private
 from service.settings import Settings
 from storage.claim import file_of
 from storage.database import engine_of
@@ -113,11 +112,10 @@ class SigningSecrets:
         if not re.fullmatch(FILE_NAME, name):
             raise SecretUnusable("secret_file is the name of a file in the folder, without any folder")
         try:
-            return _fit(_read(self.folder, name), f"the file {name}")
-        except (OSError, ValueError) as error:
-            if isinstance(error, SecretUnusable):
-                raise
-            raise SecretUnusable(f"the file {name} cannot be used: {_words(error)}") from None
+            held = _read(self.folder, name)
+        except OSError as error:
+            raise SecretUnusable(f"the file {name} cannot be used: {error.strerror}") from None
+        return _fit(held, f"the file {name}")
 
 
 def key_file(settings: Settings) -> Path | None:
@@ -160,13 +158,15 @@ def _from_environment(name: str) -> str:
 
 
 def _read(folder: Path, name: str) -> str:
-    """Links lead nowhere but into the folder: a mounted secret is a link there. Raises OSError, ValueError."""
+    """Links lead nowhere but into the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
     real = Path(os.path.realpath(folder / name))
     if not real.is_relative_to(os.path.realpath(folder)):
-        raise ValueError("it leads out of the folder")
-    if not stat.S_ISREG(real.stat().st_mode):
-        raise ValueError("it is no file")
-    require_private(str(real))
+        raise SecretUnusable(f"the file {name} leads out of the folder")
+    mode = real.stat().st_mode
+    if not stat.S_ISREG(mode):  # a pipe would be waited for
+        raise SecretUnusable(f"{name} is no file")
+    if mode & (stat.S_IROTH | stat.S_IWOTH):
+        raise SecretUnusable(f"the file {name} can be read or written by others: chmod 640 or 600 it")
     with real.open("rb") as opened:
         return opened.read(LARGEST_FILE + 1).decode("ascii", "replace").strip()
 
@@ -181,7 +181,3 @@ def _fit(secret: str, what: str) -> str:
     if not fits:
         raise SecretUnusable(wanted)
     return secret
-
-
-def _words(error: OSError | ValueError) -> str:
-    return error.strerror or type(error).__name__ if isinstance(error, OSError) else str(error)

@@ -24,7 +24,7 @@ class Exposed(RuntimeError):
 def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
     """What is open to everybody, allowed twice, for the log. Raises Exposed where it was not allowed twice."""
     found = _open_doors(settings, keys_are_there=keys_are_there)
-    if found and not (settings.allow_no_authentication and settings.everybody_may_change_everything):
+    if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE}")
     return found
 
@@ -32,7 +32,7 @@ def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[
 def require_guarded(settings: Settings, listen: Sequence[str]) -> list[str]:
     """The same of a router alone, which listens on these zenoh endpoints. Raises Exposed."""
     found = _open_endpoints(settings, listen)
-    if found and not (settings.allow_no_authentication and settings.everybody_may_change_everything):
+    if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE_FOR_ROUTERS}")
     return found
 
@@ -49,13 +49,22 @@ def _open_endpoints(settings: Settings, listen: Sequence[str]) -> list[str]:
 
 def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
     found = []
-    needed = keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
-    if not is_loopback(settings.host) and not needed:
+    if not is_loopback(settings.host) and not credentials_needed(settings, keys_are_there=keys_are_there):
         found.append(
             f"the API on {settings.host} would need no credentials: make a first key with "
             "`rundown key create NAME --role admin`, or set RUNDOWN_OIDC_ISSUER"
         )
     return found + _open_endpoints(settings, settings.zenoh_listen)
+
+
+def credentials_needed(settings: Settings, *, keys_are_there: bool) -> bool:
+    """Whether the API asks who somebody is."""
+    return keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
+
+
+def allowed_twice(settings: Settings) -> bool:
+    """Whether it was said twice that everybody may do everything."""
+    return settings.allow_no_authentication and settings.everybody_may_change_everything
 
 
 def beyond(endpoints: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy.orm import Session
 
-from service.delivery import secret_upkeep
+from service.delivery import secret_upkeep, signing_secrets
 from service.delivery.secret_upkeep import Look
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SecretUnusable, SigningSecrets, key_file
@@ -263,6 +263,16 @@ def test_a_key_that_was_half_written_by_a_process_that_was_killed_does_not_stay(
 def test_on_a_server_of_databases_a_key_must_be_set() -> None:
     assert key_file(Settings(database="postgresql+psycopg://db/rundown")) is None
     assert key_file(Settings(database="sqlite://")) is None
+
+
+def test_without_a_key_what_an_older_release_left_plain_stays_in_use(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a server of databases at an upgrade, until a key is set."""
+    monkeypatch.setattr(signing_secrets, "key_file", lambda _: None)
+    with plant.transaction() as session:
+        number = deliveries.subscribe(session, kind="webhook", name="old", target=TARGET, secret="whsec_c2VjcmV0").id
+    secrets = secret_upkeep.opened(plant, Settings())
+    told = Api(plant, secrets=secrets).value(f"/subscriptions/{number}")
+    assert (told["secret_kept"], told["trouble"], stored(plant, number)) == ("plain", None, "whsec_c2VjcmV0")
 
 
 def test_a_plain_secret_still_signs_and_is_told_of_where_there_is_no_key() -> None:
