@@ -139,7 +139,7 @@ def serve(settings: Settings) -> None:
             submissions=forwarding,
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
-            warnings=lambda: housekeeping.warnings,
+            warnings=lambda: [*housekeeping.warnings, *ingest.warnings],
             gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
         )
         _prefer_answers()
