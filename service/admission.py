@@ -3,11 +3,12 @@
 import logging
 from collections.abc import Callable
 
+from service.clock_doubt import OwnClock
 from service.inbox import Message
 from service.journal import Arrived, Journal
 from service.own_faults import in_the_log
 from service.submissions import UNFORESEEN, NotStoring, Submission
-from service.wire import Key, OwnFault, Reason, Rejected, decode_batch, decode_body, require_size
+from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
 from storage.errors import concerns_all
 from storage.quarantine import Rejection
@@ -16,18 +17,27 @@ logger = logging.getLogger(__name__)
 
 
 class Admission:
-    """Decodes, and looks whether the machine is known. reject: takes what is to be kept of what was refused."""
+    """Decodes, and looks whether the machine is known. reject: takes what is to be kept of what was refused.
 
-    def __init__(self, journal: Journal, *, reject: Callable[[Rejection], None]) -> None:
+    own_clock: says what must wait until the clock is right. Such a batch is neither stored nor refused.
+    """
+
+    def __init__(self, journal: Journal, *, reject: Callable[[Rejection], None], own_clock: OwnClock) -> None:
         self._journal = journal
+        self._own_clock = own_clock
         self._reject = reject
 
     def published(self, key: Key, message: Message) -> Arrived | None:
-        """A message that was published, or that a log has answered; None when it is refused. Raises what concerns all."""
+        """A message that was published, or that a log has answered; None when it is refused or has to wait.
+
+        Raises what concerns all.
+        """
         try:
             require_size(message.size)
             batch = decode_batch(key, message.payload, message.encoding)
             self._require_machine(key)
+            if self._withholds(batch):
+                return None
         except Rejected as rejected:
             self.refuse(message, key.machine, rejected)
             return None
@@ -49,10 +59,14 @@ class Admission:
             if batch.machine != machine:
                 raise Rejected("key_mismatch", f"body says machine '{batch.machine[:64]}', the path '{machine}'")
             self._require_machine(Key(batch.plant, batch.machine))
+            if self._withholds(batch):
+                raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
             # Its numbers must stay free for the corrected batch.
             self._journal.require_convertible(batch, received_at=message.received_at)
         except Rejected as rejected:
             self.refuse(message, machine, rejected)
+            raise
+        except NotStoring:
             raise
         except Exception as error:
             if concerns_all(error):
@@ -61,6 +75,12 @@ class Admission:
             self._refuse(message, machine, "unexpected_error", in_the_log(error))
             raise NotStoring(UNFORESEEN) from error
         return Arrived(batch, message.key, body, message.received_at)
+
+    def _withholds(self, batch: SampleBatch) -> bool:
+        if not self._own_clock.withholds(batch):
+            return False
+        self._journal.still_there(batch.machine)
+        return True
 
     def refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
         """Keep a message that was not taken. machine: None where its key names none."""

@@ -111,6 +111,10 @@ class Collector:
         for known in (self._heard, self._heard_late, self._silent, self._settled):
             known.clear()
 
+    def still_there(self, machine_id: str) -> None:
+        """A machine sends, though nothing of it is taken now."""
+        self._heard[machine_id] = time.monotonic()
+
     def look_again(self, machine_ids: Collection[str]) -> None:
         """What was done for them is not stored: they are looked at once more."""
         self._silent.difference_update(machine_ids)

@@ -56,6 +56,8 @@ class Housekeeping:
         self._cut_offs: dict[str, CutOff] = {}
         self._counted_to = time.monotonic_ns()
         """Up to when the time served is in the cut-offs that are kept."""
+        self._counts = False
+        """Whether any are kept."""
         self._waiting = 0
         self._said_of_waiting = ""
 
@@ -148,12 +150,12 @@ class Housekeeping:
             elif time.monotonic() >= next_round:
                 next_round = time.monotonic() + INTERVAL_S
                 self.trouble = _tried(self.round)
-        if self._tiers and self._cut_offs and self.trouble is None and self._share.leads(RETENTION):
+        if self._counts and self.trouble is None and self._share.leads(RETENTION):
             _tried(lambda: self._move_cut_offs([], now()))  # what was served since the last round counts after a restart, too
 
     def _leave_to_another(self) -> None:
         """It is another replica's; nothing of it is known here, nor is the time served counted twice."""
-        self.trouble, self._waiting, self._said_of_waiting = None, 0, ""
+        self.trouble, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
@@ -162,6 +164,9 @@ class Housekeeping:
         with self._database.reading() as session:
             self._cut_offs = {tier.name: self._moved(session, tier, machine_ids, moment, served) for tier in self._tiers}
             known = all(retention.cut_off(session, tier.name) is not None for tier in self._tiers)
+            if not known and retention.is_empty(session):
+                return  # the clock of a first start may be set yet
+        self._counts = bool(self._tiers)
         if known and served < COUNTED_NS:
             return  # nobody need wait for so little to be written
         with self._database.transaction() as session:  # a person may have confirmed meanwhile
@@ -233,9 +238,10 @@ def _tried(work: Callable[[], None]) -> str | None:
 
 
 def _waiting_words(machine_ids: set[str], moment: int) -> str:
-    named = ", ".join(sorted(machine_ids)[:3]) + (", …" if len(machine_ids) > 3 else "")
+    names, others = sorted(machine_ids)[:3], len(machine_ids) - 3
+    named = ", ".join(names) + (f" and {others} more machines" if others > 0 else "")
     return (
-        f"old samples of {len(machine_ids)} machines ({named}) wait to be let go of: by this machine's clock "
+        f"old samples of {named} wait to be let go of: by this machine's clock "
         f"({to_datetime(moment):%Y-%m-%d %H:%M} UTC) and the settings more of them are old than time has passed here. If both "
         "are right, `rundown retention confirm` shows them and lets them go"
     )

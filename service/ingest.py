@@ -14,6 +14,7 @@ import msgspec
 import zenoh
 
 from service.admission import Admission
+from service.clock_doubt import OwnClock
 from service.healing import Healing
 from service.inbox import Inbox, Message
 from service.journal import Arrived, Journal
@@ -39,6 +40,8 @@ HEALING_CYCLE_S = 0.05
 """Pause between looks for what logs answer."""
 TAIL_CHECK_S = 2.0
 """How often a live source's log is asked for samples that never came."""
+DOUBTED_CHECK_S = 30.0
+"""The same while the own clock is wrong: what logs answer has to wait, too."""
 STALLED_S = 5.0
 """A cycle that lasts longer waits for the database, and the service is not ready."""
 RETRY_S = 1.0
@@ -69,7 +72,8 @@ class Ingest:
         self._share = share or Whole()
         self._changes = self._share.changes
         self._storing = Storing(journal, leave=lambda source: self._healing.leave(source))
-        self._admission = Admission(journal, reject=self._storing.reject)
+        self._own_clock = OwnClock(journal.newest_receipt)
+        self._admission = Admission(journal, reject=self._storing.reject, own_clock=self._own_clock)
         self._healing = Healing(
             session,
             expected=self._storing.next_sequence,
@@ -130,7 +134,13 @@ class Ingest:
             "rundown_ingest_queue_messages": len(self._inbox),
             "rundown_ingest_queue_bytes": self._inbox.size,
             "rundown_ingest_longest_cycle_seconds": self._longest_cycle.seconds,
+            "rundown_clock_doubted": int(self._own_clock.doubt is not None),
         }
+
+    @property
+    def warnings(self) -> list[str]:
+        """What does not hinder all of it and should be seen to."""
+        return [] if self._own_clock.doubt is None else [self._own_clock.doubt]
 
     def _run(self) -> None:
         while True:
@@ -176,8 +186,11 @@ class Ingest:
     def _cycle(self, *, stopping: bool) -> int:
         """Take and store what has come; look after what is to be done now and then. Returns how many messages there were."""
         count = self._take_and_store()
+        if self._own_clock.look():
+            self._next_check = 0.0  # what was left to the logs is asked for
         if time.monotonic() >= self._next_check and not stopping:
-            self._next_check = time.monotonic() + TAIL_CHECK_S
+            doubted = self._own_clock.doubt is not None
+            self._next_check = time.monotonic() + (DOUBTED_CHECK_S if doubted else TAIL_CHECK_S)
             self._check()
         self.trouble = self._submissions.trouble = None
         self._errors = 0
@@ -225,6 +238,7 @@ class Ingest:
         if self._changes != self._share.changes:
             self._storing.look_again()
             self._journal.forget()
+            self._own_clock.forget()
             changes = self._share.changes
             self._healing.review()
             self._changes = changes  # reviewed again where the database went away within

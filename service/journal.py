@@ -105,6 +105,15 @@ class Journal:
         with self._database.reading() as session:
             return samples.source(session, key).next_sequence
 
+    def newest_receipt(self) -> int:
+        """When samples came last, by the clock that this machine had then [ns]; 0 before any."""
+        with self._database.reading() as session:
+            return samples.newest_receipt(session) or 0
+
+    def still_there(self, machine_id: str) -> None:
+        """A machine's source sends, though nothing of it is taken now: it has not fallen silent."""
+        self._collector.still_there(machine_id)
+
     def missing(self, key: SourceKey) -> list[holes.Hole]:
         """Numbers of a source that never came, ascending, as far as they are remembered."""
         with self._database.reading() as session:
@@ -223,10 +232,13 @@ class Journal:
         self._collector.forget()
 
     def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
-        """Raises Rejected for a batch of which nothing can be taken."""
+        """Raises Rejected for a batch of which nothing can be taken, also where its source's clock is wrong."""
         with self._database.reading() as session:
             _, machine = self._document(session, batch.machine)
-        to_samples(batch, machine, received_at=received_at)
+        _, _, faults = to_samples(batch, machine, received_at=received_at)
+        wrong = [fault for fault in faults if fault.reason == "time_out_of_range"]
+        if len(wrong) == len(batch.time_ns):
+            raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
     def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
         """The revision in force and its document, which is parsed once."""

@@ -143,6 +143,7 @@ def serve(settings: Settings) -> None:
             secrets=secrets,
             warnings=lambda: [
                 *housekeeping.warnings,
+                *ingest.warnings,
                 *dispatcher.watch.warnings,
                 *audit_watch.warnings,
                 *store_watch.warnings,

@@ -38,6 +38,11 @@ def keep_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> N
     session.merge(RetentionRow(tier=tier, cut_off=time, allowance=allowance))
 
 
+def is_empty(session: Session) -> bool:
+    """Whether no samples are held, neither as received nor of runs."""
+    return not any(session.scalar(select(column).limit(1)) is not None for column in (SampleBlockRow.id, RunRow.id))
+
+
 def newest_sample(session: Session, machine_id: str) -> int | None:
     """Time of the newest sample of a machine [ns]; None where it has none."""
     return session.scalar(select(func.max(SampleBlockRow.time_last)).where(SampleBlockRow.machine_id == machine_id))

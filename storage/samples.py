@@ -188,6 +188,11 @@ def newest_time(session: Session, machine_id: str, *, until: int) -> int | None:
     return session.scalar(select(func.max(block.time_last)).where(block.machine_id == machine_id, block.time_last <= until))
 
 
+def newest_receipt(session: Session) -> int | None:
+    """When the newest samples of any source came, by the service's clock then [ns]; None before any."""
+    return session.scalar(select(func.max(SourceRow.last_received_at)))
+
+
 def sources(
     session: Session, machine_id: str | None = None, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[SourceRow]:

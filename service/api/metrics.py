@@ -111,6 +111,7 @@ _GAUGES = {
     "rundown_ingest_longest_cycle_seconds": "longest cycle of ingest of the last minute or two",
     "rundown_ingest_queue_messages": "messages from zenoh that wait",
     "rundown_ingest_queue_bytes": "size of the messages from zenoh that wait",
+    "rundown_clock_doubted": "1 while this machine's own clock is behind, and live samples wait for it to be set",
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_ingest_storing": "1 while samples can be stored",
     "rundown_database_answers": "1 while the database answers; otherwise only what needs none is shown",

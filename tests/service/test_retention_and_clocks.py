@@ -24,7 +24,7 @@ from storage import audit, machines, retention, runs
 from storage.database import Database
 from storage.tables import RunRow, SampleBlockRow
 from tests.asking import Api
-from tests.plant import KEY, SECOND, arrived, batch, machine, samples
+from tests.plant import KEY, SECOND, arrived, batch, machine, samples, wait_until
 
 HOUR, YEAR = 3600 * SECOND, 365 * DAY_NS
 MONTH = 30.0
@@ -126,6 +126,22 @@ def test_a_store_of_an_older_release_whose_clock_is_ahead_loses_nothing(store: S
     assert store.waits
 
 
+def test_the_clock_of_a_first_start_may_be_set_later(store: Store, clocks: Clocks) -> None:
+    """Before it knows the time a machine begins in 1970."""
+    clocks.wall = -time.time_ns()
+    store.housekeeping.round()
+    clocks.served += HOUR
+    store.housekeeping.round()
+    clocks.wall = 0
+    store.start()
+    for _ in range(35):
+        store.send(10)
+        clocks.served += DAY_NS
+        store.housekeeping.round()
+        assert not store.waits
+    assert store.blocks == 30
+
+
 def test_runs_are_kept_by_the_same_rule(store: Store, clocks: Clocks) -> None:
     store.housekeeping.round()
     moment = time.time_ns()
@@ -157,9 +173,9 @@ def test_samples_grow_old_as_time_passes(store: Store, clocks: Clocks) -> None:
 
 
 def test_what_was_served_before_the_end_counts_after_a_start(store: Store, clocks: Clocks) -> None:
+    store.send(10)
     store.housekeeping.start()
-    while not store.housekeeping._cut_offs:
-        time.sleep(0.01)
+    wait_until(lambda: store.housekeeping._counts)
     clocks.served += 5 * DAY_NS
     store.housekeeping.stop()
     with store.database.reading() as session:
