@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator
-from fnmatch import fnmatchcase
+from collections.abc import Iterable, Iterator
+from fnmatch import translate
 from typing import TYPE_CHECKING, Any
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 if TYPE_CHECKING:
     from estimator.machine import Machine
-
-LARGEST_ELEMENT_COUNT = 500
-"""Shaft elements of one train; more would take hours and gain nothing."""
 
 STATION_TOLERANCE = 1e-9
 """Two stations closer than this [m] are the same place."""
@@ -59,11 +57,6 @@ def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
     yield from _material_problems(machine)
     yield from _duplicate_problems(machine)
     yield from _station_problems(machine)
-    if machine.element_length is not None:
-        count = sum(shaft.length for shaft in machine.shafts) / machine.element_length
-        if count > LARGEST_ELEMENT_COUNT:
-            message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
-            yield _problem(("element_length",), machine.element_length, message)
     running, highest = machine.operation.running_rpm, machine.speed_range.maximum_rpm
     if running is not None and running > highest:
         message = f"lies above the speed range, which ends at {highest:g} r/min"
@@ -148,15 +141,36 @@ def _dependence_problems(machine: Machine) -> Iterator[InitErrorDetails]:
                     yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
 
 
+def _matching(pattern: str, names: Iterable[str]) -> list[str]:
+    """Those of the names that a rule's pattern fits."""
+    fits = re.compile(translate(pattern)).match
+    return [name for name in names if fits(name)]
+
+
+def rules_in_force(machine: Machine, names: Iterable[str]) -> dict[str, int]:
+    """Place of the last rule whose pattern fits each name; names that none fits are left out."""
+    fitting = _fitting(machine, names)
+    return {name: i for i, rule in enumerate(machine.parameters) for name in fitting[rule.names]}
+
+
+def _fitting(machine: Machine, names: Iterable[str]) -> dict[str, list[str]]:
+    """By pattern of a rule the names that it fits."""
+    return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in machine.parameters}}
+
+
 def _rule_problems(machine: Machine) -> Iterator[InitErrorDetails]:
     coefficients = coefficient_values(machine)
     values = coefficients | planes(machine)
-    in_force = {name: i for i, rule in enumerate(machine.parameters) for name in values if fnmatchcase(name, rule.names)}
+    fitting = _fitting(machine, values)
+    in_force = {name: i for i, rule in enumerate(machine.parameters) for name in fitting[rule.names]}
+    by_rule: dict[int, list[str]] = {}
+    for name, i in in_force.items():
+        by_rule.setdefault(i, []).append(name)
     for i, rule in enumerate(machine.parameters):
-        if not any(fnmatchcase(name, rule.names) for name in values):
+        if not fitting[rule.names]:
             message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
             yield _problem(("parameters", i, "names"), rule.names, message)
-        ruled = [name for name in values if in_force.get(name) == i]
+        ruled = by_rule.get(i, [])
         unknown = [name for name in ruled if values[name] is None]
         if unknown and rule.tied_to is None:
             message = f"needs a nominal value of {', '.join(unknown)}"

@@ -5,6 +5,7 @@ from typing import Any
 
 import yaml
 
+from estimator.document_size import require_affordable
 from estimator.machine import DocumentError, Machine, parse_machine
 
 
@@ -28,7 +29,9 @@ def read_yaml(path: Path) -> Any:
 def read_machine(path: Path) -> Machine:
     """The machine document in a file. Raises UnreadableFile, which names every wrong field."""
     try:
-        return parse_machine(read_yaml(path))
+        machine = parse_machine(read_yaml(path))
+        require_affordable(machine)
+        return machine
     except DocumentError as error:
         problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
         raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error
