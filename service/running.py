@@ -141,8 +141,10 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
-            warnings=lambda: housekeeping.warnings,
-            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
+            warnings=lambda: [*housekeeping.warnings, *identifying.warnings],
+            gauges=lambda: (
+                housekeeping.gauges | ingest.gauges | identifying.gauges | _certificates(settings) | backup_watch.gauges
+            ),
         )
         _prefer_answers()
         config = uvicorn.Config(
