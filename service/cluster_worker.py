@@ -6,6 +6,7 @@ import threading
 
 from distributed import Worker
 
+from service import cluster_task
 from service.processes import SeparateProcesses
 
 logger = logging.getLogger(__name__)
@@ -20,15 +21,19 @@ def work(scheduler: str, *, processes: int, memory_bytes: int, stop: threading.E
 
 async def _work(scheduler: str, processes: int, memory_bytes: int, stop: threading.Event) -> None:
     while not stop.is_set():
+        computing = SeparateProcesses(processes, memory_bytes=memory_bytes)
+        cluster_task.compute_in(computing)
         try:
-            executor = SeparateProcesses(processes, memory_bytes=memory_bytes)
-            # The memory limit is each process's own; this process only passes tasks on.
-            worker = Worker(scheduler, nthreads=processes, executor=executor, memory_limit=0, dashboard=False)
+            # The memory limit is each process's own; this process only passes tasks on, each in a thread that waits.
+            name = cluster_task.worker_name()
+            worker = Worker(scheduler, name=name, nthreads=processes, memory_limit=0, dashboard=False)
             async with worker:
-                logger.info("working for the scheduler at %s, %d at once", scheduler, processes)
+                logger.info("working for the scheduler at %s, %d at once; %s", scheduler, processes, cluster_task.RELEASE)
                 while not stop.is_set() and worker.status.name in ("running", "paused", "init"):
                     await asyncio.sleep(0.2)
-                executor.shutdown(wait=False, cancel_futures=True)
+                computing.shutdown()
         except (OSError, TimeoutError) as error:
             logger.warning("no scheduler at %s: %s; trying again", scheduler, error)
+        finally:
+            computing.shutdown()
         await asyncio.sleep(0.0 if stop.is_set() else RETRY_S)

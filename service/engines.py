@@ -1,25 +1,20 @@
-"""Where identifications are computed: worker processes of this machine, or a Dask cluster. Both are executors to who asks."""
+"""Where identifications are computed: worker processes of this machine, or a Dask cluster."""
 
-import logging
-import os
-from concurrent.futures import Executor, Future
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Sequence
+from concurrent.futures import Future
+from typing import Protocol
 
 from service import worker
 from service.processes import SeparateProcesses
 from service.settings import Settings
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-logger = logging.getLogger(__name__)
-
-CONNECT_S = 5.0
-"""How long a scheduler is waited for, before it is tried again."""
-
 
 class EngineAway(ConnectionError):
     """Nothing can be computed at present; the message says why."""
+
+
+class Refused(RuntimeError):
+    """A task was not taken, which is not its fault; the message says why."""
 
 
 class Engine(Protocol):
@@ -29,7 +24,17 @@ class Engine(Protocol):
         """How many tasks it can compute at once. Raises EngineAway."""
 
     def submit(self, task: worker.Task) -> Future[worker.Outcome]:
-        """Compute one. The future ends as an executor's does, cancelled where the engine lost it. Raises EngineAway."""
+        """Compute one. Raises EngineAway.
+
+        The future ends in what the task raises, in BrokenProcessPool or Stuck where its process died or stopped answering, in
+        Refused or Interrupted, or is cancelled where the engine lost it.
+        """
+
+    def look(self) -> None:
+        """Look after what is being computed; called every now and then. Raises EngineAway."""
+
+    def warnings(self) -> Sequence[str]:
+        """What is wrong with it, though it computes."""
 
     def close(self) -> None:
         """Give up what is being computed."""
@@ -38,16 +43,18 @@ class Engine(Protocol):
 def engine(settings: Settings) -> Engine:
     """The engine that the settings ask for."""
     if settings.dask_scheduler:
+        from service.cluster import Cluster
+
         return Cluster(settings.dask_scheduler)
     return Local(settings.workers, memory_bytes=settings.identification_memory_mb * 2**20)
 
 
 class Local:
-    """Processes of this machine."""
+    """Processes of this machine, which look after themselves."""
 
     def __init__(self, workers: int, *, memory_bytes: int) -> None:
         self._workers = workers
-        self._executor: Executor = SeparateProcesses(workers, memory_bytes=memory_bytes)
+        self._processes = SeparateProcesses(workers, memory_bytes=memory_bytes)
 
     def capacity(self) -> int:
         """One task for each process."""
@@ -55,52 +62,15 @@ class Local:
 
     def submit(self, task: worker.Task) -> Future[worker.Outcome]:
         """As of Engine."""
-        return self._executor.submit(worker.compute, task)
+        return self._processes.submit(task.timeout_s, worker.compute, task)
+
+    def look(self) -> None:
+        """Nothing to do."""
+
+    def warnings(self) -> Sequence[str]:
+        """None: what happened to a task is told by its future."""
+        return ()
 
     def close(self) -> None:
         """As of Engine."""
-        self._executor.shutdown(wait=True, cancel_futures=True)
-
-
-class Cluster:
-    """A Dask cluster by the address of its scheduler. Its workers are `rundown worker`, which keep the limits."""
-
-    def __init__(self, address: str) -> None:
-        self._address = address
-        self._client: Client | None = None
-
-    def capacity(self) -> int:
-        """One task for each thread of its workers. Raises EngineAway."""
-        workers = self._connected().scheduler_info(n_workers=-1)["workers"]
-        if not workers:
-            raise EngineAway(f"the Dask scheduler at {self._address} has no workers: start some with `rundown worker`")
-        return sum(int(one["nthreads"]) for one in workers.values())
-
-    def submit(self, task: worker.Task) -> Future[worker.Outcome]:
-        """As of Engine."""
-        executor: Executor = self._connected().get_executor(pure=False)  # type: ignore[no-untyped-call]
-        return executor.submit(worker.compute, task)
-
-    def close(self) -> None:
-        """As of Engine."""
-        if self._client is not None:
-            self._client.close(timeout=CONNECT_S)  # type: ignore[no-untyped-call]
-
-    def _connected(self) -> "Client":
-        """The client, a new one where there is none or the last one has given up."""
-        from distributed import Client  # takes a second to import, which only a cluster's user should pay
-
-        if self._client is not None and self._client.status == "running":
-            return self._client
-        if self._client is not None:
-            if self._client.status == "connecting":
-                raise EngineAway(f"the Dask scheduler at {self._address} does not answer")
-            self._client = None
-        try:
-            self._client = Client(  # type: ignore[no-untyped-call]
-                self._address, timeout=CONNECT_S, set_as_default=False, name=f"rundown-{os.getpid()}"
-            )
-        except OSError as error:
-            raise EngineAway(f"the Dask scheduler at {self._address} does not answer: {error}") from error
-        logger.info("identifications are computed by the Dask cluster at %s", self._address)
-        return self._client
+        self._processes.shutdown()

@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from collections import deque
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, replace
@@ -14,9 +15,10 @@ from sqlalchemy.orm import Session
 from estimator.identification import Options
 from estimator.machine import parse_machine
 from service import requesting, watching, worker
-from service.engines import EngineAway, engine
+from service.engines import EngineAway, Refused, engine
 from service.judging import judged
 from service.own_faults import unexpected
+from service.processes import Interrupted, Stuck
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
 from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
@@ -32,6 +34,7 @@ logger = logging.getLogger(__name__)
 
 POLL_S = 0.1
 RETRY_S = 1.0
+TOLD_S = 3600.0
 GATHERED_KIND = "gathered"
 """`run_kind` of an identification from several runs, which may be of both kinds."""
 
@@ -67,6 +70,8 @@ class Identifying:
         self._engine = engine(settings)
         self._running: dict[Future[worker.Outcome], _Taken] = {}
         self._automatic_in_a_row = 0
+        self._stuck: deque[tuple[float, str]] = deque(maxlen=1000)
+        self._stuck_count = 0
         self._stop = threading.Event()
         self._news = threading.Event()  # a result is there, or the service stops
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
@@ -90,6 +95,18 @@ class Identifying:
         self._engine.close()
 
     @property
+    def warnings(self) -> list[str]:
+        """What is wrong with what computes, though jobs are taken; what stopped answering is told of for an hour."""
+        stuck = [words for at, words in self._stuck if time.monotonic() < at + TOLD_S]
+        told = [f"identifications given up in the last hour: {len(stuck)}; of the last one, {stuck[-1]}"] if stuck else []
+        return [*self._engine.warnings(), *told]
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system."""
+        return {"rundown_stuck_identifications": self._stuck_count}
+
+    @property
     def alive(self) -> bool:
         """Whether the thread runs."""
         return self._thread.is_alive()
@@ -104,6 +121,7 @@ class Identifying:
                     self._put_back_lost()
                     doubtful = False
                 try:
+                    self._engine.look()
                     self._submit()  # first: no worker need wait for results to be filed
                 finally:
                     self._file_done()
@@ -112,8 +130,9 @@ class Identifying:
                     self._ask_gathered()
                 self.trouble = None
             except EngineAway as error:
+                if str(error) != self.trouble:
+                    logger.error("%s; trying again", error)
                 self.trouble = str(error)
-                logger.error("%s; trying again", error)
                 self._stop.wait(RETRY_S)
             except DBAPIError as error:
                 self.trouble = str(error.orig)
@@ -212,6 +231,16 @@ class Identifying:
         except BrokenProcessPool as error:
             logger.error("the process that computed job %d died; it is tried again", job_id)
             self._put_back(job_id, str(error))
+            return
+        except Stuck as error:
+            logger.error("job %d was given up with what computed it; it is tried three times: %s", job_id, error)
+            self._stuck.append((time.monotonic(), str(error)))
+            self._stuck_count += 1
+            self._put_back(job_id, f"Stuck: {error}")
+            return
+        except (Refused, Interrupted) as error:
+            logger.warning("job %d is taken again: %s", job_id, error)
+            self._put_back_unhurt(job_id)
             return
         except CancelledError:
             logger.warning("job %d was lost with what computed it; it is tried again", job_id)

@@ -1,58 +1,249 @@
-"""Worker processes on this machine, each with one piece of work at a time: one that dies takes nobody else's work with it."""
+"""Worker processes on this machine, each with one piece of work at a time.
 
+A process has a thread that talks with it through a pipe, and may wait for it for ever. What must happen in time is looked
+after by one more thread: a process that is over its time is killed (SIGKILL, which ends stopped ones as well), its work ends
+in Stuck, and a new process takes its place. Nothing waits for one that the kernel does not let die, as in input that hangs.
+"""
+
+import logging
+import math
 import multiprocessing
+import pickle
 import threading
+import time
 from collections.abc import Callable
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
-from typing import ParamSpec, TypeVar
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from queue import Empty, SimpleQueue
+from typing import Any, ParamSpec, TypeVar
 
 from service import worker
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
+logger = logging.getLogger(__name__)
 
-class SeparateProcesses(Executor):
-    """An executor of pools of one process each. Work beyond their number waits behind other work, and shares its fate.
+START_S = 60.0
+"""How long a process may take until it is there, …"""
+HAND_OVER_S = 30.0
+"""… until it says that it has got a piece of work, …"""
+GRACE_S = worker.GRACE_S + 5.0
+"""… and how much longer than allowed for that, after which it should have ended itself."""
+WATCH_S = 0.25
+DEATH_S = 2.0
+"""How long the death of a process is waited for, at most."""
+HERE = b"here"
 
-    A piece of work whose process died ends in BrokenProcessPool; its pool is replaced.
+
+class Stuck(RuntimeError):
+    """A process did not answer in its time, and was killed."""
+
+
+class Interrupted(RuntimeError):
+    """A piece of work was given up because its processes are shut down."""
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Work that is pickled, how long it may take [s], and who waits for it."""
+
+    payload: bytes
+    limit_s: float
+    future: Future[Any]
+
+
+class SeparateProcesses:
+    """So many processes, begun when there is work, and the work that waits for them.
+
+    Work ends in what it raises, in BrokenProcessPool where its process died, in Stuck where that stopped answering, or in
+    Interrupted by `shutdown`.
     """
 
     def __init__(self, workers: int, *, memory_bytes: int) -> None:
         """memory_bytes: what each process may hold of its own; more raises MemoryError in it."""
+        self._workers = workers
         self._memory = memory_bytes
+        self._waiting: SimpleQueue[_Piece | None] = SimpleQueue()
         self._lock = threading.Lock()
-        self._pools = [self._pool() for _ in range(workers)]
-        self._load = [0] * workers
+        self._places: list[_Place] = []
+        self._stop = threading.Event()
+        self._watching = threading.Thread(target=self._watch, name="watching processes", daemon=True)
 
-    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """As of `concurrent.futures`."""
+    def submit(self, limit_s: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Have work done that keeps to its own time of `limit_s` [s]; what does not is stopped shortly afterwards."""
+        future: Future[T] = Future()
+        payload = pickle.dumps((work, args, kwargs))
         with self._lock:
-            place = self._load.index(min(self._load))
-            try:
-                future = self._pools[place].submit(fn, *args, **kwargs)
-            except BrokenProcessPool:
-                self._pools[place].shutdown(wait=False)
-                self._pools[place] = self._pool()
-                future = self._pools[place].submit(fn, *args, **kwargs)
-            self._load[place] += 1
-        future.add_done_callback(lambda _: self._done(place))
+            if self._stop.is_set():
+                raise Interrupted("these processes are shut down")
+            if not self._places:
+                self._places = [_Place(self._waiting, self._memory) for _ in range(self._workers)]
+                self._watching.start()
+        self._waiting.put(_Piece(payload, limit_s, future))
         return future
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of `concurrent.futures`, but with `cancel_futures` what is being computed is given up as well."""
-        if cancel_futures:
-            for child in multiprocessing.active_children():
-                child.terminate()
-        for pool in self._pools:
-            pool.shutdown(wait=wait, cancel_futures=cancel_futures)
-
-    def _done(self, place: int) -> None:
+    def shutdown(self) -> None:
+        """Kill the processes and give up what they compute; what waits is cancelled."""
         with self._lock:
-            self._load[place] -= 1
+            self._stop.set()
+            places = self._places
+        if not places:
+            return
+        self._watching.join()
+        while (piece := self._next()) is not None:
+            piece.future.cancel()
+        for place in places:
+            place.give_up(Interrupted("its process was shut down"))
+            self._waiting.put(None)
+        until = time.monotonic() + DEATH_S
+        for place in places:
+            place.join(until - time.monotonic())
 
-    def _pool(self) -> ProcessPoolExecutor:
+    def _next(self) -> _Piece | None:
+        try:
+            return self._waiting.get_nowait()
+        except Empty:
+            return None
+
+    def _watch(self) -> None:
+        while not self._stop.wait(WATCH_S):
+            for number, place in enumerate(self._places):
+                if (silent := place.silent_s()) is not None:
+                    logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
+                    self._places[number] = _Place(self._waiting, self._memory)
+                    place.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
+
+
+class _Place:
+    """A process and the thread that talks with it."""
+
+    def __init__(self, waiting: "SimpleQueue[_Piece | None]", memory_bytes: int) -> None:
+        self._waiting = waiting
+        self._memory = memory_bytes
+        self._lock = threading.Lock()
+        self._piece: _Piece | None = None
+        self._given_up: Exception | None = None
+        self._asked, self._until = 0.0, math.inf
+        self._process: Any = None  # of the context that spawns
+        self._pipe: Connection | None = None
+        self._thread = threading.Thread(target=self._run, name="worker process", daemon=True)
+        self._thread.start()
+
+    def silent_s(self) -> float | None:
+        """How long the process has not answered [s], where that is too long."""
+        now = time.monotonic()
+        return now - self._asked if now > self._until else None
+
+    def give_up(self, reason: Exception) -> None:
+        """Kill the process; what it computes ends in `reason`. It gets no other work, and its thread ends when it can."""
+        with self._lock:
+            self._given_up = reason
+            process = self._process
+        if process is not None:
+            process.kill()
+        self._settle(error=reason)
+
+    def join(self, seconds: float) -> None:
+        """Wait until the thread has ended, so long at most [s]."""
+        self._thread.join(max(0.0, seconds))
+
+    def _run(self) -> None:
+        while self._given_up is None and (piece := self._waiting.get()) is not None:
+            if piece.future.set_running_or_notify_cancel():
+                with self._lock:
+                    self._piece = piece
+                self._compute(piece)
+        self._end()
+
+    def _compute(self, piece: _Piece) -> None:
+        try:
+            if self._given_up is not None:
+                raise self._given_up
+            pipe = self._pipe or self._begin()
+            self._allow(HAND_OVER_S)
+            pipe.send_bytes(piece.payload)
+            pipe.recv_bytes()
+            self._allow(piece.limit_s + GRACE_S)
+            done, value = pickle.loads(pipe.recv_bytes())
+        except (EOFError, OSError) as error:
+            self._end()
+            self._settle(error=BrokenProcessPool(f"its process died: {error}" if str(error) else "its process died"))
+        except Exception as error:  # noqa: BLE001 - whoever waits for it is told
+            self._settle(error=error)
+        else:
+            self._settle(value) if done else self._settle(error=value)
+
+    def _begin(self) -> Connection:
         # Spawned: a fork with a zenoh session open would crash.
         context = multiprocessing.get_context("spawn")
-        return ProcessPoolExecutor(1, mp_context=context, initializer=worker.prepare, initargs=(self._memory,))
+        self._allow(START_S)
+        self._pipe, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
+        with theirs:
+            process.start()
+        with self._lock:
+            self._process = process
+            if self._given_up is not None:
+                process.kill()
+        self._pipe.recv_bytes()
+        return self._pipe
+
+    def _allow(self, seconds: float) -> None:
+        self._asked = time.monotonic()
+        self._until = self._asked + seconds
+
+    def _settle(self, value: object = None, *, error: BaseException | None = None) -> None:
+        """Tell who waits, once: the watching thread may have done so already."""
+        with self._lock:
+            piece, self._piece = self._piece, None
+            self._until = math.inf
+        if piece is None:
+            return
+        if error is None:
+            piece.future.set_result(value)
+        else:
+            piece.future.set_exception(error)
+
+    def _end(self) -> None:
+        with self._lock:
+            process, self._process = self._process, None
+            pipe, self._pipe = self._pipe, None
+        if pipe is not None:
+            pipe.close()
+        if process is not None:
+            process.kill()
+            process.join(DEATH_S)
+
+
+def _serve(pipe: Connection, memory_bytes: int) -> None:
+    """What runs in the process: one piece of work after the other, until there is nobody to give any."""
+    worker.prepare(memory_bytes)
+    pipe.send_bytes(HERE)
+    while True:
+        try:
+            payload = pipe.recv_bytes()
+        except EOFError:
+            return
+        pipe.send_bytes(HERE)
+        pipe.send_bytes(_done(payload))
+
+
+def _done(payload: bytes) -> bytes:
+    try:
+        work, args, kwargs = pickle.loads(payload)
+        return pickle.dumps((True, work(*args, **kwargs)))
+    except Exception as error:  # noqa: BLE001 - whatever it is, it is told
+        return failed(error)
+
+
+def failed(error: BaseException) -> bytes:
+    """An error as it is told by another process; in words where it cannot be pickled, or not be read again."""
+    try:
+        told = pickle.dumps((False, error))
+        pickle.loads(told)
+    except Exception:  # noqa: BLE001 - errors may be anything
+        return pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
+    return told

@@ -144,6 +144,7 @@ def serve(settings: Settings) -> None:
             warnings=lambda: [
                 *housekeeping.warnings,
                 *ingest.warnings,
+                *identifying.warnings,
                 *dispatcher.watch.warnings,
                 *audit_watch.warnings,
                 *store_watch.warnings,
@@ -152,6 +153,7 @@ def serve(settings: Settings) -> None:
                 {"rundown_longest_transaction_seconds": database.longest_transaction.seconds}
                 | housekeeping.gauges
                 | ingest.gauges
+                | identifying.gauges
                 | _certificates(settings)
                 | backup_watch.gauges
                 | dispatcher.watch.gauges

@@ -35,6 +35,10 @@ GRACE_S = 10.0
 """How much longer than allowed a process may take to notice that its time is over."""
 
 
+TASK_FORM = 1
+"""Counts changes of Task and Outcome within a release: processes that differ in it do not open each other's."""
+
+
 @dataclass(frozen=True)
 class Task:
     """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
@@ -118,7 +122,7 @@ def compute(task: Task) -> Outcome:
 @contextmanager
 def _limited(seconds: float) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
-        raise RuntimeError("a task needs a process of its own to keep to its time: start Dask's workers as `rundown worker`")
+        raise RuntimeError("a task needs a process of its own to keep to its time")
     signal.signal(signal.SIGALRM, _out_of_time)
     signal.setitimer(signal.ITIMER_REAL, seconds)
     faulthandler.dump_traceback_later(seconds + GRACE_S, exit=True)

@@ -126,6 +126,7 @@ _GAUGES = {
     "rundown_backup_age_seconds": "of the newest complete backup in the folder that is looked at; +Inf: there is none",
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
     "rundown_webhooks_unsigned": "active webhooks that are told nothing, for their secret cannot be had",
+    "rundown_stuck_identifications": "identifications whose process or Dask worker stopped answering, since the start",
     "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
 }
 

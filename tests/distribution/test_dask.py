@@ -37,6 +37,13 @@ class Cluster:
         log = self._folder / f"{name}.log"
         return self._stack.enter_context(process(log, "worker", self.address, "--processes", "1"))
 
+    def start_other_worker(self, name: str, *changes: str) -> subprocess.Popen[bytes]:
+        log = self._folder / f"{name}.log"
+        return self._stack.enter_context(python(log, "-m", "tests.distribution.dask_worker", self.address, *changes))
+
+    def log(self, name: str) -> str:
+        return (self._folder / f"{name}.log").read_text()
+
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[Cluster]:
@@ -52,9 +59,9 @@ def train() -> Machine:
 
 
 @contextlib.contextmanager
-def identifying(database: Database, cluster: Cluster) -> Iterator[Identifying]:
+def identifying(database: Database, cluster: Cluster, *, timeout_s: float = 300.0) -> Iterator[Identifying]:
     """The identification thread with the cluster."""
-    work = Identifying(database, Settings(dask_scheduler=cluster.address))
+    work = Identifying(database, Settings(dask_scheduler=cluster.address, identification_timeout_s=timeout_s))
     work.start()
     try:
         yield work
@@ -119,3 +126,105 @@ def test_a_job_that_kills_its_process_every_time_is_put_aside_and_others_go_on(
         assert killed >= 3
         close_run(database, train, seed=2, start_s=1_700_100_000)
         until(lambda: counts(database) == {"quarantined": 1, "done": 1}, within_s=60, what="the next one is computed")
+
+
+def attempts(database: Database) -> list[int]:
+    """Of the jobs, oldest first."""
+    with database.reading() as session:
+        return [row.attempts for row in reversed(jobs.of_machine(session, "thesis-chapter-3", limit=100))]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("release=0.0.1, tasks of form 0", "runs release 0.0.1, tasks of form 0, this service "),
+        pytest.param(
+            "pretends=0.0.1, tasks of form 0", "runs release 0.0.1, tasks of form 0, this service ", marks=pytest.mark.long
+        ),
+        pytest.param(
+            "without=service.cluster_task",
+            "does not say its release: start it as `rundown worker` of release",
+            marks=pytest.mark.long,
+        ),
+    ],
+)
+def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back_unhurt(
+    cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, change: str, words: str
+) -> None:
+    monkeypatch.setattr("service.cluster.REFUSED_S", 3.0)
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    cluster.start_scheduler()
+    cluster.start_other_worker("other", change)
+    with identifying(database, cluster) as work:
+        until(lambda: words in (work.trouble or ""), within_s=40, what="the other release is named")
+        assert counts(database) == {"queued": 1}
+        assert attempts(database) == [0]
+        cluster.start_worker("right")
+        until(lambda: "working for the scheduler" in cluster.log("right"), within_s=30, what="another worker is there")
+        until(lambda: counts(database) == {"done": 1}, within_s=30, what="the right one computes")
+        assert attempts(database) == [1]
+
+
+def test_what_a_frozen_worker_has_is_given_up_and_another_one_computes_it(
+    cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.cluster.SILENT_S", 4.0)
+    monkeypatch.setattr("service.cluster.GRACE_S", 2.0)
+    with database.transaction() as session:
+        machines.create(session, train)
+    cluster.start_scheduler()
+    frozen = cluster.start_worker("frozen")
+    until(lambda: "working for the scheduler" in cluster.log("frozen"), within_s=30, what="the worker is there")
+    frozen.send_signal(signal.SIGSTOP)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, cluster, timeout_s=5.0) as work:
+        until(lambda: "has said nothing for" in (work.trouble or ""), within_s=40, what="it is named")
+        assert counts(database) == {"queued": 1}
+        assert attempts(database) == [1]
+        assert work.gauges["rundown_stuck_identifications"] == 1
+        cluster.start_worker("second")
+        until(lambda: counts(database) == {"done": 1}, within_s=40, what="another one computes it")
+        assert attempts(database) == [2]
+        assert any("has said nothing for" in words for words in work.warnings)
+        frozen.send_signal(signal.SIGCONT)
+        close_run(database, train, seed=2, start_s=1_700_100_000)
+        until(lambda: counts(database) == {"done": 2}, within_s=30, what="the next one is computed")
+
+
+@pytest.mark.long
+def test_a_worker_replaces_a_process_that_was_stopped(cluster: Cluster, database: Database, train: Machine) -> None:
+    with database.transaction() as session:
+        machines.create(session, train)
+    cluster.start_scheduler()
+    worker = cluster.start_other_worker("worker", "hand_over=1.5")
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, cluster) as work:
+        until(lambda: counts(database) == {"done": 1}, within_s=60, what="the worker computes")
+        for child in psutil.Process(worker.pid).children(recursive=True):
+            if "spawn_main" in " ".join(child.cmdline()):
+                child.send_signal(signal.SIGSTOP)
+        close_run(database, train, seed=2, start_s=1_700_100_000)
+        until(lambda: counts(database) == {"done": 2}, within_s=60, what="a new process computes")
+        assert "did not answer" in work.warnings[0]
+    assert attempts(database) == [1, 2]
+
+
+@pytest.mark.long
+def test_a_frozen_scheduler_is_noticed(
+    cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.cluster.CONNECT_S", 2.0)
+    with database.transaction() as session:
+        machines.create(session, train)
+    scheduler = cluster.start_scheduler()
+    cluster.start_worker("worker")
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, cluster) as work:
+        until(lambda: counts(database) == {"done": 1}, within_s=60, what="the worker computes")
+        scheduler.send_signal(signal.SIGSTOP)
+        close_run(database, train, seed=2, start_s=1_700_100_000)
+        until(lambda: "does not answer" in (work.trouble or ""), within_s=30, what="the scheduler is named")
+        scheduler.send_signal(signal.SIGCONT)
+        until(lambda: counts(database) == {"done": 2}, within_s=60, what="it goes on")

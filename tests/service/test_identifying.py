@@ -170,6 +170,53 @@ def test_killed_worker_costs_an_attempt_and_no_job(database: Database, train: Ma
         assert len(identifications.of_machine(session, train.id)) == 4
 
 
+def test_stopped_workers_are_replaced_their_jobs_tried_again_and_that_is_told(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.processes.GRACE_S", 1.0)
+    monkeypatch.setattr("service.processes.HAND_OVER_S", 2.0)
+    with database.transaction() as session:
+        machines.create(session, train)
+    with identifying(database, workers=2, identification_timeout_s=2.0) as work:
+        close_run(database, train, seed=1, start_s=1_700_000_000)
+        close_run(database, train, seed=2, start_s=1_700_086_400)
+        wait_until(lambda: counts(database) == {"done": 2})
+        assert (work.warnings, work.gauges) == ([], {"rundown_stuck_identifications": 0})
+        for child in psutil.Process().children(recursive=True):
+            if "spawn_main" in " ".join(child.cmdline()):
+                os.kill(child.pid, signal.SIGSTOP)
+        for number in range(2, 4):
+            close_run(database, train, seed=number, start_s=1_700_000_000 + 86_400 * number)
+        wait_until(lambda: counts(database) == {"done": 4})
+        assert work.trouble is None
+        assert work.gauges == {"rundown_stuck_identifications": 2}
+        (told,) = work.warnings
+        assert "given up in the last hour: 2" in told
+        assert "did not answer for" in told
+    with database.reading() as session:
+        assert [row.attempts for row in jobs.of_machine(session, train.id, limit=10)] == [2, 2, 1, 1]
+
+
+def test_a_job_that_hangs_its_process_every_time_is_put_aside(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.processes.GRACE_S", 0.2)
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with computing(monkeypatch, stopped), identifying(database, identification_timeout_s=0.2):
+        wait_until(lambda: counts(database) == {"quarantined": 1})
+    with database.reading() as session:
+        (job,) = jobs.of_machine(session, train.id, limit=10)
+        assert "given up after 3 attempts: Stuck: its process did not answer for" in (job.error or "")
+
+
+def stopped(_: worker.Task) -> worker.Outcome:
+    """Never comes to its end."""
+    os.kill(os.getpid(), signal.SIGSTOP)
+    raise AssertionError("nobody lets it go on")
+
+
 def test_job_without_enough_data_fails_with_its_reason(database: Database, train: Machine) -> None:
     with database.transaction() as session:
         machines.create(session, train)
@@ -239,7 +286,7 @@ def computing(monkeypatch: pytest.MonkeyPatch, work: Callable[[worker.Task], wor
     """Let the processes do something else than identify."""
 
     def submit(self: engines.Local, task: worker.Task) -> Future[worker.Outcome]:
-        return self._executor.submit(work, task)
+        return self._processes.submit(task.timeout_s, work, task)
 
     with monkeypatch.context() as changed:
         changed.setattr(engines.Local, "submit", submit)

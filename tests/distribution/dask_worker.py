@@ -1,0 +1,37 @@
+"""A Dask worker that is not quite as `rundown worker` is: `SCHEDULER NAME=VALUE …`, as a process of the tests.
+
+release: of another one; pretends: another one that calls itself right; without: a release that has no such module;
+hand_over: seconds in which a process must say that it has its work.
+"""
+
+import logging
+import sys
+import threading
+
+
+def main() -> None:
+    """Work until killed."""
+    logging.basicConfig(level="INFO")
+    scheduler, *changes = sys.argv[1:]
+    changed = dict(one.split("=", 1) for one in changes)
+    if "without" in changed:
+        from distributed.cli.dask_worker import main as bare
+
+        sys.modules[changed["without"]] = None  # type: ignore[assignment]
+        sys.argv = ["dask-worker", scheduler, "--nworkers", "1", "--nthreads", "1", "--no-dashboard", "--no-nanny"]
+        bare()
+        return
+    from service import cluster_task, processes
+    from service.cluster_worker import work
+
+    if "pretends" in changed:
+        name = cluster_task.worker_name()
+        cluster_task.worker_name = lambda: name
+        cluster_task.RELEASE = changed["pretends"]
+    cluster_task.RELEASE = changed.get("release", cluster_task.RELEASE)
+    processes.HAND_OVER_S = float(changed.get("hand_over", processes.HAND_OVER_S))
+    work(scheduler, processes=1, memory_bytes=2**31, stop=threading.Event())
+
+
+if __name__ == "__main__":
+    main()
