@@ -11,14 +11,14 @@ import os
 import pickle
 import threading
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from service import cluster_task, worker
+from service import cluster_task
 from service.engines import EngineAway, Refused
 from service.processes import Stuck
 
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from distributed import Client
 
 logger = logging.getLogger(__name__)
+
+A = TypeVar("A")
+R = TypeVar("R")
 
 CONNECT_S = 5.0
 """How long a scheduler is waited for, before it is tried again."""
@@ -55,7 +58,7 @@ class Cluster:
         self._address = address
         self._client: Client | None = None
         self._lock = threading.Lock()
-        self._sent: dict[Future[worker.Outcome], _Sent] = {}
+        self._sent: dict[Future[Any], _Sent] = {}
         self._looked = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
         """Of each worker when the scheduler last heard of it, by its clock, and since when we know so little."""
@@ -75,15 +78,15 @@ class Cluster:
             raise EngineAway("; ".join(doubtful.values()))
         return sum(int(workers[address]["nthreads"]) for address in self._usable)
 
-    def submit(self, task: worker.Task) -> Future[worker.Outcome]:
+    def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
         """As of Engine."""
         release, to = cluster_task.RELEASE, self._usable
         future: Any = self._connected().submit(
-            cluster_task.compute, release, pickle.dumps(task), task.timeout_s, pure=False, workers=to
+            cluster_task.compute, release, pickle.dumps((work, task)), limit_s, pure=False, workers=to
         )
-        answer: Future[worker.Outcome] = Future()
+        answer: Future[R] = Future()
         with self._lock:
-            self._sent[answer] = _Sent(future, task.timeout_s, time.monotonic(), to)
+            self._sent[answer] = _Sent(future, limit_s, time.monotonic(), to)
         future.add_done_callback(partial(self._answered, answer))
         return answer
 
@@ -150,7 +153,7 @@ class Cluster:
         silent = [address for address, (_, at) in self._seen.items() if at < since]
         return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
 
-    def _answered(self, answer: Future[worker.Outcome], future: Any) -> None:
+    def _answered(self, answer: Future[Any], future: Any) -> None:
         """Called in a thread of Dask's when a task is computed, refused or lost."""
         from distributed import KilledWorker
 
@@ -177,14 +180,14 @@ class Cluster:
             self._refused[address] = words, time.monotonic() + REFUSED_S
         return Refused(words)
 
-    def _finish(self, answer: Future[worker.Outcome], outcome: worker.Outcome) -> None:
+    def _finish(self, answer: Future[Any], outcome: object) -> None:
         with self._lock:
             known = self._sent.pop(answer, None)
         if known is not None:
             known.future.release()
             answer.set_result(outcome)
 
-    def _give_up(self, answer: Future[worker.Outcome], reason: Exception | None) -> None:
+    def _give_up(self, answer: Future[Any], reason: Exception | None) -> None:
         """End a task without an outcome, if it has none by now; without a reason it is lost."""
         with self._lock:
             known = self._sent.pop(answer, None)

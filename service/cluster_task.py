@@ -66,4 +66,5 @@ def compute(release: str, task: bytes, limit_s: float) -> Answer:
 
 
 def _computed(task: bytes) -> bytes:
-    return pickle.dumps((True, worker.compute(pickle.loads(task))))
+    work, argument = pickle.loads(task)
+    return pickle.dumps((True, work(argument)))

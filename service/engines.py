@@ -1,12 +1,14 @@
 """Where identifications are computed: worker processes of this machine, or a Dask cluster."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from typing import Protocol
+from typing import Protocol, TypeVar
 
-from service import worker
 from service.processes import SeparateProcesses
 from service.settings import Settings
+
+A = TypeVar("A")
+R = TypeVar("R")
 
 
 class EngineAway(ConnectionError):
@@ -23,8 +25,8 @@ class Engine(Protocol):
     def capacity(self) -> int:
         """How many tasks it can compute at once. Raises EngineAway."""
 
-    def submit(self, task: worker.Task) -> Future[worker.Outcome]:
-        """Compute one. Raises EngineAway.
+    def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
+        """Compute one, a module's function of a task, that keeps to its own time of `limit_s` [s]. Raises EngineAway.
 
         The future ends in what the task raises, in BrokenProcessPool or Stuck where its process died or stopped answering, in
         Refused or Interrupted, or is cancelled where the engine lost it.
@@ -60,9 +62,9 @@ class Local:
         """One task for each process."""
         return self._workers
 
-    def submit(self, task: worker.Task) -> Future[worker.Outcome]:
+    def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
         """As of Engine."""
-        return self._processes.submit(task.timeout_s, worker.compute, task)
+        return self._processes.submit(limit_s, work, task)
 
     def look(self) -> None:
         """Nothing to do."""

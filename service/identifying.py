@@ -6,37 +6,34 @@ import time
 from collections import deque
 from concurrent.futures import CancelledError, Future
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import asdict, dataclass, replace
-from importlib.metadata import version as version_of_the_code
+from dataclasses import dataclass, replace
 
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
-from estimator.machine import parse_machine
-from service import requesting, watching, worker
+from service import requesting, worker
 from service.engines import EngineAway, Refused, engine
-from service.judging import judged
-from service.own_faults import unexpected
+from service.job_task import origin, reopened, task
+from service.judgement import Judgement, Question
+from service.judgements import Due, Judgements
 from service.processes import Interrupted, Stuck
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
-from storage import derived, identifications, jobs, machines, quarantine, replicas, runs, slow_roll
-from storage.blocks import DamagedBlock, encode
+from storage import derived, identifications, jobs, machines, replicas, runs
 from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all, words
-from storage.identifications import Origin
 from storage.job_order import AUTOMATIC, OVERDUE_SHARE
-from storage.tables import IdentificationRow, JobRow
+from storage.tables import JobRow, MachineRow
 
 logger = logging.getLogger(__name__)
 
 POLL_S = 0.1
 RETRY_S = 1.0
 TOLD_S = 3600.0
-GATHERED_KIND = "gathered"
-"""`run_kind` of an identification from several runs, which may be of both kinds."""
+AT_ONCE = 10
+"""Machines that are looked at in one transaction."""
 
 
 @dataclass(frozen=True)
@@ -49,14 +46,6 @@ class _Taken:
     job_id: int
     automatic: bool
     reopened: tuple[int, ...]
-
-
-class _Unreadable(Exception):
-    """What a job is about cannot be read."""
-
-    def __init__(self, job_id: int, why: str) -> None:
-        super().__init__(why)
-        self.job_id = job_id
 
 
 class Identifying:
@@ -72,6 +61,7 @@ class Identifying:
         self._automatic_in_a_row = 0
         self._stuck: deque[tuple[float, str]] = deque(maxlen=1000)
         self._stuck_count = 0
+        self._judgements = Judgements(database, ask=self._ask, own=self._own, baseline_runs=settings.baseline_runs)
         self._stop = threading.Event()
         self._news = threading.Event()  # a result is there, or the service stops
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
@@ -122,9 +112,11 @@ class Identifying:
                     doubtful = False
                 try:
                     self._engine.look()
+                    self._judgements.submit()
                     self._submit()  # first: no worker need wait for results to be filed
                 finally:
                     self._file_done()
+                    self._judgements.file_done()
                 if time.monotonic() - gathered_at >= self._settings.gathered_interval_s and self._share.leads(GATHERING):
                     gathered_at = time.monotonic()
                     self._ask_gathered()
@@ -143,6 +135,7 @@ class Identifying:
                 self.trouble = "unexpected error; the log has it"
                 logger.exception("unexpected error in the identification thread")
                 self._stop.wait(RETRY_S)
+                doubtful = True
 
     def _put_back_lost(self) -> None:
         """Own jobs of which nothing is known here: they were taken when the database's answer got lost."""
@@ -150,7 +143,8 @@ class Identifying:
             return
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
-                if all(row.id != taken.job_id for taken in self._running.values()):
+                computed = any(row.id == taken.job_id for taken in self._running.values())
+                if not computed and row.id not in self._judgements:
                     logger.warning("job %d was taken and not begun; it is taken again", row.id)
                     jobs.put_back_unhurt(row)
 
@@ -159,20 +153,18 @@ class Identifying:
             if not jobs.waiting(session):
                 return
         capacity = self._engine.capacity()
-        computing = sum(not future.done() for future in self._running)
+        computing = sum(not future.done() for future in self._running) + self._judgements.computing
         free = min(capacity - computing, 2 * capacity - len(self._running))
         behind = max(1, capacity - 1) - sum(not (future.done() or taken.automatic) for future, taken in self._running.items())
         if free <= 0 or (behind <= 0 and not self._automatic_waits()):
             return
-        try:
-            tasks = self._take(free, behind)
-        except _Unreadable as error:
-            self._fail_unread(error.job_id, str(error))
-            return
         away: EngineAway | None = None
-        for taken, task in tasks:
+        for taken in self._take(free, behind):
+            task = self._task(taken)
+            if task is None:
+                continue
             try:
-                future = self._engine.submit(task)
+                future = self._engine.submit(task.timeout_s, worker.compute, task)
                 self._running[future] = taken
                 future.add_done_callback(lambda _: self._news.set())
             except EngineAway as error:
@@ -185,33 +177,40 @@ class Identifying:
         with self._database.reading() as session:
             return jobs.waiting(session, automatic=True)
 
-    def _take(self, count: int, behind: int) -> list[tuple[_Taken, worker.Task]]:
-        """The next jobs, with what they are about. Raises _Unreadable, and has taken none then: behind damage, SQLite writes
-        nothing more in a transaction.
-        """
-        tasks: list[tuple[_Taken, worker.Task]] = []
+    def _take(self, count: int, behind: int) -> list[_Taken]:
+        """The next jobs. One whose result was stored by a process that ended before it was judged is judged and no more."""
+        taken = []
         with self._database.transaction() as session:
             overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
             for row in jobs.take(session, count, holder=self._share.holder, behind=behind, overdue=overdue):
                 automatic = row.priority == AUTOMATIC
                 self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
-                try:
-                    with session.begin_nested():
-                        taken = _Taken(row.id, automatic, _reopened(session, row))
-                        tasks.append((taken, _task(session, row, self._options, self._settings)))
-                except Exception as error:  # whatever is the matter with one job must not stop the others
-                    if concerns_all(error):
-                        raise
-                    if is_damage(error):
-                        raise _Unreadable(row.id, words(error)) from error
-                    jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
-        return tasks
+                stored = identifications.of_job(session, row.id)
+                if stored is None:
+                    requesting.slow_roll_version(session, row)
+                    taken.append(_Taken(row.id, automatic, reopened(session, row)))
+                else:
+                    self._judgements.add(Due(row.id, stored, row.machine_id))
+        return taken
 
-    def _fail_unread(self, job_id: int, why: str) -> None:
+    def _task(self, taken: _Taken) -> worker.Task | None:
+        """What a job is about; None where its data cannot be read: whatever is the matter with it must not stop the others."""
+        try:
+            with self._database.reading() as session:
+                row = jobs.get(session, taken.job_id)
+                return task(session, row, self._options, timeout_s=self._settings.identification_timeout_s)
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            self._fail_unread(taken.job_id, words(error), damaged=is_damage(error))
+            return None
+
+    def _fail_unread(self, job_id: int, why: str, *, damaged: bool) -> None:
         logger.error("the data of job %d cannot be read: %s", job_id, why)
         with self._database.transaction() as session:
             row = jobs.get(session, job_id)
-            self._database.damage.concerns(row.machine_id)
+            if damaged:
+                self._database.damage.concerns(row.machine_id)
             jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {why}")
 
     def _file_done(self) -> None:
@@ -273,7 +272,7 @@ class Identifying:
             if row is None:
                 return
             machines.lock(session, row.machine_id)
-            if _reopened(session, row) != taken.reopened:
+            if reopened(session, row) != taken.reopened:
                 logger.info("job %d is computed again: late samples have made its run anew meanwhile", job_id)
                 jobs.put_back_unhurt(row)
                 return
@@ -284,29 +283,15 @@ class Identifying:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", job_id, outcome.error)
                 return
-            origin = replace(_origin(session, row, self._options, outcome.beginning), conditions=outcome.conditions or None)
-            stored = identifications.add(session, origin, result)
+            came_from = replace(origin(session, row, self._options, outcome.beginning), conditions=outcome.conditions or None)
+            stored = identifications.add(session, came_from, result)
             derived.add(session, stored, outcome.derived)
             if outcome.underived is not None:
                 logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
-            jobs.finish(row, state=jobs.DONE)
             session.flush()
-            self._judge(session, stored)
+            due = Due(job_id, stored.id, stored.machine_id)
+        self._judgements.add(due)
         logger.info("%s: identification %d %s", row.machine_id, stored.id, result.verdict)
-
-    def _judge(self, session: Session, stored: IdentificationRow) -> None:
-        """Draw the conclusions, all or none of them. A result is kept, and the next job taken, also where that fails."""
-        try:
-            with session.begin_nested():
-                question = watching.question(session, stored, baseline_runs=self._settings.baseline_runs)
-                if question is not None:
-                    watching.carry_out(session, stored, question, judged(question))
-        except Exception as error:
-            if concerns_all(error) or is_damage(error):
-                raise  # it is tried again as a whole; behind damage, nothing more is written in a transaction
-            logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
-            of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
-            quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])
 
     def _own(self, session: Session, job_id: int) -> JobRow | None:
         """A job that this replica computes; None when another one has taken it over."""
@@ -336,80 +321,26 @@ class Identifying:
             if (row := self._own(session, job_id)) is not None:
                 jobs.finish(row, state=jobs.FAILED, error=error)
 
+    def _ask(self, question: Question) -> Future[Judgement]:
+        limit = self._settings.identification_timeout_s
+        future = self._engine.submit(limit, worker.judge, (question, limit))
+        future.add_done_callback(lambda _: self._news.set())
+        return future
+
     def _ask_gathered(self) -> None:
         """Queue an identification over the newest runs of each machine that has more than one."""
-        with self._database.transaction() as session:
-            for machine in machines.every(session):
-                newest = runs.newest_closed(session, machine.id, revision=machine.revision, limit=self._settings.gathered_runs)
-                if len(newest) > 1:
-                    ordered = sorted(newest, key=lambda run: run.id)
-                    again = [run.times_reopened or 0 for run in ordered]
-                    # Runs that late samples have made anew are gathered anew.
-                    options = {"reopened": again} if any(again) else None
-                    jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)
+        with self._database.reading() as session:
+            every = machines.ids(session)
+        for first in range(0, len(every), AT_ONCE):
+            with self._database.transaction() as session:
+                for machine in machines.some(session, every[first : first + AT_ONCE]):
+                    self._ask_gathered_of(session, machine)
 
-
-def _reopened(session: Session, row: JobRow) -> tuple[int, ...]:
-    return tuple(runs.get(session, run_id).times_reopened or 0 for run_id in row.run_ids)
-
-
-def _task(session: Session, row: JobRow, options: Options, settings: Settings) -> worker.Task:
-    revision = runs.get(session, row.run_ids[0]).revision
-    blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
-    document = machines.revision(session, row.machine_id, revision).document
-    version = requesting.slow_roll_version(session, row)
-    machine, vectors = parse_machine(document), None
-    if version is not None:
-        vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), machine)
-    return worker.Task(
-        document,
-        blocks,
-        requesting.fit_options(row, options),
-        settings.identification_timeout_s,
-        rules=requesting.quality_rules(row, machine.quality),
-        earlier=_earlier(session, row) if row.scope == jobs.RUN else None,
-        slow_roll=vectors,
-        beginning=_beginning(session, row, revision, version),
-    )
-
-
-def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: int | None) -> tuple[int, bytes] | None:
-    """The point of the machine's first good identification: from there outliers lead no fit astray."""
-    first = identifications.first_of(session, row.machine_id, revision=revision, slow_roll_version=slow_roll_version)
-    return None if first is None or first.point is None else (first.id, first.point)
-
-
-def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
-    """The run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
-    before = runs.before(session, runs.get(session, row.run_ids[0]))
-    if before is None:
-        return None
-    try:
-        held = runs.samples(session, before.id)
-    except (DamagedBlock, runs.SamplesReleased) as error:
-        logger.warning("run %d is not compared with run %d: %s", row.run_ids[0], before.id, error)
-        return None
-    return None if held is None else (f"run {before.id}", encode(held))
-
-
-def _origin(session: Session, row: JobRow, options: Options, beginning: int | None) -> Origin:
-    used = [runs.get(session, run_id) for run_id in row.run_ids]
-    version = requesting.slow_roll_version(session, row)
-    described = asdict(requesting.fit_options(row, options))
-    if beginning is not None:
-        described["beginning"] = beginning
-    if version is not None:
-        machine = machines.document(session, row.machine_id, used[0].revision)
-        described["slow_roll_left_out"] = slow_roll.doubtful(slow_roll.get(session, row.machine_id, version), machine)
-    return Origin(
-        machine_id=row.machine_id,
-        revision=used[0].revision,
-        job_id=row.id,
-        scope=row.scope,
-        run_kind=GATHERED_KIND if row.scope == jobs.GATHERED else used[0].kind,
-        run_ids=row.run_ids,
-        measured_at=max(run.time_last or run.time_first for run in used),
-        options=described,
-        code_version=version_of_the_code("rundown"),
-        slow_roll_version=version,
-    )
+    def _ask_gathered_of(self, session: Session, machine: MachineRow) -> None:
+        newest = runs.newest_closed(session, machine.id, revision=machine.revision, limit=self._settings.gathered_runs)
+        if len(newest) > 1:
+            ordered = sorted(newest, key=lambda run: run.id)
+            again = [run.times_reopened or 0 for run in ordered]
+            # Runs that late samples have made anew are gathered anew.
+            options = {"reopened": again} if any(again) else None
+            jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)

@@ -14,8 +14,11 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from service import watching
+from service.engines import Refused
 from service.judgement import Judgement, Question
 from service.own_faults import unexpected
+from service.processes import Interrupted, Stuck
+from service.worker import OutOfTime
 from storage import identifications, jobs, machines, quarantine
 from storage.database import Database
 from storage.errors import concerns_all
@@ -105,9 +108,9 @@ class Judgements:
     def _file(self, future: Future[Judgement], due: Due, question: Question) -> None:
         try:
             answer = future.result()
-        except CancelledError:
+        except (CancelledError, Refused, Interrupted):
             logger.warning("a judgement of %s was lost with what computed it; it is asked for again", due.machine_id)
-        except (BrokenProcessPool, TimeoutError, MemoryError) as error:
+        except (BrokenProcessPool, Stuck, OutOfTime, MemoryError) as error:
             self._attempts[due.job_id] += 1
             logger.error("identification %d cannot be judged: %s", due.identification_id, error or type(error).__name__)
             if self._attempts[due.job_id] >= LARGEST_ATTEMPTS:

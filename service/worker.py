@@ -29,6 +29,8 @@ from estimator.recorded import Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
+from service.judgement import Judgement, Question
+from service.judging import judged
 from storage.blocks import Samples, decode, mean_conditions
 
 GRACE_S = 10.0
@@ -117,6 +119,13 @@ def compute(task: Task) -> Outcome:
             beginning=beginning,
             crossed=crossed,
         )
+
+
+def judge(task: tuple[Question, float]) -> Judgement:
+    """Answer a question about a machine's newest runs within so long [s]. Raises OutOfTime."""
+    question, timeout_s = task
+    with _limited(timeout_s):
+        return judged(question)
 
 
 @contextmanager

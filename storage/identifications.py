@@ -112,6 +112,11 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
     return row
 
 
+def of_job(session: Session, job_id: int) -> int | None:
+    """Id of the identification that a job has led to; None while it has led to none."""
+    return session.scalar(select(IdentificationRow.id).where(IdentificationRow.job_id == job_id))
+
+
 def get(session: Session, identification_id: int) -> IdentificationRow:
     """With its covariance. Raises IdentificationUnknown."""
     row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.covariance)])

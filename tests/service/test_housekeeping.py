@@ -13,7 +13,7 @@ from service import housekeeping, tiers
 from service.collection import Collector
 from service.cut_offs import DAY_NS
 from service.housekeeping import Housekeeping, warning
-from service.identifying import _earlier
+from service.job_task import _earlier
 from service.settings import Settings
 from service.sharing import Whole
 from service.tiers import Blocks, Runs, tiers_of

@@ -285,8 +285,8 @@ def costly(tries: Path, until: int, error: str, task: worker.Task) -> worker.Out
 def computing(monkeypatch: pytest.MonkeyPatch, work: Callable[[worker.Task], worker.Outcome]) -> Iterator[None]:
     """Let the processes do something else than identify."""
 
-    def submit(self: engines.Local, task: worker.Task) -> Future[worker.Outcome]:
-        return self._processes.submit(task.timeout_s, work, task)
+    def submit(self: engines.Local, limit_s: float, _work: object, task: worker.Task) -> Future[worker.Outcome]:
+        return self._processes.submit(limit_s, work, task)
 
     with monkeypatch.context() as changed:
         changed.setattr(engines.Local, "submit", submit)
@@ -426,14 +426,15 @@ CONFUSED = ZeroDivisionError("a fault of ours")
 REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database does not take"))
 
 
+@pytest.mark.parametrize("step", ["question", "carry_out"])
 @pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
 def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
-    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, error: Exception
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, error: Exception, step: str
 ) -> None:
     def confused(*_: Any, **__: Any) -> None:
         raise error
 
-    monkeypatch.setattr("service.identifying.judged", confused)
+    monkeypatch.setattr(f"service.watching.{step}", confused)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
