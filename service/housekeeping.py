@@ -160,26 +160,26 @@ class Housekeeping:
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
         """Let the cut-off of each tier come as near to what clock and settings ask for as the time served allows."""
+        if not self._tiers:
+            return
         served = time.monotonic_ns() - self._counted_to
         with self._database.reading() as session:
-            self._cut_offs = {tier.name: self._moved(session, tier, machine_ids, moment, served) for tier in self._tiers}
-            known = all(retention.cut_off(session, tier.name) is not None for tier in self._tiers)
+            found = {tier.name: _moved(session, tier, moment, served) for tier in self._tiers}
+            self._cut_offs = {
+                tier.name: found[tier.name] or first_cut_off(session, tier, machine_ids, moment=moment) for tier in self._tiers
+            }
+            known = None not in found.values()
             if not known and retention.is_empty(session):
                 return  # the clock of a first start may be set yet
-        self._counts = bool(self._tiers)
+        self._counts = True
         if known and served < COUNTED_NS:
             return  # nobody need wait for so little to be written
         with self._database.transaction() as session:  # a person may have confirmed meanwhile
             for tier in self._tiers:
-                cut_off = self._cut_offs[tier.name] = self._moved(session, tier, machine_ids, moment, served)
+                cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
+                self._cut_offs[tier.name] = cut_off
                 retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
         self._counted_to += served
-
-    def _moved(self, session: Session, tier: Tier, machine_ids: list[str], moment: int, served: int) -> CutOff:
-        kept = retention.cut_off(session, tier.name)
-        if kept is None:
-            return first_cut_off(session, tier, machine_ids, moment=moment)
-        return advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
     def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:
         """Let go of what is old enough of a machine; False where some of that lies behind the cut-off and waits."""
@@ -235,6 +235,12 @@ def _tried(work: Callable[[], None]) -> str | None:
         logger.exception("unexpected error in housekeeping")
         return f"{type(error).__name__}: {error}"
     return None
+
+
+def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
+    """The cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
+    kept = retention.cut_off(session, tier.name)
+    return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
 
 def _waiting_words(machine_ids: set[str], moment: int) -> str:

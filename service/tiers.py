@@ -1,8 +1,10 @@
 """The tiers of retention, samples as received and those of runs: what of a machine is old enough, and not needed any more."""
 
+import logging
 from collections.abc import Collection
 from typing import Protocol
 
+from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.collection import standing
@@ -11,6 +13,8 @@ from service.late import BESIDE
 from service.settings import Settings
 from storage import machines, retention, runs
 from storage.retention import Extent
+
+logger = logging.getLogger(__name__)
 
 BLOCKS, RUNS = 200, 20
 """At most so many are let go of in one transaction."""
@@ -110,10 +114,19 @@ def tiers_of(settings: Settings) -> list[Tier]:
 
 
 def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *, moment: int) -> CutOff:
-    """That of a store that has none yet."""
-    found = [tier.extent(session, one, before=tier.before(session, one, moment=moment)) for one in machine_ids]
-    oldest = min((one.first for one in found if one is not None), default=None)
-    return begun(wanted=moment - tier.kept, oldest=oldest, kept=tier.kept)
+    """That of a store that has none yet. Raises what the database raises."""
+    firsts = []
+    for machine_id in machine_ids:
+        try:
+            extent = tier.extent(session, machine_id, before=tier.before(session, machine_id, moment=moment))
+        except DBAPIError:
+            raise
+        except Exception:
+            logger.exception("%s: how old its samples are cannot be told", machine_id)
+            continue
+        if extent is not None:
+            firsts.append(extent.first)
+    return begun(wanted=moment - tier.kept, oldest=min(firsts, default=None), kept=tier.kept)
 
 
 def _ago(newest: int, kept: int, *, moment: int) -> int:

@@ -14,10 +14,10 @@ from service.alert_life import Suppression
 from service.alerting import Finding, Person
 from service.collection import Collector, standing
 from service.delivery.dispatcher import Dispatcher
-from storage import alerts, deliveries, samples
+from storage import alerts, deliveries, machines, runs, samples
 from storage.clock import to_datetime
 from storage.database import Database
-from storage.tables import AlertRow, SourceRow
+from storage.tables import AlertRow, RunRow, SourceRow
 from tests.asking import Api
 from tests.judging import judge
 from tests.plant import (
@@ -27,6 +27,7 @@ from tests.plant import (
     arrived,
     batch,
     identification,
+    machine,
     store_identification,
     sweep_rpm,
     wait_until,
@@ -272,6 +273,25 @@ def test_a_machine_that_falls_silent_is_not_frozen_either(plant: Database, off: 
     assert state["newest_sample_at"] < to_datetime(moment).isoformat()
     source.send([900.0] * 10, at=moment + 10 * SECOND)
     assert seen(plant, moment) == ("at speed", True, True)
+
+
+def test_rolling_collection_goes_on_in_the_present(plant: Database, off: list[int]) -> None:
+    rules = {"interval_s": 60, "coverage": 0.2, "recency_s": 3600}
+    with plant.transaction() as session:
+        machines.revise(session, machine(collection={"runs": "rolling", "rolling": rules}))
+    moment = time.time_ns()
+    source = Source(PromptJournal(plant, Collector()), off)
+    sweep = [*sweep_rpm(400.0, 2900.0, 90), *sweep_rpm(2900.0, 400.0, 90)]
+    off[0] = YEAR
+    source.send(sweep, at=moment - 400 * SECOND)
+    off[0] = 0
+    source.send(sweep, at=moment - 200 * SECOND)
+    assert {run.time_first > moment for run in rows_of_runs(plant)} == {False, True}
+
+
+def rows_of_runs(plant: Database) -> list[RunRow]:
+    with plant.reading() as session:
+        return list(runs.of_machine(session, KEY.machine))
 
 
 def test_the_age_of_the_newest_sample_is_of_the_present(plant: Database, off: list[int]) -> None:

@@ -17,12 +17,13 @@ from service.housekeeping import Housekeeping
 from service.ingest import Ingest
 from service.journal import Journal
 from service.settings import Settings
+from service.sharing import Whole
 from service.submissions import Submissions
 from service.tiers import Blocks
 from service.wire import JSON, encode_body
 from storage import audit, machines, retention, runs
 from storage.database import Database
-from storage.tables import RunRow, SampleBlockRow
+from storage.tables import CollectorRow, RunRow, SampleBlockRow
 from tests.asking import Api
 from tests.plant import KEY, SECOND, arrived, batch, machine, samples, wait_until
 
@@ -43,6 +44,16 @@ def clocks(monkeypatch: pytest.MonkeyPatch) -> Clocks:
     monkeypatch.setattr(time, "monotonic_ns", lambda: monotonic() + one.served)
     monkeypatch.setattr(housekeeping, "PAUSE_S", 0.0)
     return one
+
+
+class Led(Whole):
+    """The share of a replica that leads, or does not."""
+
+    leading = True
+
+    def leads(self, work: str) -> bool:  # noqa: ARG002
+        """As told."""
+        return self.leading
 
 
 class Store:
@@ -142,6 +153,23 @@ def test_the_clock_of_a_first_start_may_be_set_later(store: Store, clocks: Clock
     assert store.blocks == 30
 
 
+def test_a_machine_that_cannot_be_looked_at_keeps_no_other_from_its_cut_off(store: Store) -> None:
+    with store.database.transaction() as session:
+        machines.create(session, machine(id="fan-2"))
+    for number, age in enumerate((60, 0)):
+        one = batch([0.0] * 5, machine="fan-2", sequence=5 * number, start=time.time_ns() - age * DAY_NS)
+        store.journal.store([arrived(one, received_at=time.time_ns())], [])
+    with store.database.transaction() as session:
+        session.get_one(CollectorRow, "fan-2").state = {"revision": 1, "seen": "yesterday", "late": "never"}
+    for day in range(45, 0, -1):
+        store.send(10, age=day * DAY_NS)
+    with pytest.raises(IndexError):
+        store.housekeeping.round()
+    assert store.waits
+    with store.database.reading() as session:
+        assert retention.cut_off(session, Blocks.name) is not None
+
+
 def test_runs_are_kept_by_the_same_rule(store: Store, clocks: Clocks) -> None:
     store.housekeeping.round()
     moment = time.time_ns()
@@ -182,6 +210,31 @@ def test_what_was_served_before_the_end_counts_after_a_start(store: Store, clock
         kept = retention.cut_off(session, Blocks.name)
     assert kept is not None
     assert kept[0] == pytest.approx(time.time_ns() - MONTH * DAY_NS, abs=10 * SECOND)
+
+
+def test_what_waits_is_told_by_the_replica_that_leads(store: Store, clocks: Clocks, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And the time that another one leads is not counted by this one."""
+    monkeypatch.setattr(housekeeping, "LOOK_S", 0.02)
+    share = Led()
+    store.send_hours(12)
+    store.housekeeping.round()
+    clocks.wall = YEAR
+    store.send(5)
+    one = Housekeeping(store.database, Settings(database=store.database.url, raw_days=MONTH), share)
+    one.start()
+    wait_until(lambda: one.gauges["rundown_retention_waiting"] == 1)
+    share.leading = False
+    wait_until(lambda: one.gauges["rundown_retention_waiting"] == 0)
+    assert not any("rundown retention confirm" in words for words in one.warnings)
+    clocks.served += 40 * DAY_NS
+    time.sleep(0.1)
+    share.leading = True
+    one.stop()
+    with store.database.reading() as session:
+        kept = retention.cut_off(session, Blocks.name)
+    assert kept is not None
+    assert kept[0] < time.time_ns() - YEAR - 69 * DAY_NS
+    assert store.blocks == 13
 
 
 def test_a_service_that_was_off_for_a_month_waits_for_a_person(
