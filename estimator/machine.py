@@ -381,10 +381,13 @@ class Machine(_Part):
 
         Operating conditions may come and go, but not change their unit.
         """
-        said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
         units, others = ({condition.name: condition.unit for condition in one.conditions} for one in (self, other))
-        same_units = all(unit == others.get(name, unit) for name, unit in units.items())
-        return same_units and self.model_dump(exclude=said) == other.model_dump(exclude=said)
+        return all(unit == others.get(name, unit) for name, unit in units.items()) and self.is_the_same_train_as(other)
+
+    def is_the_same_train_as(self, other: Machine) -> bool:
+        """Whether both documents differ in name, operating conditions and rules of the service only."""
+        said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
+        return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:
         """The shaft of that id. Raises KeyError."""

@@ -32,7 +32,7 @@ from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
 from storage import deliveries, disk, schema
 from storage.backup_file import newest_in
-from storage.claim import DatabaseUnusable, file_of, in_use, require_own_name
+from storage.claim import DatabaseUnusable, file_of, in_use, missing_logs, require_own_name
 from storage.database import Database, engine_of
 from storage.database_version import named, objections
 from storage.disk import DiskUse
@@ -40,7 +40,6 @@ from storage.errors import words as words_of
 from storage.looking import damages, looking_engine, revision_beside_a_service
 from storage.private_files import readable_by_others
 from storage.restored_access import known_keys
-from storage.sqlite_files import LOGS
 
 Level = Literal["ok", "warning", "wrong"]
 
@@ -119,9 +118,9 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
 def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
     """A service has it: it is asked, and the file is not opened, since who opens one whose log was deleted makes a new log."""
     require_own_name(path)
-    missing = [one.name for one in (path.with_name(path.name + end) for end in LOGS) if not one.exists()]
-    if missing:
-        words = f"{' and '.join(missing)} is missing though a service runs on {path}: stop it cleanly, which saves all it has"
+    if missing := missing_logs(path):
+        names = " and ".join(one.name for one in missing)
+        words = f"{names} is missing though a service runs on {path}: stop it cleanly, which saves all it has"
         yield Finding("wrong", "database", f"{words}; do not open the file with anything before")
     else:
         yield from _version(engine_of(settings.database))

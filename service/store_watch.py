@@ -56,14 +56,20 @@ class StoreWatch:
     def _run(self) -> None:
         while not self._stop.wait(LOOK_S):
             try:
-                self._database.look_after_files()
-            except DatabaseUnusable as error:
-                if str(error) != self._said:
-                    self._said = str(error)
-                    logger.critical(self._said)
-            else:
-                self._check()
-                self._count_keys()
+                self._look()
+            except Exception:
+                logger.exception("unexpected error while the store is looked after, going on")
+
+    def _look(self) -> None:
+        try:
+            self._database.look_after_files()
+        except DatabaseUnusable as error:
+            if str(error) != self._said:
+                self._said = str(error)
+                logger.critical(self._said)
+        else:
+            self._check()
+            self._count_keys()
 
     def _count_keys(self) -> None:
         if time.monotonic() < self._keys_at:

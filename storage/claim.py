@@ -140,6 +140,26 @@ def require_own_name(path: Path) -> None:
         )
 
 
+def require_logs(path: Path) -> None:
+    """Raises DatabaseUnusable for an SQLite file that another process has the claim on, and of which a log is missing: who
+    opens it then makes a second one, and what goes there is lost. Raises OSError.
+    """
+    if path.is_file() and file_lock.holder(path) is None and (missing := missing_logs(path)) and in_use(path):
+        raise DatabaseUnusable(
+            f"{missing[0]} is missing though a service uses {path}: stop it cleanly, which saves all it has"
+        )
+
+
+def missing_logs(path: Path) -> list[Path]:
+    """Which of the logs of a store that is open are not there."""
+    return [one for one in logs_of(path) if not one.exists()]
+
+
+def logs_of(path: Path) -> list[Path]:
+    """What SQLite puts beside the main file while a store is open."""
+    return [path.with_name(path.name + end) for end in ("-wal", "-shm")]
+
+
 def _is_locked(path: Path) -> bool:
     """Whether somebody has the lock file beside it."""
     try:

@@ -15,7 +15,7 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, Operati
 from sqlalchemy.orm import Session, sessionmaker
 
 from storage import database_version, postgresql_archive, private_files
-from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_own_name
+from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import Damage, marker_of
 from storage.json_text import written
 from storage.longest import Longest
@@ -337,6 +337,7 @@ def _prepare_sqlite(engine: Engine) -> None:
         return
     try:
         require_own_name(path)
+        require_logs(path)
     except (DatabaseUnusable, OSError) as error:
         raise OperationalError(None, None, error) from error
     private_files.prepare(path)

@@ -1,8 +1,9 @@
 """Repository of machines and the revisions of their documents."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
@@ -37,7 +38,7 @@ def create(session: Session, machine: Machine) -> RevisionRow:
         session.flush()
     except IntegrityError as error:  # one that this session does not see
         raise MachineExists(f"the id '{machine.id}' is taken: choose another") from error
-    return _add_revision(session, machine, 1)
+    return _add_revision(session, machine, 1, None)
 
 
 def revise(session: Session, machine: Machine) -> RevisionRow:
@@ -49,10 +50,11 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
     if row.plant != machine.plant:
         raise PlantChanged(f"machine '{machine.id}' belongs to plant '{row.plant}', not '{machine.plant}'")
     current = revision(session, machine.id, row.revision)
-    if parse_machine(current.document) == machine:
+    before = parse_machine(current.document)
+    if before == machine:
         return current
     row.revision += 1
-    return _add_revision(session, machine, row.revision)
+    return _add_revision(session, machine, row.revision, (current, before))
 
 
 def get(session: Session, machine_id: str) -> MachineRow:
@@ -106,28 +108,67 @@ def document(session: Session, machine_id: str, number: int | None = None) -> Ma
 
 
 def comparable(session: Session, machine_id: str, number: int) -> list[int]:
-    """Revisions without a break around a given one under which identifications can be compared with its own, ascending."""
-    rows = revisions(session, machine_id)
-    documents = {row.revision: parse_machine(row.document) for row in rows}
-    own = documents[number]
-    found = [number]
-    for step in (-1, 1):
-        other = number + step
-        while other in documents and documents[other].describes_the_same_as(own):
-            found.append(other)
-            other += step
-    return sorted(found)
+    """Revisions without a break around a given one under which identifications can be compared with its own, ascending.
+
+    Raises MachineUnknown.
+    """
+    return [one for span in _spans(session, machine_id, number) for one in span.revisions]
 
 
 def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
-    """Those of them whose samples have the same channels and operating conditions, in the same order, ascending."""
-    rows = revisions(session, machine_id)
-    names = {row.revision: parse_machine(row.document).condition_names for row in rows}
-    return [one for one in comparable(session, machine_id, number) if names[one] == names[number]]
+    """Those of them whose samples have the same channels and operating conditions, in the same order, ascending.
+
+    Raises MachineUnknown.
+    """
+    spans = _spans(session, machine_id, number)
+    own = next(span.conditions for span in spans if number in span.revisions)
+    return [one for span in spans if span.conditions == own for one in span.revisions]
 
 
-def _add_revision(session: Session, machine: Machine, number: int) -> RevisionRow:
-    row = RevisionRow(machine_id=machine.id, revision=number, document=machine.model_dump(mode="json"), created_at=now())
+@dataclass(frozen=True)
+class _Span:
+    """Revisions without a break that are the same train with the same operating conditions. conditions: their names."""
+
+    revisions: range
+    conditions: tuple[str, ...]
+
+
+def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
+    """Of the revisions that can be compared with a given one. Only the first document of each span is read: there are as many
+    as there were changes of the operating conditions, however many revisions there are.
+    """
+    same = revision(session, machine_id, number).same_since
+    query = (
+        select(RevisionRow.alike_since, func.max(RevisionRow.revision))
+        .where(RevisionRow.machine_id == machine_id, RevisionRow.same_since == same)
+        .group_by(RevisionRow.alike_since)
+        .order_by(RevisionRow.alike_since)
+    )
+    ranges = [range(first, last + 1) for first, last in session.execute(query)]
+    documents = [document(session, machine_id, one.start) for one in ranges]
+    own = next(place for place, one in enumerate(ranges) if number in one)
+    first = last = own
+    while first > 0 and documents[first - 1].describes_the_same_as(documents[own]):
+        first -= 1
+    while last + 1 < len(ranges) and documents[last + 1].describes_the_same_as(documents[own]):
+        last += 1
+    return [_Span(ranges[place], documents[place].condition_names) for place in range(first, last + 1)]
+
+
+def _add_revision(session: Session, machine: Machine, number: int, before: tuple[RevisionRow, Machine] | None) -> RevisionRow:
+    """before: the revision in force until now, and its document."""
+    same = alike = number
+    if before is not None and machine.is_the_same_train_as(before[1]):
+        same = before[0].same_since
+        alike = before[0].alike_since if machine.conditions == before[1].conditions else number
+    row = RevisionRow(
+        machine_id=machine.id,
+        revision=number,
+        document=machine.model_dump(mode="json"),
+        created_at=now(),
+        same_since=same,
+        alike_since=alike,
+    )
     session.add(row)
     session.flush()
     return row

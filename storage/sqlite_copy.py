@@ -8,7 +8,7 @@ from pathlib import Path
 from sqlalchemy import URL, Engine
 
 from storage.backup_file import Backup, BackupUnusable, require_rows, sync_folder, synced_digest
-from storage.claim import DatabaseUnusable, file_of, require_own_name
+from storage.claim import DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import marker_of
 from storage.database import lent_engine
 from storage.private_files import PRIVATE
@@ -26,6 +26,7 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     if path is None or not path.is_file():
         raise DatabaseUnusable(f"there is no database file {path}")
     require_own_name(path)
+    require_logs(path)
     with (
         closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as source,
         closing(sqlite3.connect(part, isolation_level=None)) as target,

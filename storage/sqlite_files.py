@@ -11,12 +11,10 @@ from pathlib import Path
 
 from sqlalchemy.exc import OperationalError
 
-from storage.claim import DatabaseUnusable
+from storage.claim import DatabaseUnusable, logs_of
 
 SAVING_MS = 1_000
 """How long a checkpoint waits for who reads."""
-LOGS = ("-wal", "-shm")
-"""What SQLite puts behind the name of the main file while a store is open."""
 
 
 class SqliteFiles:
@@ -32,7 +30,7 @@ class SqliteFiles:
         except sqlite3.Error:
             self._keeper.close()
             raise
-        self._opened = {one: _place(one) for one in (path, *(path.with_name(path.name + end) for end in LOGS))}
+        self._opened = {one: _place(one) for one in (path, *logs_of(path))}
         self._asking = threading.Lock()
         self._gone: Path | None = None
         self._closed = False

@@ -46,11 +46,16 @@ class RevisionRow(Base):
     """One revision of a machine's document; never changed."""
 
     __tablename__ = "machine_revisions"
+    __table_args__ = (Index(None, "machine_id", "same_since", "alike_since", "revision"),)
 
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     revision: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
     created_at: Mapped[int]
+    same_since: Mapped[int] = mapped_column(server_default="1")
+    """First of the revisions up to this one, without a break, that are the same train, …"""
+    alike_since: Mapped[int] = mapped_column(server_default="1")
+    """… and of those that have the same operating conditions as well."""
 
 
 class TimelineRow(Base):

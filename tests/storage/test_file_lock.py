@@ -90,6 +90,19 @@ def test_by_the_same_name_others_may_look(path: Path) -> None:
     assert not in_use(path)
 
 
+@pytest.mark.parametrize("end", ["-wal", "-shm"])
+def test_beside_a_service_no_command_makes_a_second_log(path: Path, end: str) -> None:
+    backup.back_up(sqlite_url(path), path.parent / "before")
+    with service(sqlite_url(path)):
+        path.with_name(path.name + end).unlink()
+        with pytest.raises(DatabaseUnusable, match=rf"rundown\.db{end} is missing though a service uses .*: stop it cleanly"):
+            Database(sqlite_url(path))
+        with pytest.raises(DatabaseUnusable, match="is missing"):
+            backup.back_up(sqlite_url(path), path.parent / "backup")
+        assert not path.with_name(path.name + end).exists()
+    Database(sqlite_url(path)).close()
+
+
 @pytest.mark.skipif(os.geteuid() != 0 or shutil.which("unshare") is None, reason="only root may mount")
 def test_a_second_service_on_a_bind_mount_is_refused(path: Path, tmp_path: Path) -> None:
     mounted = tmp_path / "mounted" / "rundown.db"
