@@ -131,7 +131,9 @@ def serve(settings: Settings) -> None:
             baseline_runs=settings.baseline_runs,
             security=Security.of(settings),
             warnings=lambda: [*housekeeping.warnings, *audit_watch.warnings],
-            gauges=lambda: housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges,
+            gauges=lambda: (
+                housekeeping.gauges | ingest.gauges | _certificates(settings) | backup_watch.gauges | audit_watch.gauges
+            ),
         )
         _prefer_answers()
         config = uvicorn.Config(

@@ -119,6 +119,7 @@ _GAUGES = {
     "rundown_released_runs": "runs whose samples retention let go of since the start",
     "rundown_backup_age_seconds": "of the newest complete backup in the folder that is looked at; +Inf: there is none",
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
+    "rundown_audit_trail_holds": "1 while the newest entry that was seen before is still there as it was",
     "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
 }
 

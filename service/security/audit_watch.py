@@ -42,6 +42,11 @@ class AuditWatch:
         self._stop.set()
         self._thread.join()
 
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system, by the name of the metric."""
+        return {"rundown_audit_trail_holds": float(not self.warnings)}
+
     def look(self, *, tell: bool = False) -> None:
         """Compare with what was noted last, and note the newest entry. tell: in the log as well, which has it once a day."""
         with self._database.reading() as session:

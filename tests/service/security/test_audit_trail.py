@@ -135,7 +135,7 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     watch = AuditWatch(trail, clock=lambda: 0.0)
     watch.look()
     watch.look()
-    assert watch.warnings == []
+    assert (watch.warnings, watch.gauges) == ([], {"rundown_audit_trail_holds": 1.0})
     noted = [record.getMessage() for record in caplog.records]
     assert len(noted) == 1
     assert broken(trail, *CUT) == []  # by itself what is left holds
@@ -145,6 +145,7 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     assert (told.returncode, "entry 5: was noted, and there are only 3" in told.stderr) == (1, True)
     watch.look()
     assert watch.warnings == ["the audit trail was changed: entry 5, which was there before, is not there as it was"]
+    assert watch.gauges == {"rundown_audit_trail_holds": 0.0}
     assert "rundown audit verify --noted 5:" in caplog.text
     assert "holds no note" in rundown("audit", "verify", "--noted-in", __file__, "--database", url).stderr
 
