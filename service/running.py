@@ -156,6 +156,7 @@ def serve(settings: Settings) -> None:
                 | identifying.gauges
                 | _certificates(settings)
                 | backup_watch.gauges
+                | audit_watch.gauges
                 | dispatcher.watch.gauges
             ),
         )

@@ -7,10 +7,10 @@ import asyncio
 import contextlib
 import errno
 import logging
-import math
 import resource
 import socket
 import ssl
+import sys
 from collections import Counter
 from collections.abc import Callable
 
@@ -24,6 +24,8 @@ AT_ONCE = 100
 """Accepted in one turn of the event loop."""
 RESERVED = 32
 """Descriptors that are left to the database, the sources and the workers; of few descriptors a quarter."""
+SHARE = 4
+"""One address gets at most such a part of the descriptors: nobody else should have to wait for it."""
 PAUSE_S = 1.0
 """How long new connections wait when descriptors run short [s]."""
 SAID_EVERY_S = 60.0
@@ -84,10 +86,11 @@ class Acceptor:
             self._take(connection, peer[0])
 
     def _take(self, connection: socket.socket, address: str) -> None:
-        if self._open[address] >= self._most and not self._exempt(address):
+        most = min(self._most, _last() // SHARE)
+        if self._open[address] >= most and not self._exempt(address):
             connection.close()
             if not self._said.take(address):
-                logger.warning("%s has %d connections open: more of it are closed", address, self._most)
+                logger.warning("%s has %d connections open: more of it are closed", address, most)
             return
         self._open[address] += 1
         connection.setblocking(False)
@@ -128,7 +131,7 @@ class Acceptor:
         self._pause = self._loop.call_later(PAUSE_S, self._loop.add_reader, self._listener, self._accept)
 
 
-def _last() -> float:
+def _last() -> int:
     """The first of the descriptors that no connection gets."""
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
-    return math.inf if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)
+    return sys.maxsize if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)

@@ -127,6 +127,7 @@ _GAUGES = {
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
     "rundown_webhooks_unsigned": "active webhooks that are told nothing, for their secret cannot be had",
     "rundown_stuck_identifications": "identifications whose process or Dask worker stopped answering, since the start",
+    "rundown_audit_trail_holds": "1 while the newest entry that was seen before is still there as it was",
     "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
 }
 

@@ -42,8 +42,13 @@ class AuditWatch:
         self._stop.set()
         self._thread.join()
 
-    def look(self) -> None:
-        """Compare with what was noted last, and note the newest entry; once a day the log has it."""
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system, by the name of the metric."""
+        return {"rundown_audit_trail_holds": float(not self.warnings)}
+
+    def look(self, *, tell: bool = False) -> None:
+        """Compare with what was noted last, and note the newest entry. tell: in the log as well, which has it once a day."""
         with self._database.reading() as session:
             held, newest = audit.holds(session, self._noted), audit.head(session)
         if not held:
@@ -52,15 +57,18 @@ class AuditWatch:
             logger.error("%s; see rundown audit verify --noted %d:%s", words, number, digest)
             self.warnings = [*self.warnings, words]
         self._noted = newest
-        if not held or self._told_at is None or self._clock() - self._told_at >= A_DAY_S:
+        if tell or not held or self._told_at is None or self._clock() - self._told_at >= A_DAY_S:
             logger.info("audit trail: the newest entry is %d:%s", *newest)
             self._told_at = self._clock()
 
     def _run(self) -> None:
-        pause = 0.0
-        while not self._stop.wait(pause):
-            pause = LOOK_S
-            try:
-                self.look()
-            except DBAPIError as error:
-                logger.warning("the audit trail cannot be looked at: %s", error.orig)
+        self._try(tell=True)
+        while not self._stop.wait(LOOK_S):
+            self._try()
+        self._try(tell=True)  # what is cut off while the service does not run shows as well
+
+    def _try(self, *, tell: bool = False) -> None:
+        try:
+            self.look(tell=tell)
+        except DBAPIError as error:
+            logger.warning("the audit trail cannot be looked at: %s", error.orig)

@@ -63,6 +63,22 @@ def test_one_address_holds_so_many_connections(database: Database, caplog: pytes
         assert until(lambda: answers(base), within_s=10, what="they have ended, and others may come")
 
 
+def test_of_few_descriptors_one_address_gets_a_part_and_others_are_answered_at_once(tmp_path: Path) -> None:
+    service = Service(tmp_path)
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (160, hard))
+    with contextlib.closing(service.client), contextlib.ExitStack() as stack:
+        try:
+            stack.enter_context(service.running())
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+        with half_open(service.port, 200, "127.0.0.2"):
+            assert service.client.get("/alive", timeout=2.0).status_code == 200
+            with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=2.0) as another:
+                assert another.get(ALIVE).status_code == 200
+    assert "127.0.0.2 has 32 connections open: more of it are closed" in service.log.read_text()
+
+
 def answers(base: str) -> bool:
     with contextlib.suppress(httpx.TransportError):
         return httpx.get(f"{base}/alive").status_code == 200
@@ -110,7 +126,9 @@ def test_where_descriptors_run_short_it_is_said_and_the_last_are_left(
         free = lowest_free()
         resource.setrlimit(resource.RLIMIT_NOFILE, (free + 60, before[1]))
         try:
-            with half_open(port_of(base), 20):  # each takes two here: this process is the client as well
+            with contextlib.ExitStack() as held:
+                for number in range(2, 6):  # each connection takes two here: this process is the client as well
+                    held.enter_context(half_open(port_of(base), 5, f"127.0.0.{number}"))
                 until(lambda: "file descriptors run short" in caplog.text, within_s=10, what="it is said")
                 assert lowest_free() < free + 60
         finally:

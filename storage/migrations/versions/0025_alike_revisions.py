@@ -10,7 +10,7 @@ from alembic import op
 from estimator.machine import DocumentError, Machine, parse_machine
 
 revision = "0025"
-down_revision = "0021"
+down_revision = "0023"
 branch_labels = None
 depends_on = None
 

@@ -1,6 +1,7 @@
 """The audit trail: what is in it, that it is written with what it tells of, and that a change of it is found."""
 
 import logging
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ from storage import audit
 from storage.audit import Entry
 from storage.database import Database
 from tests.asking import PREFIX, Api, problem, value
-from tests.end_to_end.processes import rundown
+from tests.end_to_end.processes import Service, rundown
 from tests.plant import KEY
 from tests.service.security.conftest import Filled, bearer
 
@@ -134,7 +135,7 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     watch = AuditWatch(trail, clock=lambda: 0.0)
     watch.look()
     watch.look()
-    assert watch.warnings == []
+    assert (watch.warnings, watch.gauges) == ([], {"rundown_audit_trail_holds": 1.0})
     noted = [record.getMessage() for record in caplog.records]
     assert len(noted) == 1
     assert broken(trail, *CUT) == []  # by itself what is left holds
@@ -144,8 +145,24 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     assert (told.returncode, "entry 5: was noted, and there are only 3" in told.stderr) == (1, True)
     watch.look()
     assert watch.warnings == ["the audit trail was changed: entry 5, which was there before, is not there as it was"]
+    assert watch.gauges == {"rundown_audit_trail_holds": 0.0}
     assert "rundown audit verify --noted 5:" in caplog.text
     assert "holds no note" in rundown("audit", "verify", "--noted-in", __file__, "--database", url).stderr
+
+
+def test_what_is_cut_off_while_no_service_runs_is_told_by_its_log(tmp_path: Path) -> None:
+    service = Service(tmp_path)
+    for name in "abcde":
+        assert rundown("key", "create", name, "--role", "viewer", "--database", service.database).returncode == 0
+    with closing(service.client), service.running():
+        assert rundown("key", "create", "late", "--role", "viewer", "--database", service.database).returncode == 0
+    verify = ("audit", "verify", "--noted-in", str(service.log), "--database", service.database)
+    assert rundown(*verify).returncode == 0
+    with closing(Database(service.database)) as database:
+        assert broken(database, *(one.replace("3", "5") for one in CUT)) == []
+    told = rundown(*verify)
+    assert (told.returncode, told.stdout) == (1, "")
+    assert "entry 6: was noted, and there are only 5" in told.stderr
 
 
 def test_the_newest_entry_is_in_the_log_at_the_start_and_each_day(trail: Database, caplog: pytest.LogCaptureFixture) -> None:
