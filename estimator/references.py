@@ -12,9 +12,6 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 if TYPE_CHECKING:
     from estimator.machine import Machine
 
-LARGEST_ELEMENT_COUNT = 500
-"""Shaft elements of one train; more would take hours and gain nothing."""
-
 STATION_TOLERANCE = 1e-9
 """Two stations closer than this [m] are the same place."""
 
@@ -59,11 +56,6 @@ def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
     yield from _material_problems(machine)
     yield from _duplicate_problems(machine)
     yield from _station_problems(machine)
-    if machine.element_length is not None:
-        count = sum(shaft.length for shaft in machine.shafts) / machine.element_length
-        if count > LARGEST_ELEMENT_COUNT:
-            message = f"makes {count:.3g} elements of the shafts; at most {LARGEST_ELEMENT_COUNT} are sensible"
-            yield _problem(("element_length",), machine.element_length, message)
     running, highest = machine.operation.running_rpm, machine.speed_range.maximum_rpm
     if running is not None and running > highest:
         message = f"lies above the speed range, which ends at {highest:g} r/min"
