@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from estimator.document_size import require_affordable
-from estimator.machine import DocumentError, parse_machine
+from estimator.document_size import accepted_machine
+from estimator.machine import DocumentError
 
 LENGTH = 3.0
 """Of each shaft [m]."""
@@ -135,7 +135,7 @@ def largest(kind: str) -> dict[str, Any]:
 
 def _is_let_in(document: dict[str, Any]) -> bool:
     try:
-        require_affordable(parse_machine(document))
+        accepted_machine(document)
     except DocumentError:
         return False
     return True

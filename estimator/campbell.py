@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
 from estimator.machine import Machine
+from estimator.modal_reduction import EVERYTHING, modal_basis
 from estimator.modes import Modes, damping_ratio, log_decrement, modes
+from estimator.snapshot_reduction import narrowed, snapshot_basis
 from estimator.system_matrices import CoefficientsOverSpeed, system_matrices_over_speed
 from estimator.whirl import whirl
 
@@ -72,7 +74,16 @@ def campbell(
     speed = np.asarray(speed, dtype=float)
     if speed.ndim != 1 or speed.size == 0 or speed[0] < 0 or speed[-1] <= 0 or np.any(np.diff(speed) <= 0):
         raise ValueError("speed must be an ascending list of spin speeds [rad/s], not negative, the last above zero")
-    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
+    basis = modal_basis(machine, max(highest_frequency, float(speed[-1])))
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients, basis=basis)
+    if basis is not EVERYTHING:
+        basis = snapshot_basis(
+            matrices,
+            direction=machine.direction,
+            fastest=float(speed[-1]),
+            highest=max(highest_frequency, float(speed[-1])),
+        )
+        matrices = narrowed(matrices, basis)
     follower = _Follower(matrices, machine.direction, highest_frequency)
     at = [follower.modes(float(one)) for one in speed]
     curves: list[dict[int, int]] = [{0: number} for number in range(at[0].eigenvalue.size)]
@@ -111,7 +122,7 @@ class _Follower:
     highest_frequency: float
 
     def modes(self, speed: float) -> Modes:
-        return modes(self.matrices(speed), spin=self.direction * speed)
+        return modes(self.matrices(speed), spin=self.direction * speed, left_vectors=False)
 
     def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
         """Which mode at `upper` continues which mode at `lower`."""

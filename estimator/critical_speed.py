@@ -14,7 +14,11 @@ import scipy.linalg
 import scipy.optimize
 
 from estimator.condensation import Complexes, Floats
+from estimator.crossing_correction import corrected
 from estimator.machine import Machine
+from estimator.modal_reduction import SMALL, modal_basis
+from estimator.modes import Modes, modes
+from estimator.snapshot_reduction import narrowed, snapshot_basis
 from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
 from estimator.whirl import whirl
 
@@ -28,6 +32,10 @@ FINEST = 2e-3
 """Part of the highest speed below which two crossings of one curve are not told apart."""
 TOLERANCE = 1e-9
 """Relative error of a crossing."""
+SEARCHED_PART = 1e-3
+"""Shapes of a large train's modes that are left out while its crossings are looked for, and …"""
+SEARCHED_WITHIN = 1e-2
+"""… relative distance within which they are corrected then."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +68,18 @@ def critical_speed_table(
 
     coefficients: (K,) in SI or what gives them at a speed, by default what the document expects.
     """
-    matrices = system_matrices_over_speed(machine, coefficients=coefficients)
+    matrices = system_matrices_over_speed(machine, coefficients=coefficients, basis=modal_basis(machine, highest))
     return felt_crossings(matrices, direction=machine.direction, highest=highest)
+
+
+def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
+    """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
+
+    The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily
+    damped that nothing is felt in passing are left out.
+    """
+    found = critical_speed_table(machine, highest=highest, coefficients=coefficients)
+    return np.array([one.speed for one in found])
 
 
 def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Floats:
@@ -80,8 +98,39 @@ def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Flo
 
 def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """The synchronous crossings of modes that are not so heavily damped that nothing is felt in passing."""
-    found = synchronous_crossings(matrices, direction=direction, highest=highest)
+    large = matrices(highest).mass.shape[0] > SMALL
+    search = _searched if large else synchronous_crossings
+    found = search(matrices, direction=direction, highest=highest)
     return tuple(one for one in found if one.damping_ratio < HEAVILY_DAMPED)
+
+
+def _searched(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+    """The crossings that a large train's modes at a few speeds make, each corrected."""
+    basis = snapshot_basis(matrices, direction=direction, fastest=highest, highest=highest, smallest=SEARCHED_PART)
+    narrow = narrowed(matrices, basis)
+    found: list[Modes] = []
+    for root, _ in crossing_modes(narrow, direction=direction, highest=highest):
+        crowd = modes(narrow(root.imag), spin=direction * root.imag)
+        nearest = [int(np.argmin(np.abs(crowd.eigenvalue - root)))]
+        guess = Modes(
+            crowd.eigenvalue[nearest], basis.expanded(crowd.shape[:, nearest]), basis.expanded(crowd.left[:, nearest])
+        )
+        exact = corrected(matrices, guess, direction=direction)
+        # Of two that nearly coincide, both corrections may lead to one.
+        lost = exact is None or abs(exact.eigenvalue[0] - root) > SEARCHED_WITHIN * abs(root)
+        found.append(guess if lost or exact is None or any(_same(one, exact) for one in found) else exact)
+    return tuple(
+        CriticalSpeed(
+            speed=float(one.eigenvalue[0].imag),
+            eigenvalue=complex(one.eigenvalue[0]),
+            whirl=float(whirl(one.shape, matrices(highest).mass, direction=direction)[0]),
+        )
+        for one in sorted(found, key=lambda one: float(one.eigenvalue[0].imag))
+    )
+
+
+def _same(one: Modes, other: Modes) -> bool:
+    return bool(abs(one.eigenvalue[0] - other.eigenvalue[0]) <= TOLERANCE * abs(other.eigenvalue[0]))
 
 
 def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:

@@ -1,14 +1,12 @@
 """Critical speeds followed from the document's model to the updated one, so that each keeps its place in every trend.
 
 The document's model says which there are. Its coefficients go to the identified ones along a straight line in the fit's
-coordinates; each crossing with the synchronous line is corrected after every step by Newton's method on the two-sided
-Rayleigh functional yᴴ D(λ, Ω) x with Ω = Im λ, vectors by inverse iteration (K. Schreiber, Nonlinear eigenvalue problems:
-Newton-type methods and nonlinear Rayleigh functionals, thesis, TU Berlin 2008). A step after which the shape is another one
-is halved.
+coordinates; each crossing with the synchronous line is corrected after every step. A step after which the shape is another
+one is halved.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 
 import numpy as np
@@ -18,7 +16,9 @@ from numpy.typing import NDArray
 from estimator.campbell import assurance
 from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
+from estimator.crossing_correction import corrected
 from estimator.machine import Machine
+from estimator.modal_reduction import Basis
 from estimator.modes import Modes, modes
 from estimator.shaft import NODE_DOFS, PLANE_DOFS
 from estimator.system_matrices import SystemMatrices
@@ -34,10 +34,6 @@ SAME_SHAPE = 0.8
 """Modal assurance above which a shape is still the same after a step."""
 SMALLEST_STEP = 1 / 128
 """Part of the way below which a crossing counts as lost."""
-CORRECTIONS = 15
-"""Most corrections after a step."""
-TOLERANCE = 1e-10
-"""Relative change of λ below which it is found."""
 SAME_ROOT = 1e-6
 """Relative distance of two eigenvalues below which they may be one crossing."""
 ALIKE = 0.6
@@ -48,7 +44,7 @@ REMEMBERED = 256
 
 @dataclass(frozen=True)
 class NominalCrossings:
-    """The c critical speeds of a document's model, ascending: the modes that cross, and which are pairs.
+    """The c critical speeds of a document's model, ascending: the modes that cross, on the whole mesh, and which are pairs.
 
     pairs: numbers of two that are one bending mode in two planes, the lower one first.
     """
@@ -61,8 +57,8 @@ class NominalCrossings:
 class FollowedCrossings:
     """The critical speeds of an updated model: `modes` of those that were followed, ascending, `number` (f,) of each.
 
-    count: how many the document's model has; a number that is not there is so damped that nothing is felt of it any more, or
-    could not be followed.
+    Shapes are over the model's basis. count: how many the document's model has; a number that is not there is so damped that
+    nothing is felt of it any more, or could not be followed.
     """
 
     modes: Modes
@@ -77,8 +73,9 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     They are numbered in ascending order: where two have passed each other, each takes the other's number, and no trend jumps.
     """
     nominal = _nominal(model.machine.model_dump_json())
+    begins = [_over(model.basis, one) for one in _each(nominal.modes)]
     way = _Way.between(expected_model(model.machine), model)
-    ends = [way.followed(one) for one in _each(nominal.modes)]
+    ends = [way.followed(one) for one in begins]
     for place, end in enumerate(ends):
         if end is None:
             continue
@@ -89,10 +86,10 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     for place in sorted({place for pair in nominal.pairs for place in pair}):
         if ends[place] is None:
             known = [end for end in ends if end is not None]
-            ends[place] = _new_one(way.at(1.0), _each(nominal.modes)[place], known, direction=way.direction)
+            ends[place] = _new_one(way.at(1.0), begins[place], known, direction=way.direction)
     found = [end for end in ends if end is not None]
     number = np.array([place for place, end in enumerate(ends) if end is not None], dtype=np.intp)
-    return FollowedCrossings(_joined(found, nominal.modes.shape.shape[0]), number, len(ends), nominal.pairs)
+    return FollowedCrossings(_joined(found, way.mass.shape[0]), number, len(ends), nominal.pairs)
 
 
 @dataclass(frozen=True)
@@ -154,35 +151,6 @@ def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
         yield Modes(np.array([eigenvalue]), shape, np.conj(shape))
 
 
-def corrected(matrices: MatricesOverSpeed, guess: Modes, *, direction: int) -> Modes | None:
-    """The crossing with the synchronous line near a single mode; None where Newton's method does not find it."""
-    root, shape, left = complex(guess.eigenvalue[0]), guess.shape[:, 0], guess.left[:, 0]
-    for turn in range(CORRECTIONS):
-        here = matrices(root.imag)
-        spin = direction * root.imag
-        whole = here.dynamic_stiffness(root, spin=spin)
-        by_root = 2 * root * here.mass + here.damping + spin * here.gyroscopic
-        by_spin = direction * (here.circulatory + root * here.gyroscopic)
-        residual, own, turning = (complex(np.vdot(left, part @ shape)) for part in (whole, by_root, by_spin))
-        # residual + own (dσ + j dΩ) + turning dΩ = 0, two real equations.
-        columns = own, 1j * own + turning
-        equations = np.array([[part.real for part in columns], [part.imag for part in columns]])
-        if abs(np.linalg.det(equations)) <= np.finfo(float).tiny:
-            return None
-        growth, rate = np.linalg.solve(equations, [-residual.real, -residual.imag])
-        root += complex(growth, rate)
-        if not root.imag > 0.0:
-            return None
-        # The guess may come from a projection, in which nothing is left to correct before its vectors are.
-        if turn > 0 and abs(complex(growth, rate)) <= TOLERANCE * abs(root):
-            return Modes(np.array([root]), shape[:, None], (left / np.conj(np.vdot(left, by_root @ shape)))[:, None])
-        factor = scipy.linalg.lu_factor(matrices(root.imag).dynamic_stiffness(root, spin=direction * root.imag))
-        shape = scipy.linalg.lu_solve(factor, by_root @ shape)
-        left = scipy.linalg.lu_solve(factor, np.conj(by_root).T @ left, trans=2)
-        shape, left = shape / np.sqrt(np.vdot(shape, here.mass @ shape).real), left / np.linalg.norm(left)
-    return None
-
-
 @lru_cache(maxsize=REMEMBERED)
 def _nominal(document: str) -> NominalCrossings:
     """document: in JSON, of a machine with exact probes."""
@@ -193,7 +161,7 @@ def _nominal(document: str) -> NominalCrossings:
 
     @cache
     def condensed(speed: float) -> SystemMatrices:
-        return _projected(model.matrices(speed), basis)
+        return model.matrices(speed).over(basis)
 
     found: list[Modes] = []
     mass = model.matrices(highest).mass
@@ -209,7 +177,9 @@ def _nominal(document: str) -> NominalCrossings:
         if exact is not None:
             found.append(exact)
     joined = _joined(found, mass.shape[0])
-    return NominalCrossings(joined, _pairs(joined, mass))
+    # On the whole mesh: whose basis they were found in, nobody may know any more when they are asked for.
+    whole = Modes(joined.eigenvalue, model.basis.expanded(joined.shape), model.basis.expanded(joined.left))
+    return NominalCrossings(whole, _pairs(joined, mass))
 
 
 def _basis(matrices: SystemMatrices, highest: float) -> Floats:
@@ -218,10 +188,6 @@ def _basis(matrices: SystemMatrices, highest: float) -> Floats:
     squares, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
     count = SEARCH_MODES + MODES_PER_MODE * int(np.count_nonzero(squares < highest**2))
     return np.asarray(shapes[:, :count])
-
-
-def _projected(matrices: SystemMatrices, basis: Floats) -> SystemMatrices:
-    return SystemMatrices(*(basis.T @ getattr(matrices, one.name) @ basis for one in fields(SystemMatrices)))
 
 
 def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
@@ -260,6 +226,11 @@ def _assurance(one: Modes, other: Modes, mass: Floats) -> float:
 def _coincide(one: Modes, other: Modes, mass: Floats) -> bool:
     near = abs(one.eigenvalue[0] - other.eigenvalue[0]) <= SAME_ROOT * abs(other.eigenvalue[0])
     return bool(near) and _assurance(one, other, mass) >= SAME_SHAPE
+
+
+def _over(basis: Basis, found: Modes) -> Modes:
+    """Modes of the whole mesh over a basis."""
+    return Modes(found.eigenvalue, basis.coordinates(found.shape), basis.coordinates(found.left))
 
 
 def _each(found: Modes) -> list[Modes]:

@@ -1,130 +1,170 @@
-"""What a machine document costs, counted without building its model, and how much it may cost.
+"""What a machine document costs to compute with, and how much of that is taken: asked wherever a document enters.
 
-The bounds are looked at where a document enters, not where a stored one is read: what an older release took stays readable.
+A document that is stored already is read whatever its size, so that nothing is lost where a bound changes.
+
+The cost model. A fit of S samples keeps the shafts' dynamic stiffness at the r plane degrees of freedom at which parts sit,
+for either sense of whirl: 2 · 16 S r² bytes; and of a block of 256 samples the derivatives of m probes by n real unknowns and
+K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)². One evaluation takes some
+S (4 n² m + 16/3 (2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while a run of 500 samples
+stays within the memory and time of a worker (2 GB, 300 s); of a large one, samples are thinned out to as many as do.
 """
 
+import math
 from dataclasses import dataclass
-from math import ceil
+from typing import Any
 
-from estimator.machine import Bearing, Coupling, DocumentError, Machine, Seal
-from estimator.references import (
-    ELEMENTS,
-    STATION_TOLERANCE,
-    coefficient_names,
-    coefficient_values,
-    planes,
-    rules_in_force,
-)
-from estimator.rotor import shaft_pieces
+from estimator.machine import Bearing, DocumentError, Machine, Probe, Seal, parse_machine
+from estimator.references import ELEMENTS, coefficient_names
+from estimator.rotor import element_count
+from estimator.units import rpm_to_rad_per_s
 
-LARGEST_ELEMENTS = 500
-"""Shaft elements of one train: its sections, cut where a part sits and where they are longer than `element_length`."""
-LARGEST_UNKNOWNS = 800
-"""Real numbers that an identification determines."""
-LARGEST_NUMBERS_PER_SPEED = 60_000
-"""Complex numbers that an identification holds for each speed: with a thousand speeds a gigabyte."""
+LARGEST_SECTIONS = 400
+"""Shaft sections of a train."""
+LARGEST_ELEMENTS = 600
+"""Shaft elements of a train."""
+LARGEST_UNKNOWNS = 1200
+"""Real numbers that an identification of a train looks for."""
+LARGEST_PLACES = 100
+"""Plane degrees of freedom at which bearings, seals, couplings and probes sit."""
+LARGEST_MODES = 60
+"""Bending modes of the shafts in a plane up to `MODES_UP_TO` times the highest speed, where there are many elements."""
+MODES_UP_TO = 2.5
+FEW_ELEMENTS = 50
+"""Of so few elements all modes are cheap."""
+FEWEST_SAMPLES = 500
+"""Samples that a fit of a train must manage."""
+MEMORY = 1.5e9
+"""What a fit may hold [bytes], beside the programs themselves."""
+OPERATIONS = 1e11
+"""Of one evaluation: some seconds."""
+BLOCK = 256
 
 
 @dataclass(frozen=True)
 class DocumentSize:
-    """elements: of the shafts. unknowns: real numbers that an identification determines. joined: degrees of freedom at which
-    something is joined or measured, n. excitations: complex forces, E. probes: m.
-    """
+    """Counts of a train. modes: as `LARGEST_MODES`, about. coefficients: of bearings, seals and couplings."""
 
+    sections: int
     elements: int
+    modes: int
+    coefficients: int
     unknowns: int
-    joined: int
-    excitations: int
     probes: int
+    places: int
 
     @property
-    def numbers_per_speed(self) -> int:
-        """Complex numbers for each speed: dynamic stiffness n², forces 2 n E, derivatives of what is measured m · unknowns."""
-        return self.joined**2 + 2 * self.joined * self.excitations + self.probes * self.unknowns
+    def samples(self) -> int:
+        """Most samples of one fit; fewer than FEWEST_SAMPLES where the document is too large."""
+        n, m, k, r = self.unknowns, self.probes, self.coefficients, self.places
+        held = 48 * BLOCK * m * (n + k) + 64 * BLOCK * (2 * r) ** 2
+        by_memory = (MEMORY - held) / (32 * r**2)
+        by_time = OPERATIONS / (4 * n**2 * m + 16 / 3 * (2 * r) ** 3 + 32 * r * m * k)
+        return max(0, int(min(by_memory, by_time)))
+
+
+def accepted_machine(document: Any) -> Machine:
+    """The machine that a decoded document describes, where that is not too large. Raises DocumentError."""
+    return accepted(parse_machine(document))
+
+
+def accepted(machine: Machine) -> Machine:
+    """The machine, where its document is not too large. Raises DocumentError, which names what is and what would be right."""
+    sections = _sections(machine)
+    if sections > LARGEST_SECTIONS:  # nothing else is counted then
+        raise DocumentError(
+            [("shafts", f"{sections} sections in all; at most {LARGEST_SECTIONS}: make one of neighbours that differ little")]
+        )
+    problems = _problems(machine, document_size(machine))
+    if problems:
+        raise DocumentError(problems)
+    return machine
 
 
 def document_size(machine: Machine) -> DocumentSize:
-    """Count what a document asks for."""
-    held = _held(machine)
-    excitations = _excitations(machine, held)
+    """Counts of a machine, without assembling it."""
     return DocumentSize(
-        elements=sum(count for shaft in machine.shafts for _, _, count in shaft_pieces(machine, shaft)),
-        unknowns=_coefficients(machine, held) + 2 * excitations + _materials(machine) + _channels(machine),
-        joined=_joined(machine),
-        excitations=excitations,
+        sections=_sections(machine),
+        elements=sum(element_count(machine, shaft) for shaft in machine.shafts),
+        modes=_modes(machine),
+        coefficients=sum(len(coefficient_names(kind, part)) for kind in ELEMENTS for part in getattr(machine, kind)),
+        unknowns=_unknowns(machine),
         probes=len(machine.probes),
+        places=_places(machine),
     )
 
 
-def require_affordable(machine: Machine) -> None:
-    """Raises DocumentError, which names the field, for a document that asks for more than it may."""
-    problems = []
-    found = document_size(machine)
-    if found.elements > LARGEST_ELEMENTS:
-        sections = sum(len(shaft.sections) for shaft in machine.shafts)
-        field, what = ("element_length", "raise it") if machine.element_length is not None else ("shafts", "join sections")
-        words = f"{found.elements} elements of the shafts ({sections} sections); at most {LARGEST_ELEMENTS} are taken: {what}"
-        problems.append((field, words))
-    if found.unknowns > LARGEST_UNKNOWNS:
-        words = f"{found.unknowns} unknowns to identify; at most {LARGEST_UNKNOWNS} are taken"
-        problems.append(("document", f"{words}: fix or tie some in `parameters`, or give fewer `knots_rpm`"))
-    if found.numbers_per_speed > LARGEST_NUMBERS_PER_SPEED:
+def _problems(machine: Machine, size: DocumentSize) -> list[tuple[str, str]]:
+    found: list[tuple[str, str]] = []
+    if size.elements > LARGEST_ELEMENTS:
+        given = machine.element_length is not None
+        advice = "a longer element_length would do" if given else "fewer sections, or a given element_length, would do"
+        words = f"{size.elements} elements of the shafts; at most {LARGEST_ELEMENTS}: {advice}"
+        found.append(("element_length" if given else "shafts", words))
+    if size.elements > FEW_ELEMENTS and size.modes > LARGEST_MODES:
         words = (
-            f"{found.probes} probes, {found.unknowns} unknowns and {found.joined} degrees of freedom joined or measured make "
-            f"{found.numbers_per_speed} numbers for each speed; at most {LARGEST_NUMBERS_PER_SPEED} are taken"
+            f"{machine.speed_range.maximum_rpm:g} r/min: the shafts have about {size.modes} bending modes up to "
+            f"{MODES_UP_TO:g} times that; at most {LARGEST_MODES}: is the speed right?"
         )
-        problems.append(("document", f"{words}: describe the train with fewer probes, bearings, seals or unknowns"))
-    if problems:
-        raise DocumentError(problems)
+        found.append(("speed_range.maximum_rpm", words))
+    if size.unknowns > LARGEST_UNKNOWNS:
+        words = (
+            f"{size.unknowns} real unknowns; at most {LARGEST_UNKNOWNS}: fewer knots_rpm of speed_dependence, "
+            "or gains and run-outs of channels taken as exact, would do"
+        )
+        found.append(("document", words))
+    if size.places > LARGEST_PLACES:
+        words = (
+            f"bearings, seals, couplings and probes sit at {size.places} plane degrees of freedom; at most {LARGEST_PLACES}: "
+            "those at one station count once, a coupling counts four"
+        )
+        found.append(("document", words))
+    if not found and size.samples < FEWEST_SAMPLES:
+        words = (
+            f"{size.unknowns} real unknowns with {size.probes} probes at {size.places} places: only {size.samples} samples "
+            f"could be fitted at a time; at least {FEWEST_SAMPLES}: fewer unknowns or fewer probes would do"
+        )
+        found.append(("document", words))
+    return found
 
 
-def _held(machine: Machine) -> set[str]:
-    """Names of the parameters that the rules in force fix or tie."""
-    in_force = rules_in_force(machine, [*coefficient_values(machine), *planes(machine)])
-    rules = machine.parameters
-    return {name for name, i in in_force.items() if rules[i].fixed or rules[i].tied_to is not None}
+def _sections(machine: Machine) -> int:
+    return sum(len(shaft.sections) for shaft in machine.shafts)
 
 
-def _coefficients(machine: Machine, held: set[str]) -> int:
-    """Of bearings, seals and couplings that are neither fixed nor tied, one for each knot where they follow the speed."""
-    count = 0
-    for place, kind in ELEMENTS.items():
-        part: Bearing | Seal | Coupling
-        for part in getattr(machine, place):
-            names = [name for name in coefficient_names(place, part) if f"{kind}.{part.id}.{name}" not in held]
-            count += sum(_knots(part, name) for name in names)
-    return count
+def _modes(machine: Machine) -> int:
+    """From the length of bending waves at that frequency, ω = c κ k² with κ the radius of gyration."""
+    highest = MODES_UP_TO * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    half_waves = 0.0
+    for section in (section for shaft in machine.shafts for section in shaft.sections):
+        material = machine.materials[section.material]
+        gyration = math.hypot(section.outer_diameter, section.inner_diameter) / 4
+        wave_number = math.sqrt(highest / (math.sqrt(material.young_modulus / material.density) * gyration))
+        half_waves += section.length * wave_number / math.pi
+    return math.ceil(half_waves)
 
 
-def _knots(part: Bearing | Seal | Coupling, name: str) -> int:
-    dependence = part.speed_dependence
-    follows = dependence is not None and (dependence.coefficients is None or name in dependence.coefficients)
-    return len(dependence.knots_rpm) if dependence is not None and follows else 1
+def _unknowns(machine: Machine) -> int:
+    """Real unknowns as if nothing were held fixed or tied."""
+    count = 2 * len(machine.discs)
+    for kind in ELEMENTS:
+        for part in getattr(machine, kind):
+            names = coefficient_names(kind, part)
+            dependence = part.speed_dependence
+            following = 0 if dependence is None else len(set(dependence.coefficients or names))
+            knots = 1 if dependence is None else len(dependence.knots_rpm)
+            count += len(names) + following * (knots - 1)
+    count += 2 * sum(shaft.bow_spread > 0.0 for shaft in machine.shafts)
+    count += 8 * sum(coupling.load is not None for coupling in machine.couplings)
+    count += 2 * sum((probe.gain_spread > 0.0) + (probe.run_out_spread > 0.0) for probe in machine.probes)
+    return count + sum((one.young_modulus_spread > 0.0) + (one.density_spread > 0.0) for one in machine.materials.values())
 
 
-def _excitations(machine: Machine, held: set[str]) -> int:
-    """Unbalances, bows and equivalent loads, complex."""
-    unbalances = sum(name not in held for name in planes(machine))
-    bows = sum(shaft.bow_spread > 0.0 for shaft in machine.shafts)
-    loads = sum(coupling.load is not None for coupling in machine.couplings)
-    return unbalances + bows + 4 * loads
-
-
-def _materials(machine: Machine) -> int:
-    used = {section.material for shaft in machine.shafts for section in shaft.sections}
-    spreads = [(machine.materials[name].young_modulus_spread, machine.materials[name].density_spread) for name in used]
-    return sum(one > 0.0 for pair in spreads for one in pair)
-
-
-def _channels(machine: Machine) -> int:
-    return sum(2 * ((probe.gain_spread > 0.0) + (probe.run_out_spread > 0.0)) for probe in machine.probes)
-
-
-def _joined(machine: Machine) -> int:
-    """Two at each place of a bearing, seal or probe, four at each end of a coupling."""
-    places = {
-        (part.shaft, ceil(part.station / STATION_TOLERANCE))
-        for parts in (machine.bearings, machine.seals, machine.probes)
-        for part in parts
-    }
-    return 2 * len(places) + 8 * len(machine.couplings)
+def _places(machine: Machine) -> int:
+    """Plane degrees of freedom: of a bearing, seal or probe the displacement, of a coupling both of either end."""
+    lengths = {shaft.id: shaft.length for shaft in machine.shafts}
+    parts: list[Bearing | Seal | Probe] = [*machine.bearings, *machine.seals, *machine.probes]
+    sitting = {(part.shaft, round(part.station, 9), "displacement") for part in parts}
+    for coupling in machine.couplings:
+        for shaft, station in ((coupling.driver, round(lengths[coupling.driver], 9)), (coupling.driven, 0.0)):
+            sitting |= {(shaft, station, "displacement"), (shaft, station, "slope")}
+    return len(sitting)

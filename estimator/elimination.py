@@ -7,12 +7,17 @@ two separate systems of half the size: one whirls with the rotation (forward), o
 
 with M, G, K of one bending plane, C the external damping; internal damping does not act in forward synchronous whirl.
 What turns with the shaft excites forward whirl only.
+
+An element joins neighbouring nodes only, so that A has few bands. Many degrees of freedom are eliminated as a banded
+system, speed by speed, in time and memory that grow with their number; a few as a dense one at many speeds at a time.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from estimator.parameters import Excitation
@@ -24,6 +29,10 @@ Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 BLOCK = 256
 """Speeds eliminated at a time."""
+FEWEST_BANDED = 100
+"""Plane degrees of freedom above which those eliminated are taken as a banded system."""
+BANDS = 3
+"""Of A on either side of its diagonal: (displacement, slope) of one node and the next."""
 LARGEST_TRANSFER = 1e8
 """Largest motion of an eliminated degree of freedom per motion of a retained one: beyond it eight digits are lost."""
 
@@ -34,7 +43,10 @@ class SingularCondensation(ValueError):
 
 @dataclass(frozen=True)
 class _Side:
-    """One sense of whirl after elimination: transfer (S, e, r), own forces' response (S, e, E), stiffness (S, r, r)."""
+    """One sense of whirl after elimination: transfer (S, e, r), own forces' response (S, e, E), stiffness (S, r, r).
+
+    Transfer and response have e = 0 where they were not kept.
+    """
 
     transfer: Numbers
     response: Numbers
@@ -222,8 +234,15 @@ class _Plan:
             whole[:, :, column] = speed[:, None] ** item.speed_power * shape
         return whole
 
+    @property
+    def banded(self) -> bool:
+        """Whether so many degrees of freedom go that their bands pay."""
+        return self.eliminated.size > FEWEST_BANDED
+
     def side(self, speed: Floats, *, whirl: int, keep: bool) -> _Side:
         """Eliminate in one sense of whirl, in blocks of speeds."""
+        if self.banded:
+            return self._banded_side(speed, whirl=whirl)
         matrices = self.matrices(whirl)
         blocks = [self._block(matrices, speed[i : i + BLOCK], whirl, keep) for i in range(0, speed.size, BLOCK)]
         return _Side(*(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
@@ -251,6 +270,51 @@ class _Plan:
             transfer, response = transfer[:, :0], response[:, :0]
         return transfer, response, stiffness, force
 
+    def _banded_side(self, speed: Floats, *, whirl: int) -> _Side:
+        inner, outer = self.eliminated, self.retained
+        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        scale = self._motion_scale(inner, outer)
+        forced = len(self.excitations) if whirl > 0 else 0
+        stiffness = np.empty((speed.size, outer.size, outer.size), dtype=system.dtype)
+        force = np.empty((speed.size, outer.size, forced), dtype=system.dtype)
+        for place, omega in enumerate(speed):
+            shapes = self.shapes(speed[[place]])[0, :, :forced]
+            across = system.across(omega)
+            solved = system.solved(np.concatenate([across, shapes[inner]], axis=1), omega, scale)
+            condensed = across.T @ solved
+            stiffness[place] = system.kept(omega) - condensed[:, : outer.size]
+            force[place] = shapes[outer] - condensed[:, outer.size :]
+        return _Side(np.empty((speed.size, 0, outer.size)), np.empty((speed.size, 0, forced)), stiffness, force)
+
+    def _motion(self, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int) -> Complexes:
+        """Motion (S, e) of what was eliminated under that of what is retained (S, r) and excitations (S, E)."""
+        if not self.banded:
+            moved = -(side.transfer @ retained[:, :, None])[:, :, 0]
+            return moved + (side.response @ excitations[:, :, None])[:, :, 0] if whirl > 0 else moved
+        inner, outer = self.eliminated, self.retained
+        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        moved = np.empty((speed.size, inner.size), dtype=complex)
+        for place, omega in enumerate(speed):
+            pushed = -(system.across(omega) @ retained[place])
+            if whirl > 0:
+                pushed = pushed + self.shapes(speed[[place]])[0, inner] @ excitations[place]
+            moved[place] = system.solved(pushed[:, None], omega)[:, 0]
+        return moved
+
+    def _carried(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
+        """What forces (S, e) on what was eliminated come to at what is retained (S, r), turned around."""
+        if not self.banded:
+            return np.asarray((side.transfer.swapaxes(1, 2) @ force[:, :, None])[:, :, 0])
+        inner, outer = self.eliminated, self.retained
+        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        # A is symmetric, so that the transfer's transpose is that of the forces.
+        return np.array(
+            [
+                system.across(omega).T @ system.solved(one[:, None], omega)[:, 0]
+                for omega, one in zip(speed, force, strict=True)
+            ]
+        )
+
     def _motion_scale(self, inner: NDArray[np.intp], outer: NDArray[np.intp]) -> Floats:
         """Factors (e, r) that turn transfers between displacements and slopes into numbers without dimension."""
         unit = np.where(np.arange(self.rotor.plane_size) % 2 == 0, 1.0, self.length)
@@ -263,11 +327,9 @@ class _Plan:
         _, material, what = name.rsplit(".", 2)
         part = self.rotor.materials[material]
         whole = np.zeros((speed.size, self.rotor.plane_size), dtype=complex)
+        excitations = np.broadcast_to(excitations, (speed.size, len(self.excitations)))
         whole[:, self.retained] = retained
-        whole[:, self.eliminated] = -(side.transfer @ retained[:, :, None])[:, :, 0]
-        if whirl > 0:
-            excitations = np.broadcast_to(excitations, (speed.size, len(self.excitations)))
-            whole[:, self.eliminated] += (side.response @ excitations[:, :, None])[:, :, 0]
+        whole[:, self.eliminated] = self._motion(side, speed, retained, excitations, whirl=whirl)
         change = self.factor(material, what) * self._rate(part, what, material, speed, whole, whirl)
         if whirl > 0 and what == "young_modulus":
             for column, item in enumerate(self.excitations):
@@ -275,7 +337,7 @@ class _Plan:
                     lifted = self.factor(material, what) * (part.stiffness @ item.shape)
                     change = change - lifted * excitations[:, column, None]
         outer = -change[:, self.retained]
-        return np.asarray(outer + (side.transfer.swapaxes(1, 2) @ change[:, self.eliminated, None])[:, :, 0])
+        return np.asarray(outer + self._carried(side, speed, change[:, self.eliminated], whirl=whirl))
 
     def _rate(self, part: PlaneMatrices, what: str, material: str, speed: Floats, whole: Complexes, whirl: int) -> Complexes:
         """(∂A/∂s) q, (S, N/2)."""
@@ -286,6 +348,52 @@ class _Plan:
             return np.asarray((1 + 1j * omega * loss) * (whole @ part.stiffness))
         inertia = -(omega**2) * (whole @ (part.mass - whirl * part.gyroscopic))
         return np.asarray(inertia + 1j * omega * alpha * (whole @ part.mass))
+
+
+class _BandedSystem:
+    """A = stiffness - ω² inertia + jω damping of one sense of whirl, with what is eliminated as bands."""
+
+    def __init__(self, matrices: tuple[Floats, Floats, Floats], inner: NDArray[np.intp], outer: NDArray[np.intp]) -> None:
+        whole = matrices if np.any(matrices[2]) else matrices[:2]
+        self.dtype = complex if len(whole) > 2 else float
+        self._bands = [_bands(matrix[np.ix_(inner, inner)]) for matrix in whole]
+        self._across = [matrix[np.ix_(inner, outer)] for matrix in whole]
+        self._kept = [matrix[np.ix_(outer, outer)] for matrix in whole]
+
+    def across(self, speed: float) -> Numbers:
+        """Part (e, r) of A at a speed [rad/s]."""
+        return _at(self._across, speed)
+
+    def kept(self, speed: float) -> Numbers:
+        """Part (r, r) of A at a speed [rad/s]."""
+        return _at(self._kept, speed)
+
+    def solved(self, inside: Numbers, speed: float, scale: Floats | None = None) -> Numbers:
+        """A⁻¹ times columns (e, n) at a speed; scale: as in `_solve`. Raises SingularCondensation."""
+        try:
+            found: Any = scipy.linalg.solve_banded((BANDS, BANDS), _at(self._bands, speed), inside, check_finite=False)
+        except np.linalg.LinAlgError:
+            raise _singular(speed) from None
+        if scale is not None and scale.size:
+            transfer = np.abs(found[:, : scale.shape[1]]) / scale
+            if not transfer.max() < LARGEST_TRANSFER:
+                raise _singular(speed)
+        return np.asarray(found)
+
+
+def _bands(matrix: Floats) -> Floats:
+    """Diagonals (2 BANDS + 1, e) of a matrix, from the uppermost, as LAPACK wants them."""
+    bands = np.zeros((2 * BANDS + 1, len(matrix)))
+    for above in range(-BANDS, BANDS + 1):
+        diagonal = np.diagonal(matrix, above)
+        bands[BANDS - above, max(above, 0) : max(above, 0) + diagonal.size] = diagonal
+    return bands
+
+
+def _at(parts: list[Floats], speed: float) -> Numbers:
+    """Stiffness - ω² inertia + jω damping."""
+    real = parts[0] - speed**2 * parts[1]
+    return real + 1j * speed * parts[2] if len(parts) > 2 else real
 
 
 def _solve(own: Numbers, inside: Numbers, speed: Floats, scale: Floats) -> Numbers:

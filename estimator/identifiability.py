@@ -10,12 +10,16 @@ from estimator.condensation import Complexes, Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem
 from estimator.machine import Machine
+from estimator.modal_reduction import modal_basis
 from estimator.parameters import Coefficient, dense
 from estimator.rotor import assemble_rotor
 from estimator.units import rad_per_s_to_rpm
 
 SMALLEST_SHARE = 0.005
 """A mode moves an element when the element holds this part of the mode's energy, or takes as much out of it in a radian."""
+
+MODES_ABOVE = 2.0
+"""Of a long train, modes above this multiple of the highest speed are told of as nearly as its reduction has them."""
 
 Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]
 """For a fit and the covariance of its coordinates: what says why it leaves the coordinate of some name open."""
@@ -95,12 +99,11 @@ class OpenParameters:
         if values.ndim > 1:
             values = values[values.shape[0] // 2]
         spin = self.machine.direction * float(np.mean(self._range))
-        rotor = assemble_rotor(self.machine)
+        basis = modal_basis(self.machine, MODES_ABOVE * self._range[1])
+        whole = assemble_rotor(self.machine)
+        rotor = basis.reduced(whole)
         coefficients = self.problem.train.unknowns.coefficients
-        vectors = [
-            (dense([pair[0] for pair in c.pairs], rotor.size), dense([pair[1] for pair in c.pairs], rotor.size))
-            for c in coefficients
-        ]
+        vectors = [[basis.onto(dense(list(side), whole.size)) for side in zip(*c.pairs, strict=True)] for c in coefficients]
         matrices = [np.zeros((rotor.size, rotor.size)) for _ in range(3)]
         for c, value, (left, right) in zip(coefficients, values, vectors, strict=True):
             matrices[c.order] += value * left @ right.T
@@ -111,9 +114,9 @@ class OpenParameters:
         roots, modes = np.linalg.eig(np.block([[empty, unit], [-inverse @ stiffness, -inverse @ damping]]))
         oscillating = roots.imag > 1e-6 * np.abs(roots)
         shape, frequency = modes[: rotor.size, oscillating], roots.imag[oscillating]
-        whole = np.einsum("im,ij,jm->m", shape.conj(), rotor.mass, shape).real * frequency**2
+        energy = np.einsum("im,ij,jm->m", shape.conj(), rotor.mass, shape).real * frequency**2
         share = [
-            np.abs(value) * frequency**c.order * np.abs(_work(left, right, shape)) / whole
+            np.abs(value) * frequency**c.order * np.abs(_work(left, right, shape)) / energy
             for c, value, (left, right) in zip(coefficients, values, vectors, strict=True)
         ]
         return _Modes(frequency, np.stack(share, axis=1))

@@ -7,6 +7,7 @@ import numpy as np
 from estimator.channel_effects import ChannelEffects, channel_effects
 from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
+from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
 from estimator.identifiability import Reasons, reasons_for
@@ -104,7 +105,7 @@ def identify(
     Raises NotEnoughData when there are fewer measured numbers than unknowns, FitFailed when no start leads anywhere,
     SingularCondensation for a speed that cannot be condensed at, ValueError when the channels are not the machine's.
     """
-    measurement = _thinned(_without_empty_samples(measurement))
+    measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     found = identify_train(
@@ -118,7 +119,7 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
 
     Raises as `identify`.
     """
-    measurement = _thinned(_without_empty_samples(measurement))
+    measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     problem = _problem(train, measurement, machine.noise, robust=False)
@@ -198,18 +199,23 @@ def _without_empty_samples(measurement: Measurement) -> Measurement:
     return measurement.pick(np.asarray(measurement.usable.any(axis=1)))
 
 
-def _thinned(measurement: Measurement) -> Measurement:
-    """At most LARGEST_SAMPLE_COUNT samples, taken away where speeds are most crowded: hours at speed add little."""
-    if measurement.speed.size <= LARGEST_SAMPLE_COUNT:
+def most_samples(machine: Machine) -> int:
+    """Samples of a machine that one fit uses at most: fewer of a long train."""
+    return min(LARGEST_SAMPLE_COUNT, max(FEWEST_SAMPLES, document_size(machine).samples))
+
+
+def _thinned(measurement: Measurement, *, most: int) -> Measurement:
+    """At most so many samples, taken away where speeds are most crowded: hours at speed add little."""
+    if measurement.speed.size <= most:
         return measurement
     edges = np.linspace(measurement.speed.min(), measurement.speed.max(), THINNING_BINS + 1)
     place = np.clip(np.searchsorted(edges, measurement.speed, side="right") - 1, 0, THINNING_BINS - 1)
     held = np.bincount(place, minlength=THINNING_BINS)
-    most = max(cap for cap in range(1, held.max() + 1) if cap == 1 or np.minimum(held, cap).sum() <= LARGEST_SAMPLE_COUNT)
+    each = max(cap for cap in range(1, held.max() + 1) if cap == 1 or np.minimum(held, cap).sum() <= most)
     keep = np.zeros(place.size, dtype=bool)
     for crowd in range(THINNING_BINS):
         members = np.flatnonzero(place == crowd)
-        keep[members[np.linspace(0, members.size - 1, min(most, members.size)).round().astype(int)]] = True
+        keep[members[np.linspace(0, members.size - 1, min(each, members.size)).round().astype(int)]] = True
     return measurement.pick(keep)
 
 

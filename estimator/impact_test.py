@@ -93,7 +93,7 @@ def compare_impact_test(model: UpdatedModel, measured: Sequence[MeasuredFrequenc
     found = Modes(found.eigenvalue[felt], found.shape[:, felt], found.left[:, felt])
     frequency = found.eigenvalue.imag / (2 * math.pi)
     error = natural_frequency_errors(model, found, speed=0.0) / (2 * math.pi)
-    cost = _costs(measured, frequency, share_along_x(found, assemble_rotor(model.scaled_machine).mass))
+    cost = _costs(measured, frequency, share_along_x(found, model.basis.reduced(assemble_rotor(model.scaled_machine)).mass))
     rows, columns = scipy.optimize.linear_sum_assignment(cost)
     pairs = {int(i): int(j) for i, j in zip(rows, columns, strict=True) if j < frequency.size}
     order = sorted(range(len(measured)), key=lambda i: measured[i].frequency)

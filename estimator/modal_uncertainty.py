@@ -6,8 +6,10 @@ import numpy as np
 
 from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import CriticalSpeed
+from estimator.crossing_correction import mode_of
 from estimator.error_propagation import standard_errors
 from estimator.forced_response import coefficient_slopes
+from estimator.modal_reduction import EVERYTHING
 from estimator.modes import Modes, eigenvalue_slopes, modes
 from estimator.updated_model import UpdatedModel
 
@@ -30,7 +32,7 @@ def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed:
     speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
     coordinates = model.coordinates_at(speeds)
     coefficients = coordinates.coefficients(coordinates.theta(model.values))
-    by_coefficient = eigenvalue_slopes(model.machine, found)
+    by_coefficient = eigenvalue_slopes(model.machine, found, model.basis)
     slopes = np.zeros((found.eigenvalue.size, model.values.size), dtype=complex)
     for k, places in coefficient_slopes(coordinates, np.broadcast_to(coefficients, by_coefficient.shape)).items():
         for place, by_coordinate in places.items():
@@ -64,7 +66,7 @@ def crossing_slopes(model: UpdatedModel, found: Modes) -> Complexes:
 
 def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...]) -> Floats:
     """Standard errors [rad/s] of the model's critical speeds."""
-    crossing = [_nearest(modes_at(model, speed=one.speed), one.eigenvalue) for one in table]
+    crossing = [_vectors(model, one) for one in table]
     if not crossing:
         return np.empty(0)
     eigenvalue = np.array([one.eigenvalue for one in table])
@@ -72,9 +74,12 @@ def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...])
     return standard_errors(crossing_slopes(model, Modes(eigenvalue, shape, left)).imag, model.covariance)
 
 
-def _nearest(found: Modes, eigenvalue: complex) -> tuple[Complexes, Complexes]:
-    """Shape and left vector of the mode of that eigenvalue."""
-    mode = int(np.argmin(np.abs(found.eigenvalue - eigenvalue)))
+def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Complexes]:
+    """Shape and left vector of the mode that crosses."""
+    if model.basis is not EVERYTHING:
+        return mode_of(model.matrices(one.speed), one.eigenvalue, spin=model.machine.direction * one.speed)
+    found = modes_at(model, speed=one.speed)
+    mode = int(np.argmin(np.abs(found.eigenvalue - one.eigenvalue)))
     return found.shape[:, mode], found.left[:, mode]
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED
 from estimator.machine import Machine
+from estimator.modal_reduction import modal_basis
 from estimator.modes import Modes, modes
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
@@ -62,12 +63,13 @@ def mode_shapes(
     coefficients: (K,) in SI, by default what the document expects. Whirl is forward when it goes with the spin; at standstill
     with the machine's sense of rotation.
     """
-    rotor = assemble_rotor(machine)
-    found = modes(system_matrices(machine, coefficients=coefficients), spin=spin)
+    rotor, basis = assemble_rotor(machine), modal_basis(machine, max(highest_frequency, abs(spin)))
+    found = modes(system_matrices(machine, coefficients=coefficients, basis=basis), spin=spin)
     direction = int(np.sign(spin)) or machine.direction
-    senses = whirl(found.shape, rotor.mass, direction=direction)
+    senses = whirl(found.shape, basis.reduced(rotor).mass, direction=direction)
     shown = np.flatnonzero((found.eigenvalue.imag <= highest_frequency) & (found.damping_ratio < HEAVILY_DAMPED))
-    return tuple(_mode_shape(rotor, found, number, float(senses[number]), direction) for number in map(int, shown))
+    found = Modes(found.eigenvalue[shown], basis.expanded(found.shape[:, shown]), basis.expanded(found.left[:, shown]))
+    return tuple(_mode_shape(rotor, found, place, float(senses[number]), direction) for place, number in enumerate(shown))
 
 
 def _mode_shape(rotor: Rotor, found: Modes, number: int, sense: float, direction: int) -> ModeShape:

@@ -7,11 +7,11 @@ import numpy as np
 import scipy.linalg
 
 from estimator.condensation import Complexes, Floats
-from estimator.critical_speed import critical_speed_table
 from estimator.machine import Machine
+from estimator.modal_reduction import EVERYTHING, Basis
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
-from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices
+from estimator.system_matrices import SystemMatrices, system_matrices
 
 OSCILLATING = 1e-6
 """A mode oscillates when Im λ exceeds this part of |λ|."""
@@ -19,7 +19,7 @@ OSCILLATING = 1e-6
 
 @dataclass(frozen=True)
 class Modes:
-    """n oscillating modes, by ascending damped natural frequency.
+    """n oscillating modes, by ascending damped natural frequency, over N degrees of freedom or as many coordinates of a basis.
 
     eigenvalue: (n,) λ [rad/s] with positive imaginary part. shape: (N, n) displacements q of q e^{λt}, xᴴMx = 1.
     left: (N, n) left vectors, yᴴ (K + ΩH + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1.
@@ -45,16 +45,22 @@ def log_decrement(eigenvalue: Complexes) -> Floats:
     return np.asarray(-2 * np.pi * eigenvalue.real / eigenvalue.imag)
 
 
-def modes(matrices: SystemMatrices, *, spin: float) -> Modes:
-    """Oscillating modes of a train at a spin speed [rad/s], signed as the sense of rotation. Overdamped ones are left out."""
+def modes(matrices: SystemMatrices, *, spin: float, left_vectors: bool = True) -> Modes:
+    """Oscillating modes of a train at a spin speed [rad/s], signed as the sense of rotation. Overdamped ones are left out.
+
+    left_vectors: without them `left` is (N, 0), and they take a quarter of the time.
+    """
     size = matrices.mass.shape[0]
     # scipy's type stubs know nothing of three results.
-    solution: Any = scipy.linalg.eig(matrices.state_matrix(spin=spin), left=True, right=True)
-    roots, left, right = solution
+    solution: Any = scipy.linalg.eig(matrices.state_matrix(spin=spin), left=left_vectors, right=True)
+    roots, right = solution[0], solution[-1]
     chosen = np.flatnonzero(roots.imag > OSCILLATING * np.abs(roots))
     chosen = chosen[np.argsort(roots[chosen].imag, kind="stable")]
     eigenvalue, shape = roots[chosen], right[:size, chosen]
     shape = shape / np.sqrt(np.real(np.sum(np.conj(shape) * (matrices.mass @ shape), axis=0)))
+    if not left_vectors:
+        return Modes(eigenvalue=eigenvalue, shape=shape, left=np.empty((size, 0), dtype=complex))
+    left = solution[1]
     # A left vector (w₁, w₂) of the state matrix holds that of the quadratic problem as M⁻¹w₂.
     factor = scipy.linalg.cho_factor(matrices.mass)
     adjoint = scipy.linalg.cho_solve(factor, left[size:, chosen])
@@ -64,16 +70,17 @@ def modes(matrices: SystemMatrices, *, spin: float) -> Modes:
     return Modes(eigenvalue=eigenvalue, shape=shape, left=adjoint / np.conj(product))
 
 
-def eigenvalue_slopes(machine: Machine, found: Modes) -> Complexes:
+def eigenvalue_slopes(machine: Machine, found: Modes, basis: Basis = EVERYTHING) -> Complexes:
     """∂λ/∂p (n, K) [rad/s per SI unit] of each mode by each coefficient: -yᴴ (∂Z/∂p) x.
 
+    basis: that of the modes, by default all degrees of freedom.
     Source: Nelson, AIAA J. 14 (1976) 1201, doi:10.2514/3.7211, for the quadratic problem. Modes of exactly equal eigenvalue
     have no slope of their own; their values here are only as good as the vectors that were found for them.
     """
-    unknown = unknowns(machine, assemble_rotor(machine)).coefficients
-    size = found.shape.shape[0]
+    rotor = assemble_rotor(machine)
+    unknown = unknowns(machine, rotor).coefficients
     pairs = [pair for one in unknown for pair in one.pairs]
-    left, right = (dense(list(side), size) for side in zip(*pairs, strict=True))
+    left, right = (basis.onto(dense(list(side), rotor.size)) for side in zip(*pairs, strict=True))
     acting = (np.conj(found.left).T @ left) * (found.shape.T @ right)
     first = np.concatenate([[0], np.cumsum([len(one.pairs) for one in unknown])[:-1]])
     order = np.array([one.order for one in unknown])
@@ -94,13 +101,3 @@ def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: f
 def natural_frequencies(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Floats:
     """Damped natural frequencies [rad/s], ascending, of the train at a spin speed [rad/s]; see `eigenvalues`."""
     return np.asarray(eigenvalues(machine, coefficients=coefficients, spin=spin).imag)
-
-
-def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
-    """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
-
-    The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily
-    damped that nothing is felt in passing are left out.
-    """
-    found = critical_speed_table(machine, highest=highest, coefficients=coefficients)
-    return np.array([one.speed for one in found])

@@ -7,6 +7,7 @@ import numpy as np
 from estimator.condensation import Floats
 from estimator.critical_speed import undamped_critical_speeds
 from estimator.machine import Machine
+from estimator.modal_reduction import modal_basis
 from estimator.system_matrices import system_matrices_over_speed
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
@@ -30,5 +31,6 @@ def _critical_speeds(document: str) -> Floats:
     machine = Machine.model_validate_json(document)
     highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     # Where coefficients follow the speed, those of the middle.
-    found = undamped_critical_speeds(system_matrices_over_speed(machine)(highest / 2), direction=machine.direction)
+    matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, highest))
+    found = undamped_critical_speeds(matrices(highest / 2), direction=machine.direction)
     return np.asarray(found[found <= highest])

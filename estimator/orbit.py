@@ -16,6 +16,7 @@ from estimator.condensation import Complexes, Floats, condense
 from estimator.critical_speed import undamped_critical_speeds
 from estimator.machine import Machine
 from estimator.measurement import Measurement
+from estimator.modal_reduction import modal_basis
 from estimator.noise import error_size
 from estimator.probe_axes import AxisPhasors, ProbeStation, axis_phasors, probe_stations
 from estimator.system_matrices import system_matrices
@@ -177,7 +178,8 @@ class ExpectedOrbits:
         guessed = [bearing.id for bearing in machine.bearings if bearing.kxx is None or bearing.kyy is None]
         if guessed:
             raise ValueError(f"the document gives no stiffness of bearing {', '.join(guessed)}")
-        undamped = undamped_critical_speeds(system_matrices(machine), direction=machine.direction)
+        basis = modal_basis(machine, rpm_to_rad_per_s(machine.speed_range.maximum_rpm))
+        undamped = undamped_critical_speeds(system_matrices(machine, basis=basis), direction=machine.direction)
         if not undamped.size:
             raise ValueError("the document's machine has no critical speed")
         critical = float(undamped[0])

@@ -1,4 +1,7 @@
-"""Results kept for the objects that were asked about last: machines and rotors never change, so that each is its own key."""
+"""Results kept for the objects that were asked about last: machines and rotors never change, so that each is its own key.
+
+Numbers are told apart by their value.
+"""
 
 from collections.abc import Callable
 from functools import lru_cache, wraps
@@ -12,17 +15,18 @@ Result = TypeVar("Result")
 
 
 class _Same:
-    """Arguments that equal others where each is the very same object."""
+    """Arguments that equal others where each is the very same object or number."""
 
     def __init__(self, arguments: tuple[object, ...]) -> None:
         self.arguments = arguments  # held, so that no other object can take its place in memory
 
     def __hash__(self) -> int:
-        return hash(tuple(map(id, self.arguments)))
+        return hash(tuple(one if isinstance(one, float) else id(one) for one in self.arguments))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Same) and all(
-            one is another for one, another in zip(self.arguments, other.arguments, strict=True)
+            one is another or (isinstance(one, float) and one == another)
+            for one, another in zip(self.arguments, other.arguments, strict=True)
         )
 
 

@@ -14,6 +14,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.modal_reduction import modal_basis
 from estimator.modes import modes
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor
@@ -55,7 +56,8 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     grid, place = _grid(law, time)
     spin = float(np.median(speed))
     machine = model.scaled_machine
-    matrices = system_matrices_over_speed(machine, coefficients=model.coefficients)
+    basis = modal_basis(machine, HIGHEST_MODE * float(speed.max()))
+    matrices = system_matrices_over_speed(machine, coefficients=model.coefficients, basis=basis)
     direction = machine.direction
     found = modes(matrices(spin), spin=direction * spin)
     near = np.flatnonzero((found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0))
@@ -66,9 +68,9 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     if added is not None:
         values[: added.size] += added
     sweep = _Sweep.along(law, grid)
-    force = synchronous_force(rotor, listed, values=values, direction=direction).onto(left.conj().T)
+    force = synchronous_force(rotor, listed, values=values, direction=direction).onto(basis.expanded(left).conj().T)
     pushed, resting = force.at(sweep.speed, sweep.acceleration), force.at(sweep.speed)
-    seen = probe_rows(machine, rotor) @ shape
+    seen = probe_rows(machine, rotor) @ basis.expanded(shape)
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
     away = sweep.speed - spin
     for k in range(near.size):

@@ -1,5 +1,6 @@
 """The updated model: a machine with everything that an identification found put in, and how sure that is."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -10,8 +11,13 @@ from estimator.condensation import Complexes, CondensedTrain, Floats, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
+from estimator.modal_reduction import Basis, modal_basis
 from estimator.remembered import remembered
 from estimator.system_matrices import SystemMatrices, system_matrices_over_speed
+from estimator.units import rpm_to_rad_per_s
+
+HIGHEST_FREQUENCY = 2.5
+"""Natural frequencies are of interest up to this multiple of the speed range's end."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +92,25 @@ class UpdatedModel:
         }
         return self.machine.model_copy(update={"materials": materials})
 
+    @property
+    def basis(self) -> Basis:
+        """The coordinates of `matrices`: all degrees of freedom of a mesh that is not large.
+
+        The same for all values of a machine. Its modes up to `HIGHEST_FREQUENCY` times its highest speed, and up to the
+        frequencies of its impact test, are as on the whole mesh.
+        """
+        tested = self.machine.impact_test.frequencies_hz if self.machine.impact_test is not None else ()
+        highest = HIGHEST_FREQUENCY * rpm_to_rad_per_s(self.machine.speed_range.maximum_rpm)
+        return modal_basis(self.machine, max(highest, 2 * math.pi * max(tested, default=0.0)))
+
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
-        """What gives the matrices of the whole train at a spin speed [rad/s, without sign]."""
+        """What gives the matrices of the whole train over the coordinates of `basis` at a spin speed [rad/s, without sign]."""
         constant = not _coordinates(self.machine).follows
         return system_matrices_over_speed(
-            self.scaled_machine, coefficients=self.coefficients(1.0) if constant else self.coefficients
+            self.scaled_machine,
+            coefficients=self.coefficients(1.0) if constant else self.coefficients,
+            basis=self.basis,
         )
 
     def turning(self, direction: int) -> "UpdatedModel":

@@ -5,8 +5,8 @@ from typing import Any
 
 import yaml
 
-from estimator.document_size import require_affordable
-from estimator.machine import DocumentError, Machine, parse_machine
+from estimator.document_size import accepted_machine
+from estimator.machine import DocumentError, Machine
 
 
 class UnreadableFile(ValueError):
@@ -27,11 +27,9 @@ def read_yaml(path: Path) -> Any:
 
 
 def read_machine(path: Path) -> Machine:
-    """The machine document in a file. Raises UnreadableFile, which names every wrong field."""
+    """The machine document in a file. Raises UnreadableFile, which names every wrong field, also where it is too large."""
     try:
-        machine = parse_machine(read_yaml(path))
-        require_affordable(machine)
-        return machine
+        return accepted_machine(read_yaml(path))
     except DocumentError as error:
         problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
         raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error

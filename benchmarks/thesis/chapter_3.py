@@ -52,7 +52,7 @@ from benchmarks.thesis.flexible_printed import (
 from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.tables import percent, power, table, worst_of_seeds
 from estimator.condensation import CondensedTrain
-from estimator.modes import critical_speeds
+from estimator.critical_speed import critical_speeds
 from estimator.rayleigh import rayleigh_damping
 from estimator.response import response
 from estimator.thesis.coupling_force import coupling_force

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Body, HTTPException, Request, Response, status
 from sqlalchemy.orm import Session
 
-from estimator.document_size import require_affordable
+from estimator.document_size import accepted
 from estimator.machine import DocumentError, Machine
 from service import baselining
 from service.api import rendering, schemas
@@ -45,10 +45,10 @@ async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Respo
 )
 def create_machine(request: Request, response: Response, document: Document) -> schemas.MachineRevision:
     """Create a machine from its document. Its sources may publish from now on."""
+    accepted(document)
     who = principal(request)
     if not who.sees(document.plant):
         raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{document.plant}' is not one of those of {who.name}")
-    require_affordable(document)
     with database(request).transaction() as session:
         row = machines.create(session, document)
     response.headers["Location"] = f"/api/v1/machines/{document.id}"
@@ -68,7 +68,7 @@ def revise_machine(
     """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
     if document.id != machine_id:
         raise DocumentError([("id", f"'{document.id}' must be '{machine_id}', the machine that is revised")])
-    require_affordable(document)
+    accepted(document)
     with database(request).transaction() as session:
         require(if_match, _in_force(session, machine_id))
         row = baselining.revise(session, document)

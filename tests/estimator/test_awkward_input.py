@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from estimator.condensation import condense
+from estimator.critical_speed import critical_speeds
 from estimator.identification import NotEnoughData, identify
 from estimator.machine import DocumentError, Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.modes import critical_speeds
 from tests.estimator.test_identification import CLEAN, SPEED, assert_at_the_bound, measured
 from tests.estimator.test_modes import jeffcott
 from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, noisy, one_disc_document

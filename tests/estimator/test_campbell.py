@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from estimator.campbell import Campbell, assurance, campbell, modal_assurance
+from estimator.critical_speed import critical_speeds
 from estimator.machine import parse_machine
-from estimator.modes import Modes, critical_speeds, eigenvalues
+from estimator.modes import Modes, eigenvalues
 from estimator.rotor import assemble_rotor
 from tests.estimator.rigid_rotor import bounce, conical, rigid_rotor
 from tests.estimator.trains import chapter_3, chapter_3_document, mirrored

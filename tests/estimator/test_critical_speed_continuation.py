@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.critical_speed import critical_speed_table
-from estimator.critical_speed_continuation import HIGHEST_ABOVE_TRIP, corrected, followed_crossings
+from estimator.critical_speed_continuation import HIGHEST_ABOVE_TRIP, followed_crossings
+from estimator.crossing_correction import corrected
 from estimator.machine import Machine
 from estimator.modal_uncertainty import crossing_slopes, modes_at
 from estimator.modes import Modes

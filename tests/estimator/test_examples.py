@@ -14,11 +14,12 @@ import pytest
 import yaml
 
 from estimator.condensation import condense
+from estimator.critical_speed import critical_speeds
 from estimator.estimates import Estimate
 from estimator.identification import Identification, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.modes import critical_speeds, eigenvalues, natural_frequencies
+from estimator.modes import eigenvalues, natural_frequencies
 from estimator.response import response
 from estimator.simulation import noise
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.critical_speed import critical_speed_table
+from estimator.critical_speed import critical_speed_table, critical_speeds
 from estimator.error_propagation import standard_errors
 from estimator.modal_uncertainty import (
     critical_speed_errors,
@@ -13,7 +13,7 @@ from estimator.modal_uncertainty import (
     modes_at,
     natural_frequency_errors,
 )
-from estimator.modes import critical_speeds, eigenvalues
+from estimator.modes import eigenvalues
 from estimator.updated_model import UpdatedModel
 from tests.estimator.models import differences, draws, model_of, rich_model
 from tests.estimator.trains import chapter_3

@@ -12,8 +12,9 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
+from estimator.critical_speed import critical_speeds
 from estimator.machine import Machine, parse_machine
-from estimator.modes import critical_speeds, eigenvalues, natural_frequencies
+from estimator.modes import eigenvalues, natural_frequencies
 from estimator.rotor import assemble_rotor
 from tests.estimator.trains import chapter_3, chapter_3_document, dense_elements, mirrored, one_disc_document, truth
 

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from storage import machines
+from storage.database import Database
 from tests.asking import PREFIX, Api, fields, problem
 from tests.plant import (
     document,
@@ -85,6 +87,35 @@ def test_a_wrong_document_is_refused_with_the_field(api: Api, method: str, path:
     where = f"{PREFIX}/machines" + ("/pump-7" if method == "PUT" else "")
     assert fields(api.ask(method, where, json=changed(path, value))) == [field]
     assert api.value("/machines/pump-7")["revision"] == 1
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT"])
+@pytest.mark.parametrize(
+    ("path", "value", "field"),
+    [
+        ("element_length", 1e-5, "element_length"),
+        ("shafts.0.sections", [{"length": 0.005, "outer_diameter": 0.02, "material": "steel"}] * 200, "shafts"),
+    ],
+)
+def test_a_document_that_is_too_large_is_refused_with_the_field(
+    api: Api, method: str, path: str, value: Any, field: str
+) -> None:
+    given = changed(path, value)
+    given["shafts"] += [{"id": f"long-{number}", "sections": given["shafts"][0]["sections"]} for number in range(5)]
+    where = f"{PREFIX}/machines" + ("/pump-7" if method == "PUT" else "")
+    (error,) = problem(api.ask(method, where, json=given), 422)["errors"]
+    assert error["field"] == field
+    assert "at most" in error["message"]
+    assert api.value("/machines/pump-7")["revision"] == 1
+
+
+def test_a_document_that_was_stored_when_more_was_taken_is_read(api: Api, plant: Database) -> None:
+    large = machine(id="fan-2", element_length=1e-3)
+    with plant.transaction() as session:
+        machines.create(session, large)
+    assert api.value("/machines/fan-2")["document"]["element_length"] == 1e-3
+    with plant.reading() as session:
+        assert machines.document(session, "fan-2") == large
 
 
 def test_every_wrong_field_is_named(api: Api) -> None:

@@ -1,0 +1,65 @@
+"""Reduction of a long train with given coefficients to the modes that it has at some spin speeds.
+
+A proper orthogonal decomposition of the shapes and left vectors at a few speeds (Sirovich, Quart. Appl. Math. 45 (1987) 561):
+between those the modes change so smoothly that they are made of them. Left vectors are in it as well, so that an eigenvalue's
+error is of second order. What is searched over hundreds of speeds is cheap in it.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from estimator.condensation import Floats
+from estimator.modal_reduction import Basis, in_planes
+from estimator.modes import Modes, modes
+from estimator.remembered import remembered
+from estimator.system_matrices import SystemMatrices
+
+SPEEDS = (0.0, 0.5, 1.0)
+"""Where modes are taken, in parts of the highest spin speed."""
+BEYOND = 1.25
+"""Modes up to this multiple of the highest frequency are taken, …"""
+HEAVILY_DAMPED = 0.95
+"""… those without which nothing is felt less."""
+SMALLEST_PART = 3e-6
+"""Shapes that are so nearly made of the others are left out: eigenvalues are then right to about 1e-7."""
+
+
+def snapshot_basis(
+    matrices: Callable[[float], SystemMatrices],
+    *,
+    direction: int,
+    fastest: float,
+    highest: float,
+    smallest: float = SMALLEST_PART,
+) -> Basis:
+    """Shapes of the modes up to a frequency `highest` that a train has up to a spin speed `fastest`, both [rad/s].
+
+    smallest: shapes that are made of the others but for this part of the largest are left out.
+    """
+    found = [modes(matrices(part * fastest), spin=direction * part * fastest) for part in SPEEDS]
+    snapshots = np.concatenate([_shapes(one, BEYOND * highest) for one in found], axis=1)
+    orthogonal, size, _ = np.linalg.svd(snapshots, full_matrices=True)
+    kept = int(np.count_nonzero(size > smallest * size[0]))
+    kept = min(kept + kept % 2, len(orthogonal))
+    return Basis(orthogonal[:, :kept])
+
+
+def narrowed(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Callable[[float], SystemMatrices]:
+    """Matrices over the coordinates of a basis, of what was asked about last at hand."""
+    shapes = basis.shapes
+
+    @remembered
+    def over(here: SystemMatrices) -> SystemMatrices:
+        return here.over(shapes)
+
+    return lambda speed: over(matrices(speed))
+
+
+def _shapes(found: Modes, highest: float) -> Floats:
+    """Shapes and left vectors of modes up to a frequency [rad/s] in either plane, real and imaginary parts, normalised."""
+    slow = (found.eigenvalue.imag <= highest) & (found.damping_ratio < HEAVILY_DAMPED)
+    vectors = np.concatenate([found.shape[:, slow], found.left[:, slow]], axis=1)
+    vectors = vectors / np.linalg.norm(vectors, axis=0)
+    planes = np.concatenate(in_planes(vectors), axis=1)
+    return np.concatenate([planes.real, planes.imag], axis=1)
