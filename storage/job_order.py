@@ -21,7 +21,7 @@ as many rows from an index as it takes. How many jobs a person may have waiting 
 
 from collections.abc import Sequence
 
-from sqlalchemy import ColumnElement, Select, func, select
+from sqlalchemy import ColumnElement, UnaryExpression, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
@@ -36,12 +36,12 @@ OVERDUE_SHARE = 10
 
 def next_turn(session: Session, plant: str, priority: int) -> int:
     """The turn of a job that a plant queues now."""
-    under_way = (select(func.max(JobRow.turn)), RUNNING), (select(func.min(JobRow.turn)), QUEUED)
-    present = (_one(session, query.where(JobRow.state == state, JobRow.priority == priority)) for query, state in under_way)
-    first = next((turn for turn in present if turn is not None), 0)
-    own = select(func.max(JobRow.turn)).where(JobRow.priority == priority, JobRow.plant == plant)
-    newest = [turn for state in (QUEUED, RUNNING) if (turn := _one(session, own.where(JobRow.state == state))) is not None]
-    return max([first, *(turn + 1 for turn in newest)])
+    newest, oldest = JobRow.turn.desc(), JobRow.turn.asc()
+    present = _turn(session, RUNNING, newest, priority=priority)
+    if present is None:
+        present = _turn(session, QUEUED, oldest, priority=priority)
+    own = [_turn(session, state, newest, priority=priority, plant=plant) for state in (QUEUED, RUNNING)]
+    return max([present or 0, *(turn + 1 for turn in own if turn is not None)])
 
 
 def next_jobs(session: Session, limit: int, *, behind: int, overdue: bool) -> list[JobRow]:
@@ -71,6 +71,10 @@ def _taken(session: Session, which: ColumnElement[bool], limit: int) -> Sequence
     return session.scalars(query.with_for_update(skip_locked=True)).all()
 
 
-def _one(session: Session, query: Select[int]) -> int | None:
-    """Turns are between plants, so all of them count, whoever asks."""
+def _turn(session: Session, state: str, order: UnaryExpression[int], **like: object) -> int | None:
+    """The first turn of the jobs in a state. Turns are between plants, so all of them count, whoever asks.
+
+    Not by max() and min(): where PostgreSQL expects few rows it reads all there are for these.
+    """
+    query = select(JobRow.turn).filter_by(state=state, **like).order_by(order).limit(1)
     return session.scalar(query, execution_options=EVERY_PLANT)

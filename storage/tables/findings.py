@@ -13,7 +13,7 @@ class JobRow(Base):
 
     __tablename__ = "identification_jobs"
     __table_args__ = (
-        Index(None, "state", "priority", "turn"),
+        Index(None, "state", "priority", "turn", "id"),
         Index(None, "state", "priority", "plant", "turn"),
         Index(None, "machine_id", "state"),
         Index(None, "asked_by", "state"),

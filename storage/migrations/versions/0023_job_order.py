@@ -9,7 +9,7 @@ branch_labels = None
 depends_on = None
 
 INDICES = (
-    ("state", "priority", "turn"),
+    ("state", "priority", "turn", "id"),
     ("state", "priority", "plant", "turn"),
     ("machine_id", "state"),
     ("asked_by", "state"),
