@@ -46,6 +46,11 @@ def is_of_a_part(error: BaseException) -> bool:
     return is_damage(error) and code & 0xFF != WHOLE_FILE
 
 
+def said(error: BaseException) -> str:
+    """What the database said of damage, without what is stored, which not everybody may see who is told."""
+    return str(getattr(error, "orig", None) or error).partition(" with text ")[0].strip()
+
+
 class Damage:
     """What was met since a check was clean.
 
@@ -79,7 +84,7 @@ class Damage:
 
     def note(self, error: BaseException, machine_id: str | None = None) -> None:
         """Remember an error, and whose data it was about."""
-        self._add(str(getattr(error, "orig", None) or error), machine_id)
+        self._add(said(error), machine_id)
 
     def found(self, findings: list[str]) -> None:
         """Remember what a check found."""

@@ -12,6 +12,8 @@ import struct
 import threading
 from pathlib import Path
 
+KNOWN = hasattr(fcntl, "F_OFD_SETLK")
+"""Whether this system has such locks at all."""
 _BYTE = 2**62
 _FLOCK = "hhqqi"
 """`struct flock`: kind of lock, from where `start` counts, start, length, process."""
@@ -26,10 +28,12 @@ _taken: dict[Place, Path] = {}
 
 
 def take(path: Path) -> Place | None:
-    """Lock a file that is there. Returns what to release; None where its file system knows no such locks.
+    """Lock a file that is there. Returns what to release; None where the system or its file system knows no such locks.
 
     Raises BlockingIOError where somebody has it, OSError.
     """
+    if not KNOWN:
+        return None
     with _guard:
         place, descriptor = _opened(path)
         if place in _taken:
@@ -59,6 +63,8 @@ def holder(path: Path) -> Path | None:
 
 def held_by_another(path: Path) -> bool:
     """Whether another process holds a file that is there. Raises OSError."""
+    if not KNOWN:
+        return False
     with _guard:
         _, descriptor = _opened(path)
         try:

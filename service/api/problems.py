@@ -31,7 +31,7 @@ from service.setting_limits import LimitsChanged
 from storage.alerts import AlertUnknown
 from storage.blocks import DamagedBlock
 from storage.claim import DatabaseUnusable
-from storage.damage import is_damage
+from storage.damage import is_damage, said
 from storage.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.identifications import IdentificationUnknown
 from storage.jobs import JobUnknown
@@ -188,7 +188,7 @@ def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
     machine_id = request.path_params.get("machine_id")
     if machine_id is not None:
         request.app.state.database.damage.concerns(machine_id)
-    detail = f"what is stored is damaged, and cannot be read: {error.orig}; look at the disk, and restore a backup"
+    detail = f"what is stored is damaged, and cannot be read: {said(error)}; look at the disk, and restore a backup"
     return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)
 
 

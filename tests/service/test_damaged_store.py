@@ -195,6 +195,17 @@ def test_a_check_that_is_not_at_its_end_clears_nothing(database: Database, monke
     assert "something" in database.damage.trouble
 
 
+def test_a_text_that_is_none_is_damage_and_not_shown(database: Database) -> None:
+    with database.transaction() as session:
+        session.execute(text("UPDATE timeline SET text = CAST(x'73656372657473ff' AS TEXT) WHERE machine_id = 'pump-7'"))
+    api = Api(database)
+    detail = problem(api.get(f"/machines/{KEY.machine}/timeline"), 503)["detail"]
+    words = api.get("/health").json()["parts"]["database"]
+    assert "Could not decode to UTF-8 column 'text'" in detail
+    assert f"of {KEY.machine}: Could not decode to UTF-8 column 'text' (first met" in words
+    assert "secrets" not in detail + words
+
+
 def test_what_is_no_damage_is_none(database: Database) -> None:
     with pytest.raises(DBAPIError), database.reading() as session:
         session.execute(text("SELECT * FROM nowhere"))
