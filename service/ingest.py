@@ -31,9 +31,13 @@ logger = logging.getLogger(__name__)
 TOKENS = 50_000
 """Comings and goings of sources that wait."""
 LARGEST_CYCLE = 1_000
-"""Messages stored in one transaction."""
+"""Messages that are held at once."""
+LARGEST_COLLECTION = 200
+"""Of those that logs answer, taken at once."""
+TAKING_S = 0.05
+"""After so long no further message is taken before those that are held are stored."""
 CYCLE_S = 0.1
-"""What comes within this time is stored in one transaction, …"""
+"""What comes within this time is stored together, as far as it is not much, …"""
 BACKLOG = 200
 """… unless so many messages have come: then there is no pause."""
 HEALING_CYCLE_S = 0.05
@@ -86,6 +90,7 @@ class Ingest:
         )
         self._inbox = Inbox()
         self._longest_cycle = Longest()
+        self._is_behind = False  # there was more than there was time for
         self._errors = 0  # that nobody foresaw, in a row
         self._last_tries = LAST_TRIES
         self._trouble: str | None = None
@@ -170,6 +175,8 @@ class Ingest:
                 else:
                     self._stop.wait(RETRY_S)
                 continue
+            if len(self._storing) or self._is_behind:
+                continue
             if stopping and count == 0:
                 return
             if count == 0 or (count < BACKLOG and not self._healing.asking):
@@ -233,9 +240,14 @@ class Ingest:
         return None
 
     def _take_and_store(self) -> int:
-        """Take what is queued, at most LARGEST_CYCLE messages a way, and store it. Returns how many there were."""
-        self._storing.store()  # what the database refused before; nothing more is taken until it is in
+        """Take what is queued, as much as there is room and time for, and store as much as a short transaction takes.
+
+        Returns how many messages were taken.
+        """
+        left = len(self._storing) > 0
+        self._storing.store()  # what the database refused before; nothing more is taken until some of it is in
         if self._changes != self._share.changes:
+            self._storing.store_all()
             self._storing.look_again()
             self._journal.forget()
             self._own_clock.forget()
@@ -250,13 +262,20 @@ class Ingest:
             self._inbox.close()  # what comes from now on waits in the sources' logs
             self._healing.cease()
         self._journal.give_way.begin(hurried=len(self._inbox) >= BACKLOG or self._healing.asking)
-        count = self._take_published() + self._take_submitted() + self._healing.collect(LARGEST_CYCLE)
-        self._storing.store()
+        self._is_behind = False
+        count = self._take_published() + self._take_submitted() + self._healing.collect(min(self._room, LARGEST_COLLECTION))
+        if not left:
+            self._storing.store()
         return count
 
+    @property
+    def _room(self) -> int:
+        """How many messages may still be held."""
+        return max(0, LARGEST_CYCLE - len(self._storing))
+
     def _take_published(self) -> int:
-        count = 0
-        while count < LARGEST_CYCLE and (message := self._inbox.take()) is not None:
+        count, ends = 0, time.monotonic() + TAKING_S
+        while self._room and time.monotonic() < ends and (message := self._inbox.take()) is not None:
             count += 1
             try:
                 self._publication(message)
@@ -265,17 +284,19 @@ class Ingest:
                     self._inbox.put_back(message)
                 raise
             self._journal.give_way()
+        self._is_behind |= time.monotonic() >= ends
         return count
 
     def _take_submitted(self) -> int:
-        count = 0
-        while count < LARGEST_CYCLE and (submission := self._submissions.take()) is not None:
+        count, ends = 0, time.monotonic() + TAKING_S
+        while self._room and time.monotonic() < ends and (submission := self._submissions.take()) is not None:
             count += 1
             try:
                 self._submission(submission)
             except Exception as error:
                 submission.promise.set_exception(NotStoring(words(error) if concerns_all(error) else UNFORESEEN))
                 raise
+        self._is_behind |= time.monotonic() >= ends
         return count
 
     def _publication(self, message: Message) -> None:

@@ -5,6 +5,7 @@ restart therefore finds all of it or none of it.
 """
 
 import logging
+import math
 import time
 from collections import defaultdict
 from collections.abc import Sequence, Set
@@ -144,14 +145,16 @@ class Journal:
                     return None
         return self._plants[machine_id]
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
-        """Store batches and rejections; returns what became of each batch. Raises what the database raises, and NotHeld for
-        machines that are another replica's by now; then nothing was stored.
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[Outcome]:
+        """Store batches, in order, and rejections; returns what became of each batch. Raises what the database raises, and
+        NotHeld for machines that are another replica's by now; then nothing was stored.
+
+        within_s: after so long [s] no further batch is taken, and what became of fewer is returned; of one at least.
         """
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
-                return self._store(session, arrived, rejections)
+                return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
         except BaseException:
             self._orders.clear()  # they may know of samples that were not stored
             raise
@@ -248,11 +251,13 @@ class Journal:
             known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
         return known
 
-    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float) -> list[Outcome]:
         pending = _Pending(rejections=list(rejections))
         documents: dict[str, tuple[int, Machine]] = {}
         held = _rows(session, arrived)
         for one in arrived:
+            if pending.outcomes and time.monotonic() > ends:
+                break
             machine_id = one.batch.machine
             if machine_id not in documents:
                 documents[machine_id] = self._document(session, machine_id)

@@ -25,6 +25,8 @@ from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 
+LONGEST_TRANSACTION_S = 0.03
+"""After so long no further batch is taken into a transaction; what those that are in it cause comes on top."""
 FREE_FAILURES = 2
 """So often in a row a source may meet an unforeseen error before it is put off."""
 MOST_TRIES = 50
@@ -87,8 +89,9 @@ class Storing:
         self._refused.append((promise, answer))
 
     def store(self) -> None:
-        """All that is held, together; each by itself where that fails. Raises what concerns all, as `Journal.store` does: what
-        was not stored is held still.
+        """What is held, as much as one short transaction takes; each by itself where that fails. What is left is held still.
+
+        Raises what concerns all, as `Journal.store` does; then nothing was stored.
         """
         try:
             self._store_together()
@@ -99,6 +102,11 @@ class Storing:
             self._store_one_by_one()
             self._keep_rejections()  # what was put aside
             self._answer_refused()
+
+    def store_all(self) -> None:
+        """All that is held. Raises as `store`."""
+        while self._held or self._rejections:
+            self.store()
 
     @contextmanager
     def guarding(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> Iterator[None]:
@@ -168,10 +176,11 @@ class Storing:
 
     def _store_together(self) -> None:
         if self._held or self._rejections:
-            outcomes = self._journal.store([one.arrived for one in self._held], self._rejections)
-            for one, outcome in zip(self._held, outcomes, strict=True):
+            arrived = [one.arrived for one in self._held]
+            outcomes = self._journal.store(arrived, self._rejections, within_s=LONGEST_TRANSACTION_S)
+            for one, outcome in zip(self._held, outcomes, strict=False):
                 self._stored(one, outcome)
-            self._held.clear()
+            del self._held[: len(outcomes)]
             self._rejections.clear()
         self._answer_refused()
 

@@ -1,6 +1,7 @@
 """A journal behind which runs are closed at once; `rundown serve` does that in another thread, tenths of a second later."""
 
 from collections.abc import Set
+from typing import Any
 
 from service.closing import Closing
 from service.collection import Collector
@@ -17,9 +18,9 @@ class PromptJournal(Journal):
         super().__init__(database, collector)
         self.closing = Closing(database, collector)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         """As of Journal."""
-        outcomes = super().store(arrived, rejections)
+        outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()
         return outcomes
 

@@ -173,10 +173,10 @@ class Partial(Journal):
 
     broken = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         if self.broken and any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
-        return super().store(arrived, rejections)
+        return super().store(arrived, rejections, **more)
 
 
 def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_goes_on(
@@ -207,11 +207,11 @@ class AwayForOne(Partial):
 
     away = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         if self.away and [one.batch.source for one in arrived] == ["working"]:
             self.away = False
             raise AWAY
-        return super().store(arrived, rejections)
+        return super().store(arrived, rejections, **more)
 
 
 class Forgetful(Journal):
@@ -328,10 +328,10 @@ def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
 class FirstThreeFail(Journal):
     """Meets an error that nobody foresaw with what a source sent first."""
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         if any(one.batch.sequence < 15 for one in arrived):
             raise ZeroDivisionError("a fault of ours")
-        return super().store(arrived, rejections)
+        return super().store(arrived, rejections, **more)
 
 
 def test_behind_many_that_cannot_be_stored_those_that_can_are_reached(
@@ -354,10 +354,10 @@ class Failing(Journal):
         super().__init__(database, Collector())
         self.errors = list(errors)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         if arrived and self.errors:
             raise self.errors.pop(0)
-        return super().store(arrived, rejections)
+        return super().store(arrived, rejections, **more)
 
 
 def running(router: zenoh.Session, journal: Journal, submissions: Submissions, until: ExitStack) -> Ingest:
@@ -490,11 +490,11 @@ class AwayAtTheEnd(Journal):
         super().__init__(database, Collector())
         self.tries, self.ending = tries, False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection]) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
         if arrived and (not self.ending or self.tries > 0):
             self.tries -= self.ending
             raise AWAY
-        return super().store(arrived, rejections)
+        return super().store(arrived, rejections, **more)
 
 
 @pytest.mark.parametrize(("tries", "stored"), [(1, 5), (1_000, 0)])
