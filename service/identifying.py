@@ -50,6 +50,10 @@ class _Unreadable(Exception):
         self.job_id = job_id
 
 
+class _Unjudged(Exception):
+    """What an identification is compared with is damaged."""
+
+
 class Identifying:
     """The thread that keeps the workers busy and files their results."""
 
@@ -223,6 +227,17 @@ class Identifying:
             self._fail(job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
     def _store(self, taken: _Taken, outcome: worker.Outcome) -> None:
+        """Store a result with what follows from it; without that where it meets damage.
+
+        Behind damage SQLite writes nothing more in the same transaction.
+        """
+        try:
+            self._store_once(taken, outcome, judged=True)
+        except _Unjudged as error:
+            logger.error("the result of job %d is stored, but no alert follows from it: %s", taken.job_id, error)
+            self._store_once(taken, outcome, judged=False)
+
+    def _store_once(self, taken: _Taken, outcome: worker.Outcome, *, judged: bool) -> None:
         job_id, result = taken.job_id, outcome.identification
         with self._database.transaction() as session:
             row = self._own(session, job_id)
@@ -246,7 +261,8 @@ class Identifying:
                 logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
             jobs.finish(row, state=jobs.DONE)
             session.flush()
-            self._judge(session, stored)
+            if judged:
+                self._judge(session, stored)
         logger.info("%s: identification %d %s", row.machine_id, stored.id, result.verdict)
 
     def _judge(self, session: Session, stored: IdentificationRow) -> None:
@@ -255,8 +271,11 @@ class Identifying:
             with session.begin_nested():
                 watching.judge(session, stored, baseline_runs=self._settings.baseline_runs)
         except Exception as error:
-            if concerns_all(error) or is_damage(error):
-                raise  # it is tried again as a whole; behind damage, nothing more is written in a transaction
+            if concerns_all(error):
+                raise  # it is tried again as a whole
+            if is_damage(error):
+                self._database.damage.concerns(stored.machine_id)
+                raise _Unjudged(words(error)) from error
             logger.exception("identification %d of %s is stored, but no alert follows from it", stored.id, stored.machine_id)
             of, what = f"identification {stored.id}", "it is stored, but no alert follows from it"
             quarantine.add(session, [unexpected(error, of=of, machine_id=stored.machine_id, what=what)])
