@@ -20,6 +20,7 @@ from service.own_faults import unexpected
 from service.processes import Interrupted, Stuck
 from service.worker import OutOfTime
 from storage import identifications, jobs, machines, quarantine
+from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all
 from storage.tables import JobRow
@@ -122,25 +123,27 @@ class Judgements:
 
     def _conclude(self, due: Due, question: Question, answer: Judgement) -> None:
         """All conclusions, or none of them: a result is kept, and the next job taken, also where that fails."""
-        with self._database.transaction() as session:
-            row = self._own(session, due.job_id)
-            if row is not None:
-                machines.lock(session, due.machine_id)
-                stored = identifications.get(session, due.identification_id)
-                if not watching.still_holds(session, stored, question):
-                    logger.info("identification %d is judged again: baseline or limits were changed", stored.id)
-                    return
-                try:
-                    with session.begin_nested():
-                        watching.carry_out(session, stored, question, answer)
-                except Exception as error:
-                    if concerns_all(error):
-                        raise  # it is tried again as a whole
-                    _tell(session, due, error)
-                jobs.finish(row, state=jobs.DONE)
-        self._leave(due)
+        try:
+            with self._database.transaction() as session:
+                row = self._own(session, due.job_id)
+                if row is not None:
+                    machines.lock(session, due.machine_id)
+                    stored = identifications.get(session, due.identification_id)
+                    if not watching.still_holds(session, stored, question):
+                        logger.info("identification %d is judged again: baseline or limits were changed", stored.id)
+                        return
+                    watching.carry_out(session, stored, question, answer)
+                    jobs.finish(row, state=jobs.DONE)
+        except Exception as error:
+            if concerns_all(error):
+                raise  # it is tried again
+            self._give_up(due, error)
+        else:
+            self._leave(due)
 
     def _give_up(self, due: Due, error: Exception) -> None:
+        if is_damage(error):
+            self._database.damage.concerns(due.machine_id)
         with self._database.transaction() as session:
             row = self._own(session, due.job_id)
             if row is not None:

@@ -14,7 +14,7 @@ from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-from storage import database_version, postgresql_archive, private_files
+from storage import database_version, file_lock, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import Damage, marker_of
 from storage.json_text import written
@@ -63,6 +63,7 @@ class Database:
         """Of those that write, from when it was their turn until they were durable."""
         self._files = _kept_files(self.engine)
         path = file_of(self.engine)
+        self._place = None if path is None else file_lock.use(path)
         self.damage = Damage(None if path is None else marker_of(path))
         """Of the store, as far as somebody has met it."""
         event.listen(self.engine, "handle_error", self.damage.watch)
@@ -183,6 +184,9 @@ class Database:
         self.engine.dispose()
         if self._files is not None:
             self._files.close()
+        if self._place is not None:
+            file_lock.leave(self._place)
+            self._place = None
 
     @contextmanager
     def turn(self) -> Iterator[None]:
@@ -305,12 +309,16 @@ def engine_of(url: str | URL) -> Engine:
 def lent_engine(url: str | URL) -> Iterator[Engine]:
     """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
     engine = engine_of(url)
+    path = file_of(engine)
+    place = file_lock.use(path) if path is not None and path.is_file() else None
     try:
         yield engine
     except DBAPIError as error:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
+        if place is not None:
+            file_lock.leave(place)
 
 
 def _engine(url: str | URL) -> Engine:

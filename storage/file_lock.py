@@ -2,7 +2,7 @@
 
 It lies on a byte far behind those that SQLite locks, and belongs to an open file description (Linux): SQLite's own locks
 neither end it nor meet it. The other way round they would end: whoever closes any descriptor of a file loses all that SQLite
-has locked in it for the whole process. So a descriptor that was opened here stays open to the end of the process.
+has locked in it for the whole process. So a descriptor that was opened here stays open as long as this process uses the file.
 """
 
 import errno
@@ -10,6 +10,7 @@ import fcntl
 import os
 import struct
 import threading
+from collections import Counter
 from pathlib import Path
 
 KNOWN = hasattr(fcntl, "F_OFD_SETLK")
@@ -25,6 +26,25 @@ Place = tuple[int, int]
 _guard = threading.Lock()
 _descriptors: dict[Place, int] = {}
 _taken: dict[Place, Path] = {}
+_users: Counter[Place] = Counter()
+
+
+def use(path: Path) -> Place:
+    """Say that SQLite has a file open in this process, until `leave`. Raises OSError."""
+    with _guard:
+        place = _place(os.stat(path))
+        _users[place] += 1
+        return place
+
+
+def leave(place: Place) -> None:
+    """SQLite has closed it, as far as one user is concerned."""
+    with _guard:
+        _users[place] -= 1
+        if _users[place] <= 0:
+            del _users[place]
+            if place in _descriptors and place not in _taken:
+                os.close(_descriptors.pop(place))
 
 
 def take(path: Path) -> Place | None:

@@ -6,7 +6,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,8 +24,9 @@ from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, quarantine, runs
 from storage.database import Database
 from tests.asking import Api
+from tests.damage import damage
 from tests.identification import chapter_3, close_run, counts
-from tests.plant import wait_until
+from tests.plant import sqlite_url, wait_until
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -65,6 +66,22 @@ def test_closed_run_is_identified_once_and_stored_with_uncertainties(database: D
         force = quantities["coupling.C1.misalignment_force"]
         assert (force.unit, force.measured_at, force.reason) == ("N", row.measured_at, None)
         assert 0.0 < (force.lower or 0.0) < (force.value or 0.0) < (force.upper or 0.0)
+
+
+def test_a_result_is_kept_where_what_it_is_judged_by_is_damaged(tmp_path: Path, train: Machine) -> None:
+    path = tmp_path / "rundown.db"
+    with closing(Database(sqlite_url(path))) as one:
+        with one.transaction() as session:
+            machines.create(session, train)
+            limits.add(session, train.id, document={"filler": "limits of the train " * 2_000}, by="nobody", comment="")
+        close_run(one, train, seed=1, start_s=1_700_000_000)
+    damage(path, b"limits of the train")
+    with closing(Database(sqlite_url(path))) as one:
+        with identifying(one):
+            wait_until(lambda: counts(one) == {"done": 1})
+        assert train.id in (one.damage.trouble or "")
+        with one.reading() as session:
+            assert len(identifications.of_machine(session, train.id)) == 1
 
 
 def test_conditions_and_derived_quantities_of_a_run_are_kept(database: Database, train: Machine) -> None:

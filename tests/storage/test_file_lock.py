@@ -90,6 +90,23 @@ def test_by_the_same_name_others_may_look(path: Path) -> None:
     assert not in_use(path)
 
 
+def opened(path: Path) -> int:
+    """How many descriptors of a file this process has."""
+    links = [Path(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
+    return sum(one.exists() and one.samefile(path) for one in links)
+
+
+def test_what_is_closed_leaves_nothing_open(path: Path) -> None:
+    """A disk could not be unmounted otherwise."""
+    first, second = Database(sqlite_url(path)), Database(sqlite_url(path))
+    first.claim()
+    first.close()
+    assert opened(path) > 0
+    second.close()
+    backup.back_up(sqlite_url(path), path.parent / "backup")
+    assert opened(path) == 0
+
+
 @pytest.mark.parametrize("end", ["-wal", "-shm"])
 def test_beside_a_service_no_command_makes_a_second_log(path: Path, end: str) -> None:
     backup.back_up(sqlite_url(path), path.parent / "before")
