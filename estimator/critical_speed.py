@@ -14,10 +14,10 @@ import scipy.linalg
 import scipy.optimize
 
 from estimator.condensation import Complexes, Floats
-from estimator.crossing_correction import corrected
+from estimator.crossing_correction import corrected, mode_of
 from estimator.machine import Machine
 from estimator.modal_reduction import SMALL, modal_basis
-from estimator.modes import Modes, modes
+from estimator.modes import Modes
 from estimator.snapshot_reduction import narrowed, snapshot_basis
 from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
 from estimator.whirl import whirl
@@ -110,11 +110,8 @@ def _searched(matrices: MatricesOverSpeed, *, direction: int, highest: float) ->
     narrow = narrowed(matrices, basis)
     found: list[Modes] = []
     for root, _ in crossing_modes(narrow, direction=direction, highest=highest):
-        crowd = modes(narrow(root.imag), spin=direction * root.imag)
-        nearest = [int(np.argmin(np.abs(crowd.eigenvalue - root)))]
-        guess = Modes(
-            crowd.eigenvalue[nearest], basis.expanded(crowd.shape[:, nearest]), basis.expanded(crowd.left[:, nearest])
-        )
+        shape, left = mode_of(narrow(root.imag), root, spin=direction * root.imag)
+        guess = Modes(np.array([root]), basis.expanded(shape[:, None]), basis.expanded(left[:, None]))
         exact = corrected(matrices, guess, direction=direction)
         # Of two that nearly coincide, both corrections may lead to one.
         lost = exact is None or abs(exact.eigenvalue[0] - root) > SEARCHED_WITHIN * abs(root)

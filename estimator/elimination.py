@@ -221,18 +221,37 @@ class _Plan:
             damping += (beta + (1 - whirl) * self.rotor.internal[name]) * elastic + alpha * heavy * part.mass
         return stiffness, inertia, damping
 
+    @cached_property
+    def _shapes(self) -> tuple[Floats | None, ...]:
+        """Of each excitation, the force (N/2,) per its power of ω, of what turns with the shaft."""
+
+        def force(item: Excitation) -> Floats | None:
+            if item.shape is None or not item.stiffened:
+                return item.shape
+            shape = item.shape
+            parts = (self.factor(n, "young_modulus") * (m.stiffness @ shape) for n, m in self.rotor.materials.items())
+            return sum(parts, np.zeros_like(shape))
+
+        return tuple(force(item) for item in self.excitations)
+
     def shapes(self, speed: Floats) -> Floats:
         """Force shapes (S, N/2, E) of what turns with the shaft."""
         whole = np.zeros((speed.size, self.rotor.plane_size, len(self.excitations)))
-        for column, item in enumerate(self.excitations):
-            if item.shape is None:
-                continue
-            shape = item.shape
-            if item.stiffened:
-                parts = (self.factor(n, "young_modulus") * (m.stiffness @ shape) for n, m in self.rotor.materials.items())
-                shape = sum(parts, np.zeros_like(shape))
-            whole[:, :, column] = speed[:, None] ** item.speed_power * shape
+        for column, (item, shape) in enumerate(zip(self.excitations, self._shapes, strict=True)):
+            if shape is not None:
+                whole[:, :, column] = speed[:, None] ** item.speed_power * shape
         return whole
+
+    @cached_property
+    def _forward(self) -> "_BandedSystem":
+        return _BandedSystem(self.matrices(1), self.eliminated, self.retained)
+
+    @cached_property
+    def _backward(self) -> "_BandedSystem":
+        return _BandedSystem(self.matrices(-1), self.eliminated, self.retained)
+
+    def _system(self, whirl: int) -> "_BandedSystem":
+        return self._forward if whirl > 0 else self._backward
 
     @property
     def banded(self) -> bool:
@@ -272,7 +291,7 @@ class _Plan:
 
     def _banded_side(self, speed: Floats, *, whirl: int) -> _Side:
         inner, outer = self.eliminated, self.retained
-        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        system = self._system(whirl)
         scale = self._motion_scale(inner, outer)
         forced = len(self.excitations) if whirl > 0 else 0
         stiffness = np.empty((speed.size, outer.size, outer.size), dtype=system.dtype)
@@ -291,8 +310,7 @@ class _Plan:
         if not self.banded:
             moved = -(side.transfer @ retained[:, :, None])[:, :, 0]
             return moved + (side.response @ excitations[:, :, None])[:, :, 0] if whirl > 0 else moved
-        inner, outer = self.eliminated, self.retained
-        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        inner, system = self.eliminated, self._system(whirl)
         moved = np.empty((speed.size, inner.size), dtype=complex)
         for place, omega in enumerate(speed):
             pushed = -(system.across(omega) @ retained[place])
@@ -305,8 +323,7 @@ class _Plan:
         """What forces (S, e) on what was eliminated come to at what is retained (S, r), turned around."""
         if not self.banded:
             return np.asarray((side.transfer.swapaxes(1, 2) @ force[:, :, None])[:, :, 0])
-        inner, outer = self.eliminated, self.retained
-        system = _BandedSystem(self.matrices(whirl), inner, outer)
+        system = self._system(whirl)
         # A is symmetric, so that the transfer's transpose is that of the forces.
         return np.array(
             [

@@ -4,8 +4,8 @@ First order ("delta method"; JCGM 100:2008, 5.2), in the coordinates of the fit:
 uncertain stiffness stays positive.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import scipy.special
@@ -31,6 +31,12 @@ class PhasorBand:
     covariance: Floats
     lower: Floats
     upper: Floats
+
+    @classmethod
+    def joined(cls, bands: Sequence["PhasorBand"]) -> "PhasorBand":
+        """Several bands, one behind the other."""
+        names = [one.name for one in fields(cls)]
+        return cls(*(np.concatenate([getattr(band, name) for band in bands]) for name in names))
 
     @property
     def amplitude(self) -> Floats:

@@ -32,9 +32,15 @@ def fitted_response(
     values[known] = point[rows]
     theta[known] = own.theta(values)[known]
     coefficients, direction = own.coefficients(theta), np.asarray(direction, dtype=float)
-    found = sensitivity(train.scaled(own.scales(theta)), coefficients=coefficients, excitations=own.excitations(theta))
-    by_theta = own.jacobian(theta, found, coefficients, direction, slice(0, len(direction)))
-    run_out = own.run_outs(theta)
-    phasor = own.gains(theta) * found.phasor + np.where(direction[:, None] > 0, run_out, np.conj(run_out))
-    slope = np.moveaxis(by_theta[known] / own.unit[known, None, None], 0, -1)
-    return phasor_band(phasor, slope, covariance[np.ix_(rows, rows)])
+    run_out, inner = own.run_outs(theta), covariance[np.ix_(rows, rows)]
+    scaled = train.scaled(own.scales(theta))
+
+    def band(block: slice) -> PhasorBand:
+        here = coefficients if coefficients.ndim == 1 else coefficients[block]
+        found = sensitivity(scaled.pick(block), coefficients=here, excitations=own.excitations(theta))
+        by_theta = own.jacobian(theta, found, coefficients, direction[block], block)
+        turned = np.where(direction[block, None] > 0, run_out, np.conj(run_out))
+        slope = np.moveaxis(by_theta[known] / own.unit[known, None, None], 0, -1)
+        return phasor_band(own.gains(theta) * found.phasor + turned, slope, inner)
+
+    return PhasorBand.joined([band(block) for block in train.blocks()])

@@ -18,6 +18,7 @@ from service.putting_off import PutOff
 from service.run_samples import Gathered, gathered
 from service.sharing import Share, Whole
 from storage import jobs, machines, quarantine, runs
+from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all
 from storage.leases import NotHeld
@@ -89,6 +90,7 @@ class Closing:
             except Exception as error:
                 if concerns_all(error):
                     raise
+                self._note_damage(error, machine_id)
                 pause = self._machines_put_off.failed(machine_id)
                 logger.exception("%s: late samples cannot be sorted in; tried again in %.0f s", machine_id, pause)
                 self._tell(machine_id, error, of=f"runs of {machine_id}", what="late samples cannot be sorted in")
@@ -128,9 +130,14 @@ class Closing:
         except Exception as error:
             if concerns_all(error):
                 raise
+            self._note_damage(error, machine_id)
             pause = self._runs_put_off.failed(run_id)
             logger.exception("%s: run %d cannot be closed; tried again in %.0f s", machine_id, run_id, pause)
             self._tell(machine_id, error, of=f"run {run_id}", what="it cannot be closed")
+
+    def _note_damage(self, error: Exception, machine_id: str) -> None:
+        if is_damage(error):
+            self._database.damage.concerns(machine_id)
 
     def _tell(self, machine_id: str, error: Exception, *, of: str, what: str) -> None:
         with self._database.transaction(beside_others=True) as session:

@@ -96,7 +96,7 @@ def compute(task: Task) -> Outcome:
 
     A process that hangs where Python cannot interrupt it ends some seconds after its time.
     """
-    with _limited(task.timeout_s):
+    with limited(task.timeout_s):
         machine = parse_machine(task.document)
         runs = [decode(block) for block in task.runs]
         gated = [_gated(machine, samples, task) for samples in runs]
@@ -124,12 +124,13 @@ def compute(task: Task) -> Outcome:
 def judge(task: tuple[Question, float]) -> Judgement:
     """Answer a question about a machine's newest runs within so long [s]. Raises OutOfTime."""
     question, timeout_s = task
-    with _limited(timeout_s):
+    with limited(timeout_s):
         return judged(question)
 
 
 @contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def limited(seconds: float) -> Iterator[None]:
+    """Keep to a time [s]. Raises OutOfTime; a process that hangs in native code ends some seconds after it."""
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("a task needs a process of its own to keep to its time")
     signal.signal(signal.SIGALRM, _out_of_time)

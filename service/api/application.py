@@ -51,6 +51,7 @@ from service.api.head_requests import HeadRequests
 from service.api.idempotency import Idempotency
 from service.api.kept_answers import KeptAnswers
 from service.api.machine_list import MachineList
+from service.api.model_process import ModelProcess
 from service.api.openapi import described
 from service.api.operations import Parts
 from service.api.overview import Overview
@@ -115,6 +116,7 @@ def application(
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
     app.state.answers = KeptAnswers()
+    app.state.model_process = ModelProcess()
     app.state.fresh_answers = FreshAnswers(database)
     app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
@@ -209,6 +211,7 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
     current_default_thread_limiter().total_tokens = THREADS
     async with app.state.repeated.written():
         yield
+    app.state.model_process.close()
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:

@@ -1,5 +1,6 @@
 """Bode plot of an identification: the fitted curve with its band, what was measured, and what is left between them."""
 
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -30,17 +31,14 @@ def read_bode(
 ) -> schemas.Bode:
     """Fitted curve, measured points and residuals of every channel over speed."""
 
-    def compute(one: Identified) -> tuple[Any, ...]:
+    def runs(one: Identified) -> list[UsedRun]:
         if run is not None and run not in one.run_ids:
             raise Unsuitable(f"run {run} is not one of identification {one.id}: it has {', '.join(map(str, one.run_ids))}")
         with database(request).reading() as session:
-            held = used_runs(session, one, one.run_ids if run is None else [run])
-        speed = np.linspace(one.speed_minimum, one.speed_maximum, points)
-        machine = held[0].machine if held else one.machine
-        curve = _fit(one, machine, speed, np.full(points, float(one.direction)))
-        return speed, curve, [(each, _fit(one, each.machine, *_speeds(each))) for each in held]
+            return used_runs(session, one, one.run_ids if run is None else [run])
 
-    one, (speed, curve, measured) = kept(request, identification_id, ("bode", run, points), compute)
+    asked = ("bode", run, points)
+    one, (speed, curve, measured) = kept(request, identification_id, asked, partial(_curves, points=points), given=runs)
     return schemas.Bode(
         **head(one, units),
         slow_roll_subtracted=one.slow_roll is not None,
@@ -50,6 +48,14 @@ def read_bode(
         ),
         measured=[_measured(one, each, fit, units) for each, fit in measured],
     )
+
+
+def _curves(one: Identified, held: list[UsedRun], points: int) -> tuple[Any, ...]:
+    """Speeds, the fitted curve at them, and each run with the fit at its samples."""
+    speed = np.linspace(one.speed_minimum, one.speed_maximum, points)
+    machine = held[0].machine if held else one.machine
+    curve = _fit(one, machine, speed, np.full(points, float(one.direction)))
+    return speed, curve, [(each, _fit(one, each.machine, *_speeds(each))) for each in held]
 
 
 def _fit(one: Identified, machine: Any, speed: Any, direction: Any) -> PhasorBand:

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 from estimator.deviation import parameter_of
 from estimator.parameter_change import ParameterChange, Values, element_changes, parameter_changes
 from service.api.access import Number, Reading
-from service.api.model import kept
+from service.api.model import read_identified
 from service.api.problems import RESPONSES, Unsuitable
 from service.identified import Identified
 from service.security.requirement import VIEWER
@@ -87,7 +87,7 @@ def compare_identifications(request: Request, session: Reading, first: Which, se
             f"only those of one machine: identification {first} is of machine '{machine_of[0]}', {second} of '{machine_of[1]}'"
         )
     unknown = [_undetermined(session, number) for number in (first, second)]
-    before, after = (_values(kept(request, number, ("values",), lambda one: one)[0]) for number in (first, second))
+    before, after = (_values(read_identified(request, number)) for number in (first, second))
     return Comparison(
         machine=machine_of[0],
         first=first,

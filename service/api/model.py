@@ -5,6 +5,8 @@ All of it is computed from the stored values and covariance, in SI, once, and re
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
@@ -25,6 +27,7 @@ from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api import model_schemas as schemas
 from service.api.access import Number, database
 from service.api.kept_answers import KeptAnswers
+from service.api.model_process import ModelProcess, is_long
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import direction
 from service.api.units import UnitChoice, Units, column
@@ -50,12 +53,7 @@ Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")
 def read_critical_speeds(request: Request, identification_id: Number, units: UnitChoice) -> schemas.CriticalSpeeds:
     """Critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
 
-    def compute(one: Identified) -> tuple[tuple[CriticalSpeed, ...], Floats]:
-        model = one.model
-        table = critical_speed_table(model.scaled_machine, highest=_highest(one), coefficients=model.coefficients)
-        return table, critical_speed_errors(model, table)
-
-    one, (table, errors) = kept(request, identification_id, ("critical-speeds",), compute, slow=True)
+    one, (table, errors) = kept(request, identification_id, ("critical-speeds",), _table, slow=True)
     return schemas.CriticalSpeeds(
         **head(one, units),
         highest=units.speed_of(_highest(one)),
@@ -72,15 +70,7 @@ def read_campbell(
 ) -> schemas.CampbellOut:
     """Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
 
-    def compute(one: Identified) -> Campbell:
-        return campbell(
-            one.model.scaled_machine,
-            speed=np.linspace(0.0, _highest(one), points),
-            highest_frequency=HIGHEST_FREQUENCY * _highest(one),
-            coefficients=one.model.coefficients,
-        )
-
-    one, found = kept(request, identification_id, ("campbell", points), compute, slow=True)
+    one, found = kept(request, identification_id, ("campbell", points), partial(_diagram, points=points), slow=True)
     return schemas.CampbellOut(
         **head(one, units),
         speed=units.speeds(found.speed),
@@ -101,19 +91,7 @@ def read_campbell(
 def read_modes(request: Request, identification_id: Number, units: UnitChoice, rpm: Rpm = None) -> schemas.ModesOut:
     """Modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
 
-    def compute(one: Identified) -> tuple[tuple[ModeShape, ...], Floats]:
-        speed, model = _speed(one, rpm), one.model
-        shapes = mode_shapes(
-            model.scaled_machine,
-            spin=one.direction * speed,
-            highest_frequency=HIGHEST_FREQUENCY * _highest(one),
-            coefficients=model.coefficients(speed),
-        )
-        found = modes_at(model, speed=speed)
-        errors = natural_frequency_errors(model, found, speed=speed)
-        return shapes, np.array([errors[np.argmin(np.abs(found.eigenvalue - shape.eigenvalue))] for shape in shapes])
-
-    one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), compute)
+    one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), partial(_shapes, rpm=rpm))
     begins = shaft_begins(one.machine)
     return schemas.ModesOut(
         **head(one, units),
@@ -134,10 +112,8 @@ def read_misalignment_force(
 ) -> schemas.MisalignmentForce:
     """1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
 
-    def compute(one: Identified) -> tuple[CouplingForce, ...]:
-        return coupling_forces(one.model, speed=_speeds(one, from_rpm, to_rpm, points))
-
-    one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), compute)
+    work = partial(_coupling_forces, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
+    one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), work)
     return schemas.MisalignmentForce(
         **head(one, units),
         speed=units.speeds(_speeds(one, from_rpm, to_rpm, points)),
@@ -166,18 +142,9 @@ def read_balancing(
 ) -> schemas.Balancing:
     """The correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
 
-    def compute(one: Identified) -> Correction:
-        planes = plane or [disc.id for disc in one.machine.discs]
-        if not planes:
-            raise Unsuitable(f"machine '{one.machine.id}' has no disc to correct in")
-        speed = _speeds(one, from_rpm, to_rpm, points)
-        try:
-            return balance(one.model, planes=planes, speed=speed)
-        except ValueError as error:
-            raise Unsuitable(f"plane: {error}") from error
-
     asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
-    one, found = kept(request, identification_id, asked, compute)
+    work = partial(_correction, plane=plane, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
+    one, found = kept(request, identification_id, asked, work)
     return schemas.Balancing(
         **head(one, units),
         speed=units.speeds(found.speed),
@@ -197,20 +164,38 @@ def kept(
     request: Request,
     identification_id: int,
     asked: tuple[Any, ...],
-    compute: Callable[[Identified], T],
+    compute: Callable[..., T],
     *,
     slow: bool = False,
+    given: Callable[[Identified], Any] | None = None,
 ) -> tuple[Identified, T]:
-    """What is asked of an identification, from memory or computed now. Raises IdentificationUnknown, NoModel."""
+    """What is asked of an identification, from memory or computed now; of a long train in a process of its own.
+
+    compute: of the identification and, where there is one, of what `given` reads for it; such that it can be pickled.
+    Raises IdentificationUnknown, NoModel, HTTPException 503.
+    """
+    one = read_identified(request, identification_id)
+    answers: KeptAnswers = request.app.state.answers
+    process: ModelProcess = request.app.state.model_process
+    key, apart = (identification_id, *asked), is_long(one.machine)
+
+    def work() -> T:
+        read = () if given is None else (given(one),)
+        # A copy: what was worked out of it here need not be handed over, and partly cannot.
+        return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
+
+    return one, answers.slow(key, work) if slow or apart else answers.quick(key, work)
+
+
+def read_identified(request: Request, identification_id: int) -> Identified:
+    """An identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
     answers: KeptAnswers = request.app.state.answers
 
     def read() -> Identified:
         with database(request).reading() as session:
             return identified(session, identification_id)
 
-    one = answers.quick((identification_id,), read)
-    answer = answers.slow if slow else answers.quick
-    return one, answer((identification_id, *asked), lambda: compute(one))
+    return answers.quick((identification_id,), read)
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:
@@ -221,6 +206,51 @@ def head(one: Identified, units: Units) -> dict[str, Any]:
         "direction": direction(one.direction),
         "units": units,
     }
+
+
+def _table(one: Identified) -> tuple[tuple[CriticalSpeed, ...], Floats]:
+    model = one.model
+    table = critical_speed_table(model.scaled_machine, highest=_highest(one), coefficients=model.coefficients)
+    return table, critical_speed_errors(model, table)
+
+
+def _diagram(one: Identified, points: int) -> Campbell:
+    return campbell(
+        one.model.scaled_machine,
+        speed=np.linspace(0.0, _highest(one), points),
+        highest_frequency=HIGHEST_FREQUENCY * _highest(one),
+        coefficients=one.model.coefficients,
+    )
+
+
+def _shapes(one: Identified, rpm: float | None) -> tuple[tuple[ModeShape, ...], Floats]:
+    speed, model = _speed(one, rpm), one.model
+    shapes = mode_shapes(
+        model.scaled_machine,
+        spin=one.direction * speed,
+        highest_frequency=HIGHEST_FREQUENCY * _highest(one),
+        coefficients=model.coefficients(speed),
+    )
+    found = modes_at(model, speed=speed)
+    errors = natural_frequency_errors(model, found, speed=speed)
+    return shapes, np.array([errors[np.argmin(np.abs(found.eigenvalue - shape.eigenvalue))] for shape in shapes])
+
+
+def _coupling_forces(one: Identified, from_rpm: float | None, to_rpm: float | None, points: int) -> tuple[CouplingForce, ...]:
+    return coupling_forces(one.model, speed=_speeds(one, from_rpm, to_rpm, points))
+
+
+def _correction(
+    one: Identified, plane: list[str] | None, from_rpm: float | None, to_rpm: float | None, points: int
+) -> Correction:
+    planes = plane or [disc.id for disc in one.machine.discs]
+    if not planes:
+        raise Unsuitable(f"machine '{one.machine.id}' has no disc to correct in")
+    speed = _speeds(one, from_rpm, to_rpm, points)
+    try:
+        return balance(one.model, planes=planes, speed=speed)
+    except ValueError as error:
+        raise Unsuitable(f"plane: {error}") from error
 
 
 def _highest(one: Identified) -> float:

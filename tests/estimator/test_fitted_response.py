@@ -87,3 +87,16 @@ def test_a_channel_that_was_not_identified_is_exact() -> None:
     assert np.allclose(found.value, plain.value)
     with pytest.raises(ValueError, match=r"it lacks bearing\.B1\.kxx"):
         fitted_response(machine, names[1:], point[1:], covariance[1:, 1:], speed=SPEED, direction=np.ones(SPEED.size))
+
+
+def test_many_speeds_are_as_each_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They are computed in blocks, so that the slopes of a long run do not fill the memory."""
+    machine = with_chains()
+    problem, point, covariance = identified(machine, 1.0)
+    turning = np.where(np.arange(SPEED.size) % 3 == 0, 1.0, -1.0)
+    whole = fitted_response(machine, problem.coordinates.names, point, covariance, speed=SPEED, direction=turning)
+    monkeypatch.setattr("estimator.condensation.BLOCK", 7)
+    found = fitted_response(machine, problem.coordinates.names, point, covariance, speed=SPEED, direction=turning)
+    for name in ("value", "covariance", "lower", "upper"):
+        assert getattr(found, name).shape == getattr(whole, name).shape
+        assert np.allclose(getattr(found, name), getattr(whole, name), rtol=1e-9, atol=1e-18)

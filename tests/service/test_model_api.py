@@ -387,3 +387,35 @@ def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytes
 
     assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
     assert made == ["a", "b", "c", "a"]
+
+
+@pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])
+def test_a_process_of_its_own_answers_the_same(api: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As for a long train."""
+    expected = api.value(f"/identifications/1/{what}")
+    monkeypatch.setattr("service.api.model_process.LONG_ELEMENTS", 0)
+    other, computed = Api(api.database), []
+    compute = other.app.state.model_process.compute
+
+    def counted(work: Any, *arguments: Any) -> Any:
+        computed.append(work)
+        return compute(work, *arguments)
+
+    monkeypatch.setattr(other.app.state.model_process, "compute", counted)
+    try:
+        assert other.value(f"/identifications/1/{what}") == expected
+        assert len(computed) == 1
+        assert other.value(f"/identifications/1/{what}") == expected
+        assert len(computed) == 1
+    finally:
+        other.app.state.model_process.close()
+
+
+def test_what_does_not_suit_is_told_by_a_process_of_its_own_as_well(api: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("service.api.model_process.LONG_ELEMENTS", 0)
+    other = Api(api.database)
+    try:
+        answer = other.get("/identifications/1/model/balancing", plane=["nowhere"])
+        assert "nowhere" in problem(answer, 422)["detail"]
+    finally:
+        other.app.state.model_process.close()
