@@ -5,8 +5,9 @@ A document that is stored already is read whatever its size, so that nothing is 
 The cost model. A fit of S samples keeps the shafts' dynamic stiffness at the r plane degrees of freedom at which parts sit,
 for either sense of whirl: 2 · 16 S r² bytes; and of a block of 256 samples the derivatives of m probes by n real unknowns and
 K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)². One evaluation takes some
-S (4 n² m + 16/3 (2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while a run of 500 samples
-stays within the memory and time of a worker (2 GB, 300 s); of a large one, samples are thinned out to as many as do.
+S (4 n² m + 16/3 (2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while both stay within the
+bounds below for 500 samples; of a large one, samples are thinned out to as many as do. How many of them a fit takes depends
+on the data: a worker's own limits of time and memory hold beside these bounds.
 """
 
 import math
@@ -36,7 +37,7 @@ FEWEST_SAMPLES = 500
 MEMORY = 1.5e9
 """What a fit may hold [bytes], beside the programs themselves."""
 OPERATIONS = 1e11
-"""Of one evaluation: some seconds."""
+"""Of one evaluation: some seconds; more where E and density are unknowns, as the shafts are eliminated anew then."""
 BLOCK = 256
 
 
