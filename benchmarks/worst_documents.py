@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -35,6 +36,8 @@ BATCH = 10
 SPEEDS = [*[3500.0] * 10, *np.linspace(3500.0, 310.0, 190).tolist(), *[250.0] * 20]
 FIGURES = ("rundown_longest_transaction_seconds", "rundown_ingest_longest_cycle_seconds")
 CLOSED_WITHIN_S = 120.0
+BEGAN_S = time.time()
+"""When the first sample was taken, of each machine."""
 
 
 def probe(url: str) -> None:
@@ -48,6 +51,8 @@ def probe(url: str) -> None:
     threading.Thread(target=wait, daemon=True).start()
     took = []
     with httpx.Client(timeout=30.0) as client:
+        client.get(f"{url}/alive")
+        print("asking", flush=True)
         while not over.wait(0.05):
             began = time.perf_counter()
             client.get(f"{url}/alive")
@@ -62,6 +67,8 @@ def probing(url: str) -> Iterator[list[float]]:
     command = [sys.executable, "-m", "benchmarks.worst_documents", "--probe", url]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as asking:
         try:
+            assert asking.stdout is not None
+            assert asking.stdout.readline() == "asking\n"
             yield took
         finally:
             said, _ = asking.communicate("", timeout=60.0)
@@ -92,13 +99,13 @@ class Watch(threading.Thread):
         self.join()
 
 
-def send(url: str, machine: Machine, *, seed: int) -> int:
-    """Run a machine down, a batch a second; returns how many samples were acknowledged."""
+def send(url: str, machine: Machine, *, seed: int, pace_s: float = 1.0, batches: slice = slice(None)) -> int:
+    """Run a machine down, a batch every pace_s [s]; returns how many samples were acknowledged. batches: not all of them."""
     rng = np.random.default_rng(seed)
     channels = list(machine.channels)
     start, acknowledged = time.time(), 0
     with httpx.Client(timeout=60.0) as client:
-        for first in range(0, len(SPEEDS), BATCH):
+        for number, first in enumerate(range(0, len(SPEEDS), BATCH)[batches]):
             speeds = SPEEDS[first : first + BATCH]
             shape = (len(speeds), len(channels))
             batch = SampleBatch(
@@ -108,7 +115,7 @@ def send(url: str, machine: Machine, *, seed: int) -> int:
                 source="monitor",
                 epoch=1,
                 sequence=first,
-                time_ns=[round(1e9 * (start + 0.1 * (first + place))) for place in range(len(speeds))],
+                time_ns=[round(1e9 * (BEGAN_S + 0.1 * (first + place))) for place in range(len(speeds))],
                 speed=speeds,
                 speed_unit="rpm",
                 direction="positive",
@@ -129,7 +136,7 @@ def send(url: str, machine: Machine, *, seed: int) -> int:
                 if answer.status_code not in (429, 503):
                     raise RuntimeError(answer.text)
                 time.sleep(0.2)
-            time.sleep(max(0.0, start + 0.1 * (first + BATCH) - time.time()))
+            time.sleep(max(0.0, start + pace_s * (number + 1) - time.time()))
     return acknowledged
 
 
@@ -144,9 +151,9 @@ def measure(service: Service, options: argparse.Namespace) -> bool:
         watch = Watch(service)
         watch.start()
         with probing(url) as took:
-            acknowledged = _send_all(url, documents, seed=options.seed)
+            acknowledged = send_all(url, documents, seed=options.seed)
             began = time.monotonic()
-            until(lambda: _closed(service) >= len(documents), within_s=CLOSED_WITHIN_S, what="all runs are closed")
+            until(lambda: closed(service) >= len(documents), within_s=CLOSED_WITHIN_S, what="all runs are closed")
             closed_after = time.monotonic() - began
             time.sleep(options.linger)
         watch.stop()
@@ -168,13 +175,15 @@ def measure(service: Service, options: argparse.Namespace) -> bool:
     return lost == 0 and transaction <= LONGEST_TRANSACTION_S and cycle <= LONGEST_CYCLE_S and p99 <= ALIVE_S
 
 
-def _send_all(url: str, documents: list[dict[str, object]], *, seed: int) -> int:
+def send_all(url: str, documents: list[dict[str, Any]], *, seed: int, **how: Any) -> int:
+    """Run all machines down at once, as `send` does; returns how many samples were acknowledged."""
     machines = [parse_machine(document) for document in documents]
     with ThreadPoolExecutor(len(machines)) as pool:
-        return sum(pool.map(lambda place: send(url, machines[place], seed=seed + place), range(len(machines))))
+        return sum(pool.map(lambda place: send(url, machines[place], seed=seed + place, **how), range(len(machines))))
 
 
-def _closed(service: Service) -> int:
+def closed(service: Service) -> int:
+    """How many machines have a run that is closed."""
     found = 0
     for machine in service.get("/machines", limit=1000):
         states = [run["state"] for run in service.get(f"/machines/{machine['id']}/runs")]

@@ -26,6 +26,13 @@ def imported_by(module: str) -> set[str]:
     return found
 
 
+def imported_directly_by(module: str) -> set[str]:
+    """What one module names in its imports at run time."""
+    path = _path(module)
+    assert path is not None
+    return set(_named(ast.parse(path.read_text())))
+
+
 def _named(node: ast.AST) -> Iterator[str]:
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.If) and isinstance(child.test, ast.Name) and child.test.id == "TYPE_CHECKING":

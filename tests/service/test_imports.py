@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.imports import imported_by
+from tests.imports import imported_by, imported_directly_by
 
 STATES_AND_COUNTS = {
     "arrays",
@@ -29,3 +29,23 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
     assert {one.removeprefix("estimator.") for one in found if one.startswith("estimator.")} <= STATES_AND_COUNTS
     assert "scipy" not in found
     assert {"numpy", "sqlalchemy"} <= found, "the look at imports sees nothing"
+
+
+@pytest.mark.parametrize(
+    ("module", "known"),
+    [
+        ("service.watching", {"estimator.point"}),
+        ("service.judgements", set[str]()),
+        ("service.alerting", set[str]()),
+        ("service.statements", set[str]()),
+        ("service.identifying", {"estimator.identification"}),
+        ("service.job_task", {"estimator.identification", "estimator.machine"}),
+        ("service.requesting", {"estimator.identification", "estimator.machine"}),
+    ],
+)
+def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:
+    """They name documents, options and points, which are data; what judges and identifies is imported by the worker only."""
+    named = {one for one in imported_directly_by(module) if one.startswith(("estimator.", "service.judging"))}
+    assert {one for one in named if not one.rpartition(".")[2][:1].isupper()} <= known | {
+        f"{one}.parse_machine" for one in known
+    }
