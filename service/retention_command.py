@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.ending import fail
+from service.terminal import say
 
 if TYPE_CHECKING:
     from service.tiers import Tier
@@ -59,18 +60,18 @@ def confirm(
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         opened.close()
-    typer.echo("confirmed: the service's next round, within ten minutes, lets go of it")
+    say("confirmed: the service's next round, within ten minutes, lets go of it")
 
 
 def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
     from service.cut_offs import DAY_NS
 
-    typer.echo(f"by this machine's clock it is {_time(moment)}")
+    say(f"by this machine's clock it is {_time(moment)}")
     for tier in tiers:
         found = _old(database, tier, moment)
-        typer.echo(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
+        say(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
         for machine_id, extent in found.items():
-            typer.echo(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
+            say(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
 
 
 def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":

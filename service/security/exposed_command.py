@@ -1,11 +1,10 @@
 """`rundown doctor --exposed`: what somebody on the network could reach, and why."""
 
-import typer
-
 from service.ending import fail
 from service.security.door_checks import tried
 from service.security.exposed import credentials_asked, doors, written
 from service.settings import Settings
+from service.terminal import say, say_lines
 from storage.claim import DatabaseUnusable
 
 
@@ -17,10 +16,10 @@ def report(settings: Settings, *, url: str | None = None) -> None:
     except DatabaseUnusable as error:
         fail(str(error))
     for door in found:
-        typer.echo(written(door))
+        say_lines(written(door))
     looks = list(tried(settings, asked=asked, url=url))
     for look in looks:
-        typer.echo(f"{look.level:9s} tried: {look.what}: {look.words}")
+        say(f"{look.level:9s} tried: {look.what}: {look.words}")
     open_doors = sum(door.level == "open" for door in found) + sum(look.level == "open" for look in looks)
     if open_doors:
         fail(f"{open_doors} open to everybody on the network: docs/security.md says how to close them")

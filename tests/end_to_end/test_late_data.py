@@ -64,6 +64,8 @@ def test_what_came_late_is_in_the_run_and_its_newest_identification_counts(tmp_p
         for number in (0, 1, 3, 2, 2, 4, 8, 9, 10, 11):
             post(service, batches[number])
         (run,) = service.get(f"/machines/{MACHINE}/runs")
+        until(lambda: service.get(f"/runs/{run['id']}")["state"] == "closed", within_s=30, what="the run is closed")
+        run = service.get(f"/runs/{run['id']}")
         assert (run["kind"], run["state"], run["reopened_at"]) == ("run-down", "closed", None)
         assert service.get(f"/machines/{MACHINE}/state")["state"] in ("slow roll", "stopped")
         (source,) = service.get("/sources")

@@ -69,7 +69,8 @@ def test_secrets_are_sealed_at_an_upgrade_and_a_backup_needs_the_key(stores: Sto
         assert restored.client.post("/subscriptions", json=said).status_code == 409
         other = restored.client.post("/subscriptions", json=said | {"secret_env": "RUNDOWN_WEBHOOK_SECRET_OTHER"}).json()
         sent(restored, other["id"], http, plain)
-        assert "told nothing" in rundown("doctor", RUNDOWN_DATABASE=restored.database, RUNDOWN_PORT="1").stdout
+        assert "told nothing" in rundown("doctor", RUNDOWN_DATABASE=restored.database, RUNDOWN_PORT=str(restored.port)).stdout
+    assert "told nothing" in rundown("doctor", RUNDOWN_DATABASE=restored.database, RUNDOWN_PORT="1").stdout
     shutil.copy(key, elsewhere / "rundown.db.key")
     with restored.running():
         sent(restored, old, http, plain)

@@ -29,6 +29,7 @@ from tests.faults import disorder, fuzzing
 from tests.faults.measured import measured
 from tests.identification import chapter_3
 from tests.plant import KEY, START, arrived, batch, document, listened_to
+from tests.prompt_journal import PromptJournal
 
 CASES = 3_000
 HUGE = 64 << 20
@@ -108,7 +109,7 @@ def identified(database: Database, messages: list[SampleBatch]) -> tuple[Samples
     machine = chapter_3()
     with database.transaction() as session:
         machines.create(session, machine)
-    Journal(database, Collector()).store([arrived(one) for one in messages], [])
+    PromptJournal(database).store([arrived(one) for one in messages], [])
     with database.reading() as session:
         (row,) = session.query(RunRow).filter_by(state=runs.CLOSED)
         held = runs.samples(session, row.id)

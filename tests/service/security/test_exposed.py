@@ -18,7 +18,7 @@ from service.security.door_checks import tried
 from service.security.exposed import Door, doors
 from service.security.principal import Role
 from service.settings import Settings
-from tests.end_to_end.processes import ROOT, Service, free_port, rundown
+from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import sqlite_url
 
 TWICE: dict[str, Any] = {"allow_no_authentication": True, "everybody_may_change_everything": True}
@@ -157,6 +157,7 @@ def test_a_real_service_is_asked_whether_it_answers_as_its_settings_say(tmp_path
         assert told.returncode == 1
         assert "answers anybody: /api/v1/machines" in told.stdout
         assert rundown("key", "create", "anna", "--role", "viewer", "--database", service.database).returncode == 0
+        until(lambda: service.client.get("/machines").status_code == 401, within_s=10, what="the service has seen the key")
         assert "there are API keys" in (told := exposed(service)).stdout
         assert told.returncode == 0, told.stdout
         count = sum(
