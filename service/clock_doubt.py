@@ -116,9 +116,10 @@ class OwnClock:
 
     def _judge(self, clock: int, monotonic: int) -> None:
         receipt = self._known_receipt()
-        heard = [one for one in self._sources.values() if monotonic - one.heard <= HEARD_LATELY]
-        ahead = [one.first + monotonic for one in heard if one.is_ahead(clock, monotonic)]
-        agreeing = sum(one.agrees(clock, monotonic) for one in heard)
+        heard = [(name, one) for name, one in self._sources.items() if monotonic - one.heard <= HEARD_LATELY]
+        # A machine has one voice, however many sources somebody lets it have.
+        first = {machine: one.first + monotonic for (machine, _), one in heard if one.is_ahead(clock, monotonic)}
+        ahead, agreeing = list(first.values()), len({machine for (machine, _), one in heard if one.agrees(clock, monotonic)})
         behind = receipt > clock + FUTURE_TOLERANCE
         before, self.doubt = self.doubt, None
         if is_doubted(behind=behind, ahead=len(ahead), agreeing=agreeing):

@@ -31,6 +31,8 @@ CYCLE_S = 0.2
 LATE_CHECK_S = 2.0
 """Between two looks for samples that came late."""
 RETRY_S = 1.0
+MOST_WINDOWS = 20
+"""Of one machine, before it is another one's turn."""
 AT_ONCE = 500
 """Machines that are looked at together."""
 
@@ -168,7 +170,7 @@ class Closing:
             patience = self._collector.late_patience(session, machine_id)
             windows = [] if patience is None else self._collector.late_windows(session, machine_id)
             together = late.by_run(session, machine_id, windows)
-        for window in together:
+        for window in together[:MOST_WINDOWS]:
             if patience is None or self._stop.is_set():
                 return
             with self._database.reading() as session:
@@ -177,7 +179,7 @@ class Closing:
                 continue
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
-                if self._collector.take_late(session, machine_id, window):
+                if late.still_holds(session, plan) and self._collector.take_late(session, machine_id, window):
                     late.carry_out(session, plan)
             self.close_ended()
 

@@ -139,8 +139,6 @@ class Identifying:
 
     def _put_back_lost(self) -> None:
         """Own jobs of which nothing is known here: they were taken when the database's answer got lost."""
-        if self._share.holder is None:
-            return
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
                 computed = any(row.id == taken.job_id for taken in self._running.values())
@@ -199,6 +197,9 @@ class Identifying:
             with self._database.reading() as session:
                 row = jobs.get(session, taken.job_id)
                 return task(session, row, self._options, timeout_s=self._settings.identification_timeout_s)
+        except MemoryError as error:
+            self._put_back(taken.job_id, f"its data need more memory than there is: {error}")
+            return None
         except Exception as error:
             if concerns_all(error):
                 raise
@@ -208,10 +209,11 @@ class Identifying:
     def _fail_unread(self, job_id: int, why: str, *, damaged: bool) -> None:
         logger.error("the data of job %d cannot be read: %s", job_id, why)
         with self._database.transaction() as session:
-            row = jobs.get(session, job_id)
-            if damaged:
-                self._database.damage.concerns(row.machine_id)
-            jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {why}")
+            row = self._own(session, job_id)
+            if row is not None:
+                if damaged:
+                    self._database.damage.concerns(row.machine_id)
+                jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {why}")
 
     def _file_done(self) -> None:
         """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""

@@ -59,7 +59,7 @@ class Plan:
 
     added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
     that each is now. joined: runs that become part of another one, by id. left_out: runs that cannot be made anew, and why
-    not; damaged: what is wrong with the blocks that this needs.
+    not; damaged: what is wrong with the blocks that this needs. basis: what it rests on, see `still_holds`.
     """
 
     machine_id: str
@@ -70,6 +70,7 @@ class Plan:
     left_out: list[int] = field(default_factory=list)
     why: str = ""
     damaged: list[str] = field(default_factory=list)
+    basis: tuple[object, ...] = ()
 
 
 def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
@@ -105,7 +106,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
-    found = Plan(machine_id, window)
+    found = Plan(machine_id, window, basis=_basis(session, machine_id, window))
     if machine.collection.runs == ROLLING:
         return found
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
@@ -127,6 +128,18 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
 
     _match(found, beside, [one for one in sweeps if concerned(one[0].start, one[0].time)], concerned)
     return found
+
+
+def still_holds(session: Session, found: Plan) -> bool:
+    """Whether the runs beside a window, and how far back the blocks reach, are still as they were when the plan was made."""
+    return found.basis == _basis(session, found.machine_id, found.window)
+
+
+def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, ...]:
+    revision, first, last, _ = window
+    beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
+    known = [(row.id, row.state, row.time_first, row.time_last, row.times_reopened) for row in beside]
+    return machines.get(session, machine_id).blocks_since, *known
 
 
 def _match(

@@ -33,6 +33,8 @@ HAND_OVER_S = 30.0
 GRACE_S = worker.GRACE_S + 5.0
 """… and how much longer than allowed for that, after which it should have ended itself."""
 WATCH_S = 0.25
+RETRY_S = 1.0
+"""Pause after no process could be begun."""
 DEATH_S = 2.0
 """How long the death of a process is waited for, at most."""
 HERE = b"here"
@@ -111,10 +113,16 @@ class SeparateProcesses:
     def _watch(self) -> None:
         while not self._stop.wait(WATCH_S):
             for number, place in enumerate(self._places):
-                if (silent := place.silent_s()) is not None:
-                    logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
-                    self._places[number] = _Place(self._waiting, self._memory)
-                    place.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
+                try:
+                    self._look_at(number, place)
+                except Exception:
+                    logger.exception("a worker process cannot be looked after, trying again")
+
+    def _look_at(self, number: int, place: "_Place") -> None:
+        if (silent := place.silent_s()) is not None:
+            logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
+            self._places[number] = _Place(self._waiting, self._memory)
+            place.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
 class _Place:
@@ -162,7 +170,7 @@ class _Place:
         try:
             if self._given_up is not None:
                 raise self._given_up
-            pipe = self._pipe or self._begin()
+            pipe = self._pipe or self._begun()
             self._allow(HAND_OVER_S)
             pipe.send_bytes(piece.payload)
             pipe.recv_bytes()
@@ -175,6 +183,16 @@ class _Place:
             self._settle(error=error)
         else:
             self._settle(value) if done else self._settle(error=value)
+
+    def _begun(self) -> Connection:
+        """A new process. Raises Interrupted where none can be had at present, which is not the work's fault."""
+        try:
+            return self._begin()
+        except (EOFError, OSError, RuntimeError) as error:
+            logger.error("no worker process can be begun at present: %s", error)
+            self._end()
+            time.sleep(RETRY_S)
+            raise Interrupted(f"no worker process can be begun at present: {error}") from error
 
     def _begin(self) -> Connection:
         # Spawned: a fork with a zenoh session open would crash.

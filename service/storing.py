@@ -27,6 +27,8 @@ logger = logging.getLogger(__name__)
 
 LONGEST_TRANSACTION_S = 0.03
 """After so long no further batch is taken into a transaction; what those that are in it cause comes on top."""
+FEWEST_AT_ONCE, MOST_AT_ONCE = 20, 1000
+"""Batches that a transaction is begun with: twice as many as the last one had time for, within these."""
 FREE_FAILURES = 2
 """So often in a row a source may meet an unforeseen error before it is put off."""
 MOST_TRIES = 50
@@ -54,6 +56,7 @@ class Storing:
         self._journal = journal
         self._leave = leave
         self._held: list[_Held] = []
+        self._at_once = FEWEST_AT_ONCE
         self._rejections: list[Rejection] = []
         self._refused: list[tuple[Future[Outcome], Exception]] = []
         self._expected: Bounded[SourceKey, int] = Bounded()
@@ -176,12 +179,15 @@ class Storing:
 
     def _store_together(self) -> None:
         if self._held or self._rejections:
-            arrived = [one.arrived for one in self._held]
+            arrived = [one.arrived for one in self._held[: self._at_once]]
             outcomes = self._journal.store(arrived, self._rejections, within_s=LONGEST_TRANSACTION_S)
             for one, outcome in zip(self._held, outcomes, strict=False):
                 self._stored(one, outcome)
             del self._held[: len(outcomes)]
             self._rejections.clear()
+            # What a transaction looks up for batches that it has no time for is looked up in vain.
+            fitted = len(outcomes) == len(arrived)
+            self._at_once = min(2 * self._at_once, MOST_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
         self._answer_refused()
 
     def _answer_refused(self) -> None:

@@ -127,8 +127,8 @@ def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
     return len(rows)
 
 
-def held_by(session: Session, holder: int) -> Sequence[JobRow]:
-    """What a replica is computing."""
+def held_by(session: Session, holder: int | None) -> Sequence[JobRow]:
+    """What a replica is computing; None: the only process on its database."""
     return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
 
 

@@ -47,7 +47,9 @@ class World:
 
     def batch(self, source: str, *, off: int = 0, length: int = 5) -> SampleBatch:
         """What a source has measured until now."""
-        return batch([900.0] * length, source=source, start=self.time + off - (length - 1) * SECOND)
+        return batch(
+            [900.0] * length, source=source, machine=f"machine-{source[:1]}", start=self.time + off - (length - 1) * SECOND
+        )
 
     def hear(self, *sources: str, off: int = 0) -> list[bool]:
         """Which batches of these sources have to wait."""
@@ -167,4 +169,10 @@ def test_rubbish_says_nothing_of_the_time(world: World) -> None:
     for moment in (2**62, -(2**62), 0):
         for source in "abc":
             assert not world.clock.withholds(batch([900.0] * 3, source=source, time_ns=[moment] * 3))
+    assert world.clock.doubt is None
+
+
+def test_a_machine_has_one_voice_however_many_sources_it_is_given(world: World) -> None:
+    world.go_on("b")
+    assert world.hear("a1", "a2", "a3", "a4", off=YEAR) == [False] * 4
     assert world.clock.doubt is None

@@ -20,6 +20,7 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 from estimator.machine import Condition, Machine, Operation
 from service import engines, requesting, worker
 from service.identifying import Identifying
+from service.job_task import task
 from service.settings import Settings
 from storage import derived, identifications, jobs, limits, machines, quarantine, runs
 from storage.database import Database
@@ -437,6 +438,28 @@ def test_newest_runs_are_identified_together_on_schedule(database: Database, tra
     with database.reading() as session:
         again, _ = identifications.of_machine(session, train.id)
         assert (again.run_ids, again.samples) == (wanted[1:], 100 + fewer)
+
+
+@pytest.mark.parametrize("place", [0, 1, 2])
+def test_jobs_that_were_taken_when_the_database_went_away_are_taken_again(
+    database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, place: int
+) -> None:
+    """They are marked as running in one transaction, and read in others."""
+    calls = [0]
+
+    def interrupted(*given: Any, **more: Any) -> worker.Task:
+        calls[0] += 1
+        if calls[0] == place + 1:
+            raise OperationalError(None, None, OSError("the database is away"))
+        return task(*given, **more)
+
+    monkeypatch.setattr("service.identifying.task", interrupted)
+    with database.transaction() as session:
+        machines.create(session, train)
+    for number in range(3):
+        close_run(database, train, seed=number, start_s=1_700_000_000 + 10_000 * number)
+    with identifying(database, workers=2):
+        wait_until(lambda: counts(database) == {"done": 3}, seconds=60.0)
 
 
 CONFUSED = ZeroDivisionError("a fault of ours")

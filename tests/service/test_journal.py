@@ -13,6 +13,7 @@ from sqlalchemy.orm import Session
 
 from service.collection import Collector
 from service.journal import Arrived
+from service.storing import Storing
 from service.wire import SampleBatch, source_key
 from storage import jobs, machines, quarantine, runs
 from storage import samples as sample_store
@@ -103,6 +104,21 @@ def test_a_gap_is_counted_as_lost(plant: Database, journal: PromptJournal) -> No
     store(journal, piece(2, 4), piece(7, 9))
     assert numbers(plant) == [2, 3, 7, 8]
     assert counts(plant) == (9, 4, 0, 2 + 3)
+
+
+def test_what_a_short_transaction_has_no_time_for_is_left_for_the_next(plant: Database, journal: PromptJournal) -> None:
+    every = [arrived(piece(first, first + 2)) for first in range(0, 12, 2)]
+    assert len(journal.store(every, [], within_s=0.0)) == 1
+    assert numbers(plant) == [0, 1]
+    held = Storing(journal, leave=lambda _: None)
+    for one in every[1:]:
+        held.take(one)
+    turns = 0
+    while len(held):
+        held.store()
+        turns += 1
+    assert numbers(plant) == list(range(12))
+    assert turns <= len(every) - 1
 
 
 @few_examples

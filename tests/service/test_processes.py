@@ -57,6 +57,20 @@ def test_work_is_done_in_two_processes_and_errors_are_told(two: SeparateProcesse
     assert two.submit(10.0, abs, -1).result(SOON_S) == 1
 
 
+def test_that_no_process_can_be_begun_is_not_held_against_the_work(
+    two: SeparateProcesses, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def short_of_descriptors(_: object) -> None:
+        raise OSError(24, "Too many open files")
+
+    monkeypatch.setattr(processes, "RETRY_S", 0.0)
+    with monkeypatch.context() as short:
+        short.setattr(processes._Place, "_begin", short_of_descriptors)
+        with pytest.raises(Interrupted, match="Too many open files"):
+            two.submit(10.0, abs, -1).result(SOON_S)
+    assert two.submit(10.0, abs, -1).result(SOON_S) == 1
+
+
 def test_stopped_processes_are_killed_and_others_take_their_places(two: SeparateProcesses) -> None:
     pids: set[int] = set()
     while len(pids) < 2:
