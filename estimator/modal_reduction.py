@@ -4,7 +4,8 @@ Component mode synthesis with free interfaces (MacNeal, Comput. Struct. 1 (1971)
 Rubin, AIAA J. 13 (1975) 995, doi:10.2514/3.60497): the plane modes of the shafts and discs without bearings and couplings
 up to several times the highest frequency of interest, and the deflection under a load at each degree of freedom that a
 coefficient acts at, so that a bearing may have any stiffness. Beside them the deflections under the gyroscopic moments and
-the internal damping that come with the modes. Both bending planes have the same shapes: the reduced matrices look like
+the internal damping that come with the modes, and under those that these deflections bring with them: a heavy wheel that
+overhangs needs both. Both bending planes have the same shapes: the reduced matrices look like
 those of a shorter train.
 """
 
@@ -112,8 +113,9 @@ def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
     held = scipy.linalg.cho_factor(stiffness + highest**2 * mass)
     deflected = scipy.linalg.cho_solve(held, loads)
     gyroscopic = rotor.discs.gyroscopic + sum(part.gyroscopic for part in rotor.materials.values())
-    along = [gyroscopic @ slow, *(part @ np.concatenate([slow, deflected], axis=1) for part in _uneven_damping(rotor))]
-    together = np.concatenate([free, deflected, scipy.linalg.cho_solve(held, np.concatenate(along, axis=1))], axis=1)
+    turned = scipy.linalg.cho_solve(held, gyroscopic @ slow)
+    along = [gyroscopic @ turned, *(part @ np.concatenate([slow, deflected], axis=1) for part in _uneven_damping(rotor))]
+    together = np.concatenate([free, deflected, turned, scipy.linalg.cho_solve(held, np.concatenate(along, axis=1))], axis=1)
     root = np.linalg.cholesky(mass)
     weighted = root.T @ together
     weighted = weighted / np.linalg.norm(weighted, axis=0)
