@@ -34,7 +34,7 @@ LARGEST_CYCLE = 1_000
 """Messages that are held at once."""
 LARGEST_COLLECTION = 200
 """Of those that logs answer, taken at once."""
-TAKING_S = 0.05
+TAKING_S = 0.03
 """After so long no further message is taken before those that are held are stored."""
 CYCLE_S = 0.1
 """What comes within this time is stored together, as far as it is not much, …"""

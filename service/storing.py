@@ -25,7 +25,7 @@ from storage.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 
-LONGEST_TRANSACTION_S = 0.03
+LONGEST_TRANSACTION_S = 0.012
 """After so long no further batch is taken into a transaction; what those that are in it cause comes on top."""
 FEWEST_AT_ONCE, MOST_AT_ONCE = 20, 1000
 """Batches that a transaction is begun with: twice as many as the last one had time for, within these."""

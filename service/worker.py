@@ -33,6 +33,8 @@ from service.judgement import Judgement, Question
 from service.judging import judged
 from storage.blocks import Samples, decode, mean_conditions
 
+NICENESS = 10
+"""Storing and answering come before identifying, where there are fewer cores than work."""
 GRACE_S = 10.0
 """How much longer than allowed a process may take to notice that its time is over."""
 
@@ -83,7 +85,10 @@ class OutOfTime(RuntimeError):
 
 
 def prepare(memory_bytes: int) -> None:
-    """Run once in each process: one BLAS thread, so much memory, deaf to the terminal's Ctrl-C, gone when its parent is."""
+    """Run once in each process: one BLAS thread, so much memory, behind everybody who waits for the processor, deaf to the
+    terminal's Ctrl-C, gone when its parent is.
+    """
+    os.nice(NICENESS)
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     threadpoolctl.threadpool_limits(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
