@@ -20,25 +20,38 @@ from estimator.point import Point
 PRIOR_WEIGHT = 10.0
 """Degrees of freedom that the expected scatter counts for."""
 STIFFNESS_SCATTER = 0.01
-"""Expected run-to-run standard deviation of a stiffness, part of its own value or of the direct terms beside it; and of a
-gain, part of 1."""
+"""Expected run-to-run standard deviation of a stiffness, as a part of its own value or of the direct terms beside it, and of a
+gain, as a part of 1 [-].
+"""
 DAMPING_SCATTER = 0.05
-"""The same for a damping, which depends on the oil's temperature; also for a seal's inertia."""
+"""Expected run-to-run standard deviation of a damping, which depends on the oil's temperature, and of a seal's inertia, as a
+part as for a stiffness [-].
+"""
 EXCITATION_SCATTER = 0.03
-"""The same for each component of an unbalance or of another excitation, part of its magnitude."""
+"""Expected run-to-run standard deviation of each component of an unbalance or another excitation, as a part of its magnitude
+[-].
+"""
 LEAST_EXCITATION = 1.0 / 3.0
-"""Small unbalances take up what the model lacks: none is expected to repeat better than this part of the largest does."""
+"""Part of the largest excitation's magnitude that a smaller one's scatter is measured by at least [-]: small unbalances take
+up what the model lacks.
+"""
 COMPONENTS = (".real", ".imaginary")
+"""Endings of the names of an excitation's two components."""
 GAINS = tuple(f".gain{part}" for part in COMPONENTS)
+"""Endings of the names of a gain's two components."""
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Run-to-run scatter of N parameters.
 
-    names: of the parameters. size: (N,) what a change of each is measured by, in the parameter's unit: 1 for a logarithm, the
-    direct terms beside a cross-coupled term, the magnitude of an unbalance. variance: (N,) from run to run, in the
-    parameter's unit squared. degrees_of_freedom: (N,) with which each variance is known, PRIOR_WEIGHT to PRIOR_WEIGHT + n - 1.
+    Attributes:
+        names: Names of the parameters.
+        size: Measure (N,) of a change of each, in the parameter's unit: 1 for a logarithm, the direct terms beside a
+            cross-coupled term, the magnitude of an unbalance.
+        variance: Variance (N,) from run to run, in the parameter's unit squared.
+        degrees_of_freedom: Degrees of freedom (N,) with which each variance is known [-], PRIOR_WEIGHT to PRIOR_WEIGHT + n -
+            1.
     """
 
     names: tuple[str, ...]
@@ -48,9 +61,18 @@ class Scatter:
 
 
 def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
-    """Scatter of the parameters of a baseline, whose points all have the same names.
+    """Estimate the run-to-run scatter of the parameters of a baseline, shrunk towards the usual one.
 
-    Raises ValueError for an empty baseline or points of different parameters.
+    Sources: module's docstring.
+
+    Args:
+        baseline: Points of n runs with the same N parameters in the same order.
+
+    Returns:
+        Scatter of the N parameters.
+
+    Raises:
+        ValueError: The baseline is empty, or its points have different parameters.
     """
     if not baseline:
         raise ValueError("a baseline needs at least one identification")
@@ -71,12 +93,27 @@ def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
 
 
 def expected_scatter(names: Sequence[str]) -> Floats:
-    """Standard deviation (N,) that is expected from run to run, part of each parameter's size."""
+    """Return the standard deviation that is expected from run to run.
+
+    Args:
+        names: Names of the N parameters.
+
+    Returns:
+        Standard deviation (N,) as a part of each parameter's size [-].
+    """
     return np.array([_expected(name) for name in names])
 
 
 def sizes(names: Sequence[str], centre: Floats) -> Floats:
-    """What a change of each parameter (N,) is measured by, in the parameter's unit, from a baseline's centre (N,)."""
+    """Compute the measure of a change of each parameter.
+
+    Args:
+        names: Names of the N parameters.
+        centre: Centre of the baseline (N,), in each parameter's unit [SI, logarithms of direct terms].
+
+    Returns:
+        Measure (N,) in each parameter's unit [SI, 1 for logarithms].
+    """
     at = dict(zip(names, centre.tolist(), strict=True))
     excitations = {stem: math.hypot(*(at.get(stem + part, 0.0) for part in COMPONENTS)) for stem in _excitations(names)}
     largest: dict[str, float] = {}

@@ -26,27 +26,30 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model
 
 HIGHEST_ABOVE_TRIP = 1.25
-"""Critical speeds are those of the document's model up to this part of the speed range's end."""
+"""Highest critical speed of the document's model as a multiple of the speed range's end [-]."""
 SEARCH_MODES, MODES_PER_MODE = 16, 2
-"""Size of the basis of undamped modes in which the document's crossings are looked for before they are corrected in full:
-so many modes, and so many for each below the highest speed."""
+"""Size of the basis of undamped modes in which the document's crossings are searched before they are corrected in full: a
+fixed number, and so many for each mode below the highest speed.
+"""
 SAME_SHAPE = 0.8
-"""Modal assurance above which a shape is still the same after a step."""
+"""Modal assurance from which on a shape is still the same after a step [-]."""
 SMALLEST_STEP = 1 / 128
-"""Part of the way below which a crossing counts as lost."""
+"""Part of the way below which a crossing counts as lost [-]."""
 SAME_ROOT = 1e-6
-"""Relative distance of two eigenvalues below which they may be one crossing."""
+"""Relative distance of two eigenvalues up to which they may be one crossing [-]."""
 ALIKE = 0.6
-"""Assurance of two deflection lines above which the modes are one bending mode in two planes."""
+"""Assurance of two deflection lines from which on the modes are one bending mode in two planes [-]."""
 REMEMBERED = 256
-"""Documents whose crossings are kept at hand."""
+"""Number of documents whose crossings are cached."""
 
 
 @dataclass(frozen=True)
 class NominalCrossings:
-    """The c critical speeds of a document's model, ascending: the modes that cross, on the whole mesh, and which are pairs.
+    """Critical speeds of a document's model, ascending.
 
-    pairs: numbers of two that are one bending mode in two planes, the lower one first.
+    Attributes:
+        modes: The c modes that cross the synchronous line, on the whole mesh.
+        pairs: Numbers of two modes that are one bending mode in two planes, the lower one first.
     """
 
     modes: Modes
@@ -55,10 +58,15 @@ class NominalCrossings:
 
 @dataclass(frozen=True)
 class FollowedCrossings:
-    """The critical speeds of an updated model: `modes` of those that were followed, ascending, `number` (f,) of each.
+    """Critical speeds of an updated model that were followed from the document's model.
 
-    Shapes are over the model's basis. count: how many the document's model has; a number that is not there is so damped that
-    nothing is felt of it any more, or could not be followed.
+    A number that is missing is so heavily damped that nothing is felt of it any more, or could not be followed.
+
+    Attributes:
+        modes: The f modes that were followed, ascending, over the model's basis.
+        number: Number (f,) of each among those of the document's model.
+        count: Number of critical speeds of the document's model.
+        pairs: Numbers of two modes that are one bending mode in two planes, the lower one first.
     """
 
     modes: Modes
@@ -68,9 +76,15 @@ class FollowedCrossings:
 
 
 def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
-    """The critical speeds of a model, those of its document's model one by one.
+    """Follow the critical speeds of a document's model to the updated model, one by one.
 
     They are numbered in ascending order: where two have passed each other, each takes the other's number, and no trend jumps.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        The crossings that were followed.
     """
     nominal = _nominal(model.machine.model_dump_json())
     begins = [_over(model.basis, one) for one in _each(nominal.modes)]
