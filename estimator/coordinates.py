@@ -45,8 +45,9 @@ class FollowsSpeed:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Map between physical parameters and fit coordinates θ (n,), of a train with K coefficients, E excitations and m
-    channels.
+    """Map between physical parameters and fit coordinates θ (n,).
+
+    The train has K coefficients, E excitations and m channels.
 
     Attributes:
         names: Names of the n coordinates.

@@ -98,8 +98,9 @@ class Problem:
 
     @property
     def first_amplitude(self) -> Floats:
-        """Return the amplitudes (S, m) to weigh with before there is a fit [m]: a dead channel must not pass for a precise
-        one.
+        """Return the amplitudes (S, m) to weigh with before there is a fit [m].
+
+        A dead channel must not pass for a precise one.
         """
         amplitude = np.abs(self.measurement.phasor)
         return np.asarray(np.maximum(amplitude, SMALLEST_AMPLITUDE * amplitude.max(axis=1, keepdims=True)))

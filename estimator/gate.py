@@ -24,26 +24,32 @@ from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 
 NEGLIGIBLE = 0.1
-"""Predicted deviations below this part of the noise are left alone."""
+"""Part of the noise up to which predicted deviations are left alone [-]."""
 LARGEST_UNFITTED = 1.0
-"""With the document's model, points that deviate by more than this times their noise are left out …"""
+"""Largest deviation, over the noise, at which a point is kept when the document's model predicts it [-]."""
 LARGEST_FITTED = 2.0
-"""… and with the fitted one by more than this."""
+"""Largest deviation, over the noise, at which a point is kept when the fitted model predicts it [-]."""
 PREDICTION_ERROR = 0.3
-"""Part of a predicted deviation by which the prediction may be wrong, rms."""
+"""Rms error of a predicted deviation, as a part of it [-]."""
 PASSES = 3
 """Most times the points are judged anew with the model fitted to those that were left."""
 SETTLED = 0.1
-"""A change of the predicted deviations below this part of the noise, rms, is none."""
+"""Rms change of the predicted deviations, over the noise, below which they count as unchanged [-]."""
 CERTAIN = 25.0
-"""Difference of twice the log-likelihoods from which on the data contradict the times."""
+"""Difference of twice the log-likelihoods from which on the data contradict the times [-]."""
 LARGEST_SQUARE = 25.0
-"""What one phasor can say at most, as a squared multiple of its noise."""
+"""Largest contribution of one phasor, as a squared multiple of its noise [-]."""
 
 
 @dataclass(frozen=True)
 class Gated:
-    """qualities: of the runs. identification: None where the points left do not allow one, for the reason in `error`."""
+    """Outcome of an identification behind the quality gate.
+
+    Attributes:
+        qualities: Quality of each run.
+        identification: The identification; None where the points left do not allow one.
+        error: Reason why there is no identification.
+    """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
@@ -81,9 +87,23 @@ def identify_gated(
 ) -> Gated:
     """Judge runs and identify the machine from what may be used of all of them together.
 
-    measurements: the same samples, with trial weights where there were any. rules: by default the document's. gate: without
-    it the quality is told, but nothing is left out beside what the source itself calls unusable. beginning: as `identify`.
-    Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
+    Args:
+        machine: The machine.
+        runs: Recorded runs.
+        measurements: The same samples, run by run, with trial weights where there were any.
+        options: Options of the fit.
+        rules: Rules of quality; None for the document's.
+        gate: Whether points are left out; without it the quality is stated, but only what the source itself calls unusable is
+            left out.
+        beginning: Values (N,) of an earlier identification to start from, as in `identify` [SI, logarithms of direct terms].
+
+    Returns:
+        Qualities and identification; a lack of data becomes its error.
+
+    Raises:
+        FitFailed: No start leads anywhere.
+        SingularCondensation: The train cannot be condensed at a speed.
+        ValueError: The channels are not the machine's.
     """
     rules = rules or machine.quality
     qualities = tuple(assess(run, noise=machine.noise, rules=rules) for run in runs)

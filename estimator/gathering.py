@@ -20,7 +20,19 @@ from estimator.parameters import is_direct
 
 
 def combined(results: Sequence[Identification]) -> Identification:
-    """One identification from those of single runs of the same machine. Raises ValueError for fewer than two."""
+    """Combine the identifications of single runs of the same machine into one.
+
+    Source: random-effects mean (DerSimonian and Laird 1986, doi:10.1016/0197-2456(86)90046-2) with equal weights.
+
+    Args:
+        results: Identifications of at least two runs, with the same coordinates.
+
+    Returns:
+        One identification.
+
+    Raises:
+        ValueError: There are fewer than two.
+    """
     count = len(results)
     if count < 2:
         raise ValueError("at least two identifications are needed to combine them")

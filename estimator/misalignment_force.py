@@ -1,7 +1,7 @@
-"""Forces and moments in a coupling over speed: what misalignment loads bearings and shaft ends with (thesis Eq. 2.11-2.12).
+"""Forces and moments in a coupling over speed: the loads of misalignment on bearings and shaft ends (thesis Eq. 2.11-2.12).
 
-F = (k + jωc) times the displacement of the driver's half relative to the driven one's; M = k_phi times the relative slope.
-The thesis's M_xz (moment in the x-z plane) is the moment about y here, its M_yz the one about x. Displacements come from the
+F = (k + jωc) times the displacement of the driver's half relative to the driven one's; M = k_phi times the relative slope. The
+thesis's M_xz (moment in the x-z plane) is the moment about y here, its M_yz the one about x. Displacements come from the
 updated model, as §4.6 of the thesis suggests, because slopes are not measured.
 """
 
@@ -21,11 +21,20 @@ from estimator.whirl import orbit
 
 @dataclass(frozen=True)
 class CouplingForce:
-    """What one coupling carries at S speeds [rad/s], as 1× phasors with 95 % bands.
+    """Loads that one coupling carries at S speeds, as 1× phasors with 95 % bands.
 
-    force_x, force_y: (S,) [N]; moment_x, moment_y: (S,) about x and y [N m]. The coupling pushes its driven half with them
-    and its driver half with the opposite. An equivalent load that was identified acts beside them and is not in them.
-    force, moment: (S,) along the major axis of the ellipse that they run through in a turn: the most that they reach in it.
+    The coupling pushes its driven half with them and its driver half with the opposite. An equivalent load that was identified
+    acts beside them and is not in them.
+
+    Attributes:
+        coupling: Id of the coupling.
+        speed: Speeds (S,) [rad/s].
+        force_x: Force along x (S,) [N].
+        force_y: Force along y (S,) [N].
+        moment_x: Moment about x (S,) [N m].
+        moment_y: Moment about y (S,) [N m].
+        force: Force (S,) along the major axis of its ellipse, the largest in a turn [N].
+        moment: Moment (S,) along the major axis of its ellipse, the largest in a turn [N m].
     """
 
     coupling: str
@@ -39,9 +48,17 @@ class CouplingForce:
 
 
 def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForce, ...]:
-    """Forces and moments in each coupling of a machine in its sense of rotation, in the document's order.
+    """Compute forces and moments in each coupling of a machine in its sense of rotation (thesis Eq. 2.11-2.12).
 
-    speed: (S,) spin speed [rad/s], positive. Raises ValueError for speeds that are not.
+    Args:
+        model: The updated model.
+        speed: Spin speeds (S,) [rad/s], positive.
+
+    Returns:
+        Loads of each coupling in the document's order.
+
+    Raises:
+        ValueError: A speed is not positive.
     """
     return tuple(_coupling_force(model, coupling.id, np.asarray(speed)) for coupling in model.machine.couplings)
 
