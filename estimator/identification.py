@@ -26,7 +26,8 @@ LARGEST_ECCENTRICITY = 0.05
 SCALE_PASSES = 10
 """Most searches for the unbalances' scale; each can find one a thousand times larger."""
 LARGEST_CONDITION = 1e5
-"""Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some thousands."""
+"""Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
+thousands."""
 SAME_SPEED = 1e-6
 """Relative difference of speeds that count as one [-]: samples there repeat each other."""
 THINNING_BINS = 200

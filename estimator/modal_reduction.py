@@ -127,11 +127,10 @@ EVERYTHING = Basis(None)
 
 @remembered
 def modal_basis(machine: Machine, highest: float) -> Basis:
-    """Compute shapes in which the modes of a machine up to a frequency are as on its whole mesh, whatever its coefficients
-    are.
+    """Compute shapes in which the modes of a machine up to a frequency are as on its whole mesh.
 
-    Component mode synthesis (MacNeal 1971, Rubin 1975; module's docstring), for spin speeds up to that size. A mesh that is
-    small anyway is left as it is.
+    This holds whatever the machine's coefficients are, at spin speeds up to that size. Component mode synthesis (MacNeal 1971,
+    Rubin 1975; module's docstring). A mesh that is small anyway is left as it is.
 
     Args:
         machine: The machine.
