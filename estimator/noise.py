@@ -36,10 +36,9 @@ def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
 
 
 def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: float) -> Noise:
-    """Estimate the noise model under which residuals are most likely: circular Gaussian with variance (relative·|X|)² +
-    floor².
+    """Estimate the noise model under which residuals are most likely.
 
-    Restricted maximum likelihood in its simplest form.
+    Errors are circular Gaussian with variance (relative·|X|)² + floor². Restricted maximum likelihood in its simplest form.
 
     Args:
         start: Noise model to start from.

@@ -1,5 +1,4 @@
-"""Orbits (1×) at the probes, with their uncertainty, and the signs they give of swapped channels and a wrong sense of
-rotation.
+"""Orbits (1×) at the probes, with their uncertainty, and signs of swapped channels and of a wrong sense of rotation.
 
 Below the first critical speed the shaft follows the unbalance's force, so every orbit turns with the shaft, however flat the
 bearings make it. A pair of probes whose leads are swapped shows the mirror image, which turns backward; a wrong sense of
