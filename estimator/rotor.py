@@ -101,8 +101,9 @@ class Rotor:
 
     @property
     def damping(self) -> Floats:
-        """Assemble the damping matrix C (N, N) [N s/m, N s, N m s]: external damping αM + βK of the shafts, and their internal
-        damping.
+        """Assemble the damping matrix C (N, N) [N s/m, N s, N m s].
+
+        It holds the external damping αM + βK of the shafts, and their internal damping.
         """
         alpha, beta = self.rayleigh
         parts = (alpha * m.mass + (beta + self.internal[name]) * m.stiffness for name, m in self.materials.items())
