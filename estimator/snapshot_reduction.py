@@ -61,7 +61,7 @@ def narrowed(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Calla
         basis: The basis.
 
     Returns:
-        Function that returns the matrices over the basis' coordinates.
+        Function of the spin speed [rad/s] that returns the matrices over the basis' coordinates.
     """
     shapes = basis.shapes
 
