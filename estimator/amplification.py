@@ -45,11 +45,11 @@ class Peak:
     """A response peak.
 
     Attributes:
-        speed: Speed at the top, in the unit of the curve's speeds.
-        amplitude: Amplitude at the top, in the unit of the curve.
-        lower: Speed below the top at 0.707 of its amplitude; None where the curve does not fall so far before it ends or rises
-            above this peak.
-        upper: The same above the top.
+        speed: Speed at the top [unit of the curve's speeds].
+        amplitude: Amplitude at the top [unit of the curve].
+        lower: Speed below the top at 0.707 of its amplitude [unit of the curve's speeds]; None where the curve does not fall
+            so far before it ends or rises above this peak.
+        upper: The same above the top [unit of the curve's speeds].
     """
 
     speed: float
@@ -247,10 +247,10 @@ def sure_peaks(
 
 
 def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[SurePeak]:
-    """Peaks of one curve (S,) with slopes (S, n).
+    """Compute the peaks of one curve (S,) with slopes (S, n).
 
-    With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by
-    dN = (2 ∂u/∂p(Nc) - ∂u/∂p(N)) dp / u'(N); the peak's own speed by dNc = -∂u'/∂p dp / u''.
+    With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by dN = (2
+    ∂u/∂p(Nc) - ∂u/∂p(N)) dp / u'(N); the peak's own speed by dNc = -∂u'/∂p dp / u''.
     """
     amplitude = np.maximum(np.abs(phasor), np.finfo(float).tiny ** 0.25)
     curve = scipy.interpolate.CubicSpline(speed, amplitude**-2)
@@ -276,7 +276,7 @@ def _response(model: UpdatedModel, speed: Floats, places: Sequence[Probe]) -> Fo
 
 
 def _speeds(crossings: Complexes, lowest: float, highest: float, *, even: int = EVEN_SPEEDS, crowd: Floats = CROWD) -> Floats:
-    """Speeds close enough to each other around every critical speed; crossings: their eigenvalues."""
+    """Choose speeds close enough to each other around every critical speed, from the eigenvalues of the crossings."""
     damping = np.maximum(np.abs(crossings.real / np.abs(crossings)), 1e-4)
     crowds = crossings.imag[:, None] * (1.0 + damping[:, None] * crowd)
     whole = np.unique(np.concatenate([np.linspace(lowest, highest, even), crowds.reshape(-1)]))

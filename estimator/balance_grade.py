@@ -184,7 +184,7 @@ def mass_and_centre(rotor: Rotor, shaft: str) -> tuple[float, float]:
 
 
 def _levers(station: float, ends: tuple[Bearing, Bearing]) -> tuple[float, float]:
-    """Parts of a load at a station that each of two planes carries."""
+    """Compute the parts of a load at a station that each of two planes carries."""
     second = (station - ends[0].station) / (ends[1].station - ends[0].station)
     return 1.0 - second, second
 
@@ -195,7 +195,7 @@ def _share(levers: tuple[float, float], number: int) -> float:
 
 
 def _plane_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing, Bearing]) -> PhasorBand:
-    """Unbalances (2,) in the planes of two bearings that do on a rigid rotor what those of its discs do."""
+    """Compute the unbalances (2,) in the planes of two bearings that act on a rigid rotor as those of its discs."""
     discs = model.machine.discs
     transfer = np.array([_levers(disc.station, ends) if disc.shaft == shaft else (0.0, 0.0) for disc in discs]).T
     slope = np.zeros((2, model.values.size), dtype=complex)

@@ -20,7 +20,7 @@ OPTIMAL = 1e-6
 
 
 class BalancingFailed(ValueError):
-    """No correction within the limits was found to be the best one."""
+    """Raised when no correction within the limits was found to be the best one."""
 
 
 @dataclass(frozen=True)
@@ -190,7 +190,7 @@ def least_squares_within(matrix: Complexes, target: Complexes, limit: Floats) ->
 
 
 def _limited(matrix: Complexes, target: Complexes, bound: Floats) -> Complexes:
-    """The same for targets of length 1 and bounds that are positive and finite, by sequential quadratic programming."""
+    """Minimise for targets of length 1 and bounds that are positive and finite, by sequential quadratic programming."""
     normal, moment = np.conj(matrix).T @ matrix, np.conj(matrix).T @ target
 
     def squares(parts: Floats) -> float:
@@ -240,7 +240,7 @@ def _interleaved(phasors: Complexes) -> Floats:
 
 
 def _of_planes(found: ForcedResponse, planes: list[int], seen: list[int]) -> Complexes:
-    """Influence (S, m, Q) of the real part of each plane's unbalance; discs' unbalances are the first excitations."""
+    """Pick the influence (S, m, Q) of the real part of each plane's unbalance; discs' unbalances are the first excitations."""
     return np.asarray(found.influence[:, seen][:, :, [2 * plane for plane in planes]])
 
 

@@ -18,12 +18,12 @@ QUANTILE = 0.975
 
 @dataclass(frozen=True)
 class Band:
-    """Prediction band of the next run's estimate, in the parameter's SI unit.
+    """Prediction band of the next run's estimate.
 
     Attributes:
-        centre: Mean of the baseline.
-        lower: Lower end of the band that holds 95 % of the next runs' estimates.
-        upper: Upper end of that band.
+        centre: Mean of the baseline [SI unit of the parameter].
+        lower: Lower end of the band that holds 95 % of the next runs' estimates [SI unit of the parameter].
+        upper: Upper end of that band [SI unit of the parameter].
     """
 
     centre: float
@@ -84,7 +84,7 @@ def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
 
 
 def _interval(points: Sequence[Point]) -> tuple[Floats, Floats]:
-    """Mean and half width (N,) of the prediction interval of another run."""
+    """Compute mean and half width (N,) of the prediction interval of another run."""
     scatter = between_run_scatter(points)
     own = np.mean([np.diag(point.covariance) for point in points], axis=0)
     spread = np.sqrt((scatter.variance + own) * (1.0 + 1.0 / len(points)))

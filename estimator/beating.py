@@ -107,7 +107,7 @@ class _Chirp:
 
 
 def _monotone(place: Floats) -> NDArray[np.intp]:
-    """Samples at which the speed is beyond all before: a sweep without its reversals."""
+    """Find the samples at which the speed is beyond all before: a sweep without its reversals."""
     highest = np.maximum.accumulate(place)
     return np.flatnonzero(np.concatenate([[True], place[1:] > highest[:-1]]))
 
@@ -125,7 +125,7 @@ def _clearest(place: Floats, phasor: Complexes, sense: float) -> _Chirp | None:
 
 
 def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: float) -> _Chirp | None:
-    """The beat behind one peak, if there is one."""
+    """Find the beat behind one peak, if there is one."""
     below = np.flatnonzero(smooth[peak:] < BEHIND * smooth[peak])
     if not below.size:
         return None
@@ -158,14 +158,14 @@ def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: 
 
 
 def _background(x: Floats) -> Complexes:
-    """Orthonormal columns (n, 5) of what falls off behind a resonance."""
+    """Build orthonormal columns (n, 5) that fall off behind a resonance."""
     scaled = x / x[-1]
     columns = np.stack([np.ones_like(x), scaled, 1 / scaled, 1 / scaled**2, scaled**2], axis=1)
     return np.asarray(np.linalg.qr(columns)[0], dtype=complex)
 
 
 def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: float) -> tuple[float, float, float]:
-    """Part of the squares that the best chirp explains, roughly, its rate and its decay: a Fourier transform over x²."""
+    """Estimate the part of the squares that the best chirp explains, its rate and its decay: a Fourier transform over x²."""
     square = np.linspace(x[0] ** 2, x[-1] ** 2, GRID)
     at = np.sqrt(square)
     decay = np.array(DECAYS)[:, None] / length
@@ -183,7 +183,7 @@ def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: fl
 def _refined(
     where: Floats, values: Complexes, start: tuple[float, float, float], *, lowest: float, peak_place: float
 ) -> _Chirp | None:
-    """The chirp nearest to the values, from a start (ω_n, b, d); None where it is not clear enough."""
+    """Fit the chirp nearest to the values, from a start (ω_n, b, d); None where it is not clear enough."""
     scale = np.array([np.sqrt(0.5 / start[1]), start[1], 1.0 / (where[-1] - peak_place)])
     left_over = float(np.sqrt(np.mean(np.abs(values) ** 2)))
 
@@ -225,7 +225,7 @@ def _refined(
 
 
 def _placed(beat: _Chirp, speed: Floats, sense: float) -> Beat:
-    """The beat with what it adds to every sample: one mode through the same sweep, scaled to the size that is seen."""
+    """Add to the beat its deviation at every sample: one mode through the same sweep, scaled to the observed size."""
     frequency, acceleration = sense * beat.natural_frequency, sense / (2.0 * beat.rate)
     growth = complex(-beat.decay * abs(acceleration), frequency)
     place = np.maximum.accumulate(sense * speed)

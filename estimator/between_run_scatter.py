@@ -1,10 +1,10 @@
-"""How far a machine's parameters differ from run to run while nothing happens to it, beyond the errors of the fits.
+"""Scatter of a machine's parameters from run to run while nothing happens to it, beyond the errors of the fits.
 
 A baseline of a few runs says little about its own scatter. So each variance begins as a belief, a scaled inverse χ² with
 PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own: the conjugate analysis
 of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), as it shrinks the variances of many genes (Smyth
-2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. What the fits' own errors explain
-is taken off first; where these are large beside the scatter the runs say little about it and count for less.
+2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. The part that the fits' own errors
+explain is taken off first; where these are large beside the scatter the runs say little about it and count for less.
 """
 
 import math
@@ -47,9 +47,9 @@ class Scatter:
 
     Attributes:
         names: Names of the parameters.
-        size: Measure (N,) of a change of each, in the parameter's unit: 1 for a logarithm, the direct terms beside a
+        size: Measure (N,) of a change of each [unit of the parameter]: 1 for a logarithm, the direct terms beside a
             cross-coupled term, the magnitude of an unbalance.
-        variance: Variance (N,) from run to run, in the parameter's unit squared.
+        variance: Variance (N,) from run to run [unit of the parameter squared].
         degrees_of_freedom: Degrees of freedom (N,) with which each variance is known [-], PRIOR_WEIGHT to PRIOR_WEIGHT + n -
             1.
     """
@@ -145,12 +145,12 @@ def _excitations(names: Sequence[str]) -> list[str]:
 
 
 def _kind(stem: str) -> str:
-    """Excitations of one kind, such as unbalances, share a unit."""
+    """Return the kind of an excitation; those of one kind, such as unbalances, share a unit."""
     return stem.rsplit(".", 1)[-1]
 
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
-    """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
+    """Compute the geometric mean of the direct terms beside a cross-coupled one, as far as known; else its own magnitude."""
     coefficient, _, knot = name.partition("@")
     element, term = coefficient.rsplit(".", 1)
     if term.startswith(("k_phi", "c_phi")):

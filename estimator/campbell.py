@@ -158,7 +158,7 @@ class _Follower:
         return modes(self.matrices(speed), spin=self.direction * speed, left_vectors=False)
 
     def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
-        """Which mode at `upper` continues which mode at `lower`."""
+        """Pair the modes at `upper` with the modes at `lower` that they continue."""
         alike = modal_assurance(before, after, self.matrices(0.0).mass)
         moved = np.abs(after.eigenvalue[None, :] - before.eigenvalue[:, None]) / np.abs(before.eigenvalue)[:, None]
         rows, columns = scipy.optimize.linear_sum_assignment((1 - alike) + np.minimum(moved, 1.0))
@@ -174,13 +174,13 @@ class _Follower:
 
 
 def _coinciding(eigenvalue: Complexes) -> NDArray[np.bool_]:
-    """(n, n) True where two modes have the same eigenvalue, each with itself too."""
+    """Mark the modes with the same eigenvalue (n, n), each with itself too."""
     distance = np.abs(eigenvalue[:, None] - eigenvalue[None, :])
     return np.asarray(distance < COINCIDING * np.abs(eigenvalue))
 
 
 def _orthogonal(shapes: Complexes, coinciding: NDArray[np.bool_], mass: Floats) -> Complexes:
-    """The shapes, those of coinciding modes exchanged for orthogonal ones that span the same."""
+    """Replace the shapes of coinciding modes by orthogonal ones that span the same."""
     result = shapes.copy()
     for first in np.flatnonzero(coinciding.sum(axis=1) > 1):
         group = np.flatnonzero(coinciding[first])

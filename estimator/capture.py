@@ -71,7 +71,7 @@ def thinned(*, time: NDArray[np.int64], speed: Floats, count: int = LARGEST_COUN
 
 
 def _travelled(speed: Floats) -> Floats:
-    """How far the speed has gone up and down until each sample (S,), S at least 3, without the noise of the readings."""
+    """Compute the way of the speed up and down until each sample (S,), S at least 3, without the noise of the readings."""
     beside = np.abs(speed[1:-1] - (speed[:-2] + speed[2:]) / 2)
     # One in ten lies beyond 1.64 σ, and such a difference of three readings has √1.5 times the noise of one. The median would
     # be nothing where a converter's steps hide the noise most of the time.
@@ -86,6 +86,6 @@ def _travelled(speed: Floats) -> Floats:
 
 
 def _share(steps: Floats) -> Floats:
-    """How much of the sum of the steps lies before each sample, from 0 to 1; 0 where there are none."""
+    """Compute the part of the sum of the steps before each sample, from 0 to 1; 0 where there are none."""
     total = float(steps.sum())
     return np.concatenate([[0.0], np.cumsum(steps) / total if total > 0 else np.zeros(steps.size)])

@@ -91,7 +91,7 @@ def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> 
 
 
 def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
-    """(m,) channels that the fit has given up."""
+    """Mark the channels that the fit has given up (m,)."""
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
     return np.asarray(left_out > MOSTLY_LEFT_OUT * np.maximum(usable, 1))
@@ -104,7 +104,7 @@ def _judged_alone(
     added: NDArray[np.intp],
     effects: tuple[Floats, Floats, Floats],
 ) -> tuple[Floats, Floats, Floats]:
-    """The effects with the errors of doubtful channels from all their phasors, against what the others' fit says of them.
+    """Compute the effects of doubtful channels' errors from all their phasors, against the fit of the others.
 
     Gain and run-out enter a channel's phasors linearly, so that this holds for errors of any size; the fit's own error there
     is small beside them and left out.
@@ -125,7 +125,7 @@ def _judged_alone(
 
 
 def _with_every_channel(problem: Problem) -> Problem:
-    """The problem with gain and run-out of each channel among its coordinates."""
+    """Return the problem with gain and run-out of each channel among its coordinates."""
     count = len(problem.train.channels)
     train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
     scale = problem.coordinates.excitation_scale

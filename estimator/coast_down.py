@@ -134,7 +134,7 @@ class _Motion:
     force: Complexes
 
     def at(self, i: int) -> tuple[SystemMatrices, Complexes, Complexes]:
-        """Matrices there, and those of Q̇ and of Q."""
+        """Return the matrices there, and those of Q̇ and of Q."""
         found = self.matrices(float(self.speed[i]))
         omega, alpha = self.speed[i], self.acceleration[i]
         resisting = found.damping + self.direction * omega * found.gyroscopic
@@ -143,14 +143,14 @@ class _Motion:
         return found, rate, elastic + 1j * omega * resisting + (1j * alpha - omega**2) * found.mass
 
     def steady(self) -> tuple[Complexes, Complexes]:
-        """Q and Q̇ = 0 of the steady state at the first instant, with the force of a steady speed."""
+        """Solve for Q and Q̇ = 0 of the steady state at the first instant, with the force of a steady speed."""
         found, _, _ = self.at(0)
         omega = self.speed[0]
         stiffness = found.dynamic_stiffness(1j * omega, spin=self.direction * omega)
         return np.asarray(np.linalg.solve(stiffness, self.force[0])), np.zeros_like(self.force[0])
 
     def integrate(self, state: tuple[Complexes, Complexes], step: float) -> tuple[Complexes, tuple[Complexes, Complexes]]:
-        """Q (n, N) at all instants from that at the first one, and Q and Q̇ at the last."""
+        """Integrate Q (n, N) from the first instant on; return it with Q and Q̇ at the last instant."""
         motion, velocity = state
         moved = np.empty_like(self.force)
         moved[0] = motion

@@ -207,7 +207,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
 
 
 def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
-    """Vectors (N, count) over (x, y, θx, θy) per node as such over the x-z plane, then the y-z plane."""
+    """Convert vectors (N, count) over (x, y, θx, θy) per node to vectors over the x-z plane, then the y-z plane."""
     x_plane, y_plane = plane_columns(rotor.size)
     return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
 

@@ -123,7 +123,7 @@ def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float
 
 
 def _quadrature(begin: float, end: float, *, width: float) -> tuple[Floats, Floats]:
-    """Nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
+    """Return nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
     count = NODE_STEP * math.ceil(NODES_PER_WIDTH * (end - begin) / width / NODE_STEP)
     place, weight = _rule(min(count, MOST_NODES))
     half = (end - begin) / 2.0
@@ -137,7 +137,7 @@ def _rule(count: int) -> tuple[Floats, Floats]:
 
 
 def _density(value: Floats) -> Floats:
-    """Of the standard normal distribution."""
+    """Compute the density of the standard normal distribution."""
     return np.asarray(np.exp(-0.5 * value**2) / math.sqrt(2.0 * math.pi))
 
 

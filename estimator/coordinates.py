@@ -277,7 +277,7 @@ class Coordinates:
 
     @property
     def _fixed(self) -> Floats:
-        """Coordinate of each coefficient (K,) at its expected value."""
+        """Return the coordinate of each coefficient (K,) at its expected value."""
         return np.where(self.logarithmic, 0.0, self.expected / self.scale)
 
     def _pairs(self, theta: Floats, place: NDArray[np.intp]) -> Complexes:

@@ -126,7 +126,7 @@ def adjustment(
 
 
 def _ridge(change: Floats, points: Sequence[Point], *, prior: Floats, scatter: float) -> tuple[Floats, Floats, Floats]:
-    """Slopes (p, k), axes (p, p) and covariances (p, k, k) from changes (n, k); prior: standard deviations (k,)."""
+    """Regress on changes (n, k): slopes (p, k), axes (p, p), covariances (p, k, k); prior: standard deviations (k,)."""
     values = np.array([point.value for point in points])
     own = np.mean([point.covariance for point in points], axis=0)
     variance, axes = np.linalg.eigh(own + scatter**2 * np.eye(own.shape[0]))
@@ -154,7 +154,7 @@ def usual_change(condition: Condition) -> float | None:
 
 
 def _width(condition: Condition, values: Floats) -> float:
-    """Usual change of a condition, by the baseline where nothing else tells it."""
+    """Return the usual change of a condition, by the baseline where nothing else tells it."""
     given = usual_change(condition)
     return given if given is not None else float(np.std(values, ddof=1))
 

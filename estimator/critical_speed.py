@@ -141,7 +141,7 @@ def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: floa
 
 
 def _searched(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
-    """The crossings that a large train's modes at a few speeds make, each corrected."""
+    """Find the crossings of a large train in the basis of its modes at a few speeds, and correct each."""
     basis = snapshot_basis(matrices, direction=direction, fastest=highest, highest=highest, smallest=SEARCHED_PART)
     narrow = narrowed(matrices, basis)
     found: list[Modes] = []
@@ -236,7 +236,7 @@ def _samples(undamped: list[Floats], highest: float) -> list[float]:
 
 
 def _intervals(frequencies: Callable[[float], Floats], lower: float, upper: float, finest: float) -> list[tuple[float, float]]:
-    """Pieces of an interval in which no frequency can cross the line twice, or that are as fine as `finest`."""
+    """Divide an interval into pieces in which no frequency can cross the line twice, or that are as fine as `finest`."""
     distance = np.abs(frequencies(lower) - lower) + np.abs(frequencies(upper) - upper)
     if upper - lower <= finest or not np.any(distance < STEEPEST * (upper - lower)):
         return [(lower, upper)]
@@ -255,7 +255,7 @@ def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, u
 
 
 def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> tuple[complex, Complexes]:
-    """The crossing of the mode that is `mode`-th in ascending order of frequency, overdamped ones counted as zero."""
+    """Return the crossing of the `mode`-th mode in ascending order of frequency, overdamped ones counted as zero."""
     here = matrices(speed)
     roots, vectors = np.linalg.eig(here.state_matrix(spin=direction * speed))
     size = here.mass.shape[0]

@@ -122,11 +122,11 @@ class _Way:
 
     @property
     def mass(self) -> Floats:
-        """At the end."""
+        """Return the mass matrix at the end."""
         return self.at(1.0)(1.0).mass
 
     def followed(self, mode: Modes) -> Modes | None:
-        """Where a crossing at the beginning is at the end; None where it is lost."""
+        """Follow a crossing from the beginning to the end; None where it is lost."""
         done, step = 0.0, 1.0
         while done < 1.0:
             reached = min(done + step, 1.0)
@@ -141,7 +141,7 @@ class _Way:
 
 
 def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
-    """A felt crossing with the deflection line of a mode that is none of those known.
+    """Find a felt crossing with the deflection line of a mode that is none of those known.
 
     Equal planes make circles out of which any difference makes lines: no step is small enough for such a mode's shape.
     """
@@ -158,7 +158,7 @@ def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *
 
 
 def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
-    """A deflection line (N/2,) in the one plane, in the other, and turning either way."""
+    """Place a deflection line (N/2,) in the one plane, in the other, and turning either way."""
     displacement, slope = line[::PLANE_DOFS], line[1::PLANE_DOFS]
     for x, y in ((1.0, 0.0), (0.0, 1.0), (1.0, -1j), (1.0, 1j)):
         shape = np.stack([x * displacement, y * displacement, -y * slope, x * slope], axis=1).reshape(-1, 1)
@@ -167,7 +167,7 @@ def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
 
 @lru_cache(maxsize=REMEMBERED)
 def _nominal(document: str) -> NominalCrossings:
-    """document: in JSON, of a machine with exact probes."""
+    """Compute the crossings of a document in JSON, of a machine with exact probes."""
     model = expected_model(Machine.model_validate_json(document))
     direction = model.machine.direction
     highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
@@ -197,7 +197,7 @@ def _nominal(document: str) -> NominalCrossings:
 
 
 def _basis(matrices: SystemMatrices, highest: float) -> Floats:
-    """Undamped modes (N, r) of the symmetric part at standstill, enough for what happens below a frequency [rad/s]."""
+    """Compute undamped modes (N, r) of the symmetric part at standstill, enough for motions below a frequency [rad/s]."""
     stiffness = (matrices.stiffness + matrices.stiffness.T) / 2
     squares, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
     count = SEARCH_MODES + MODES_PER_MODE * int(np.count_nonzero(squares < highest**2))
@@ -205,7 +205,7 @@ def _basis(matrices: SystemMatrices, highest: float) -> Floats:
 
 
 def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
-    """Modes with the same deflection line, the most alike first, each in one pair at most; ascending."""
+    """Pair modes with the same deflection line, the most alike first, each in one pair at most; ascending."""
     lines = np.array([_deflection_line(shape, mass) for shape in found.shape.T]).T
     pairs: list[tuple[int, int]] = []
     if lines.size:
@@ -219,7 +219,7 @@ def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
 
 
 def _deflection_line(shape: Complexes, mass: Floats) -> Complexes:
-    """What a mode's deflections in the two planes, (displacement, slope) per node (N/2,), have most in common."""
+    """Compute the common part of a mode's deflections in the two planes, (displacement, slope) per node (N/2,)."""
     x, y, about_x, about_y = (shape[dof::NODE_DOFS] for dof in range(NODE_DOFS))
     planes = np.stack([np.stack([x, about_y], 1).reshape(-1), np.stack([y, -about_x], 1).reshape(-1)], axis=1)
     _, main = np.linalg.eigh(np.conj(planes).T @ _plane(mass) @ planes)
@@ -227,7 +227,7 @@ def _deflection_line(shape: Complexes, mass: Floats) -> Complexes:
 
 
 def _plane(mass: Floats) -> Floats:
-    """Of the masses (N, N) those of displacements along x and slopes in that plane (N/2, N/2)."""
+    """Pick from the masses (N, N) those of displacements along x and slopes in that plane (N/2, N/2)."""
     first = np.arange(0, mass.shape[0], NODE_DOFS)
     own = np.stack([first, first + NODE_DOFS - 1], axis=1).reshape(-1)
     return mass[np.ix_(own, own)]
@@ -243,7 +243,7 @@ def _coincide(one: Modes, other: Modes, mass: Floats) -> bool:
 
 
 def _over(basis: Basis, found: Modes) -> Modes:
-    """Modes of the whole mesh over a basis."""
+    """Convert modes of the whole mesh to a basis."""
     return Modes(found.eigenvalue, basis.coordinates(found.shape), basis.coordinates(found.left))
 
 
@@ -252,7 +252,7 @@ def _each(found: Modes) -> list[Modes]:
 
 
 def _joined(found: Sequence[Modes], size: int) -> Modes:
-    """Single modes of `size` degrees of freedom as one set, by ascending frequency."""
+    """Join single modes of `size` degrees of freedom to one set, by ascending frequency."""
     ascending = sorted(found, key=lambda one: float(one.eigenvalue[0].imag))
     none = np.empty((size, 0), dtype=complex)
     return Modes(

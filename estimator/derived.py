@@ -125,14 +125,14 @@ def _critical_speeds(model: UpdatedModel, crossings: FollowedCrossings) -> Itera
 
 
 def _damping_ratio(root: complex, slope: Complexes) -> tuple[float, Floats]:
-    """-Re λ / |λ| with its slopes, from those of λ."""
+    """Compute -Re λ / |λ| with its slopes, from those of λ."""
     size = abs(root)
     along = (np.conj(root) * slope).real / size
     return -root.real / size, np.asarray(-slope.real / size + root.real * along / size**2)
 
 
 def _splitting(speed: Floats, slope: Floats) -> tuple[float, Floats]:
-    """Distance of two speeds (2,) in parts of their mean, with its slopes, from those of the speeds (2, n)."""
+    """Compute the distance of two speeds (2,) in parts of their mean, with its slopes, from those of the speeds (2, n)."""
     total = float(speed.sum())
     return 2.0 * float(speed[1] - speed[0]) / total, 4.0 * (speed[0] * slope[1] - speed[1] * slope[0]) / total**2
 
@@ -166,7 +166,7 @@ def _amplification_factors(model: UpdatedModel, crossings: FollowedCrossings) ->
 
 
 def _owners(peaks: Sequence[SurePeak], crossings: FollowedCrossings) -> dict[int, SurePeak]:
-    """The highest of the peaks that belong to each critical speed, by its number."""
+    """Find the highest of the peaks that belong to each critical speed, by its number."""
     root = crossings.modes.eigenvalue
     owners: dict[int, SurePeak] = {}
     for one in peaks if root.size else ():

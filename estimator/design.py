@@ -137,7 +137,7 @@ def _place(probe: Probe) -> str:
 
 
 def _candidate_probes(machine: Machine) -> list[Probe]:
-    """x and y at every node that has no probe yet."""
+    """List x and y at every node that has no probe yet."""
     taken = {(p.shaft, round(p.station, 6)) for p in machine.probes}
     return [
         Probe(id=f"candidate-{shaft.id}-{k}-{angle}", shaft=shaft.id, station=float(station), angle_deg=angle)
@@ -156,7 +156,7 @@ def _rows(
     direction: Floats | None = None,
     nuisance: Machine | None = None,
 ) -> Floats:
-    """Weighted sensitivities (S, m, 2, N) of what would be measured, over the identification's coordinates.
+    """Compute weighted sensitivities (S, m, 2, N) of further phasors over the identification's coordinates.
 
     nuisance: the machine whose probes had gains and run-outs identified; further probes are taken as exact.
     """
@@ -187,7 +187,7 @@ def _block(
 def _greedy(
     rows: list[Floats], identification: Identification, count: int, targets: Sequence[str] | None
 ) -> list[tuple[int, float, Floats]]:
-    """(candidate, shrinkage, standard errors afterwards) of the best candidates, one after the other."""
+    """Choose the best candidates one after the other: (candidate, shrinkage, standard errors afterwards)."""
     unknown = [name for name in targets or () if name not in identification.coordinates]
     if unknown:
         raise ValueError(f"not among the identification's coordinates: {', '.join(unknown)}")
@@ -210,7 +210,7 @@ def _greedy(
 
 
 def _updated(covariance: Floats, rows: Floats) -> Floats:
-    """(C⁻¹ + JᵀJ)⁻¹; few rows by Woodbury's identity."""
+    """Compute (C⁻¹ + JᵀJ)⁻¹; for few rows by Woodbury's identity."""
     if len(rows) >= len(covariance):
         return np.asarray(np.linalg.inv(np.linalg.inv(covariance) + rows.T @ rows))
     spread = covariance @ rows.T

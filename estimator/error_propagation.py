@@ -129,7 +129,7 @@ def propagated(function: Callable[[UpdatedModel], Floats], model: UpdatedModel) 
 
 
 def principal_axes(covariance: Floats) -> Floats:
-    """Factor a covariance into independent errors of one standard deviation each.
+    """Separate a covariance into independent errors of one standard deviation each.
 
     Args:
         covariance: Covariance (n, n) [unit²].

@@ -224,7 +224,7 @@ def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, er
 
 
 def _positive(common: tuple[str, str, Quantity, str], value: float, error: float) -> Estimate:
-    """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
+    """Build the estimate of a direct term; `error` is of its logarithm, which makes the interval lopsided."""
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*common, value, value * error, lower, upper)
 

@@ -293,7 +293,9 @@ class Problem:
         return replace(self, noise=noise, channel_noise=channel_noise(size, modelled, spent=spent))
 
     def _as_measured(self, theta: Floats, phasor: Complexes, direction: Floats) -> Complexes:
-        """Phasors through the channels' gains, with their run-out: a pattern on the shaft, so mirrored with the rotation."""
+        """Convert phasors to readings: through the channels' gains, with run-out, a pattern on the shaft mirrored with the
+        rotation.
+        """
         run_out = self.coordinates.run_outs(theta)
         turned = np.where(direction[:, None] > 0, run_out, np.conj(run_out))
         return np.asarray(phasor * self.coordinates.gains(theta) + turned)
@@ -367,7 +369,7 @@ def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
 
 
 def _settled(before: Problem, after: Problem) -> bool:
-    """Whether a pass has changed neither outliers nor noise."""
+    """Check whether a pass has changed neither outliers nor noise."""
     return (
         np.array_equal(before.outlier, after.outlier)
         and np.allclose(before.channel_noise, after.channel_noise, rtol=3 * SAME_NOISE)

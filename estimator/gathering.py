@@ -69,7 +69,7 @@ def combined(results: Sequence[Identification]) -> Identification:
 
 
 def _coordinates(result: Identification) -> Floats:
-    """Values over `result.coordinates`: direct terms as logarithms, NaN where not estimable."""
+    """Return the values over `result.coordinates`: direct terms as logarithms, NaN where not estimable."""
     values: dict[str, float] = {}
     for one in result.estimates:
         if one.value is None:
@@ -82,7 +82,7 @@ def _coordinates(result: Identification) -> Floats:
 
 
 def _estimate(one: Estimate, found: dict[str, tuple[float, float]], half: float) -> Estimate:
-    """The averaged estimate; not estimable where a single run could not determine it."""
+    """Build the averaged estimate; not estimable where a single run could not determine it."""
     common = (one.name, one.element, one.quantity, one.unit)
     parts = [found[name] for name in (one.name, f"{one.name}.real", f"{one.name}.imaginary") if name in found]
     if not parts:

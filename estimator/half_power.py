@@ -23,13 +23,13 @@ class HalfPowerNotReached(ValueError):
 
 @dataclass(frozen=True)
 class HalfPowerPoints:
-    """A resonance between its half-power points, in the units of the curve.
+    """A resonance between its half-power points.
 
     Attributes:
-        peak: Speed or frequency of the peak.
-        amplitude: Amplitude at the peak.
-        lower: Lower half-power point.
-        upper: Upper half-power point.
+        peak: Speed or frequency of the peak [unit of the curve].
+        amplitude: Amplitude at the peak [unit of the curve].
+        lower: Lower half-power point [unit of the curve].
+        upper: Upper half-power point [unit of the curve].
         damping_ratio: Damping ratio, exact for a single degree of freedom; (upper - lower) / (2 peak) where damping is small
             [-].
     """
@@ -123,7 +123,7 @@ def _require_curve(speed: Floats, amplitude: Floats) -> None:
 
 
 def _vertex(place: Floats, inverse: Floats) -> tuple[float, float]:
-    """Where the parabola through three samples is smallest, and how small it is there."""
+    """Find the minimum of the parabola through three samples: its place and its value."""
     centre = place[1]
     a, b, c = np.polyfit((place - centre) / centre, inverse / inverse[1], 2)
     at = -b / (2.0 * a)
@@ -134,7 +134,7 @@ def _vertex(place: Floats, inverse: Floats) -> tuple[float, float]:
 
 
 def _crossing(speed: Floats, place: Floats, inverse: Floats, peak: int, level: float, step: int) -> float:
-    """Place, going from the peak in one direction, where 1/X² first reaches the level."""
+    """Find the place, going from the peak in one direction, where 1/X² first reaches the level."""
     side = "below" if step < 0 else "above"
     if inverse[peak] >= level:
         raise HalfPowerNotReached(f"the peak near {speed[peak]:.6g} is narrower than three samples: sample more densely")
@@ -156,7 +156,7 @@ def _crossing(speed: Floats, place: Floats, inverse: Floats, peak: int, level: f
 
 
 def _root(place: Floats, height: Floats) -> float:
-    """Zero of the parabola through three samples between the last two, whose heights have opposite signs."""
+    """Find the zero of the parabola through three samples between the last two, whose heights have opposite signs."""
     width = place[2] - place[1]
     a, b, c = np.polyfit((place - place[1]) / width, height, 2)
     slope = math.sqrt(b * b - 4.0 * a * c)

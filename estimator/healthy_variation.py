@@ -77,7 +77,7 @@ def slow_variation(unknowns: Unknowns, names: Sequence[str], typical: Floats) ->
 
 
 def _growth(coefficient: Coefficient | None, typical: float) -> float:
-    """How a quantity changes when it grows in proportion: a logarithm by 1, a cross-coupled term by its own value."""
+    """Return the change of a quantity that grows in proportion: of a logarithm 1, of a cross-coupled term its own value."""
     if coefficient is None:
         return 0.0
     return 1.0 if coefficient.direct else typical

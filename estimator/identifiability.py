@@ -87,7 +87,7 @@ class OpenParameters:
         return f"{words} this way; the nearest that does lies at {rad_per_s_to_rpm(nearest):.0f} rpm"
 
     def _mistaken_for(self, place: int) -> str | None:
-        """The parameter that a change of this one looks most like, if alone it would be determined much better."""
+        """Name the parameter whose effect is most like this one's, if this one alone would be determined much better."""
         size = np.sqrt(np.diag(self.covariance))
         alone = self.found.information[place, place] ** -0.5 if self.found.information[place, place] > 0.0 else np.inf
         if alone > 0.5 * size[place]:
@@ -102,7 +102,7 @@ class OpenParameters:
 
     @cached_property
     def _modes(self) -> _Modes:
-        """At the middle of the speed range, with the fitted coefficients."""
+        """Compute the modes at the middle of the speed range, with the fitted coefficients."""
         coordinates: Coordinates = self.problem.coordinates
         values = coordinates.coefficients(self.found.theta)
         if values.ndim > 1:
@@ -132,7 +132,7 @@ class OpenParameters:
 
 
 def _work(left: Floats, right: Floats, shape: Complexes) -> Complexes:
-    """ψᴴ a bᵀ ψ summed over the pairs, (M,)."""
+    """Compute ψᴴ a bᵀ ψ summed over the pairs, (M,)."""
     return np.asarray(np.sum((left.T @ shape).conj() * (right.T @ shape), axis=0))
 
 

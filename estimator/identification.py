@@ -244,7 +244,7 @@ def identify_train(
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:
-    """A word on unbalances that no disc can have."""
+    """Describe unbalances that no disc can have."""
     for disc in machine.discs:
         one = found.estimate(f"disc.{disc.id}.unbalance")
         if one.value is not None and one.imaginary is not None:
@@ -255,7 +255,7 @@ def _eccentric(machine: Machine, found: Identification) -> str:
 
 
 def _independent_numbers(measurement: Measurement) -> int:
-    """Real numbers that were measured, those at the same speed, sense of rotation and trial weight counted once."""
+    """Count the real numbers that were measured, those at the same speed, sense of rotation and trial weight once."""
     bins = np.round(np.log(measurement.speed) / SAME_SPEED)
     keys = [bins, measurement.direction]
     if measurement.added is not None:
@@ -283,7 +283,7 @@ def most_samples(machine: Machine) -> int:
 
 
 def _thinned(measurement: Measurement, *, most: int) -> Measurement:
-    """At most so many samples, taken away where speeds are most crowded: hours at speed add little."""
+    """Pick at most so many samples, taking away where speeds are most crowded: hours at speed add little."""
     if measurement.speed.size <= most:
         return measurement
     edges = np.linspace(measurement.speed.min(), measurement.speed.max(), THINNING_BINS + 1)
@@ -315,7 +315,7 @@ def _require_enough(machine: Machine, measurement: Measurement) -> None:
 
 
 def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, robust: bool) -> Problem:
-    """The fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
+    """Build the fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
     # Unusable phasors become zero, so that arithmetic on whole arrays stays finite.
     silenced = replace(measurement, phasor=np.where(measurement.usable, measurement.phasor, 0.0))
     coordinates = Coordinates.of(train, unbalance_scale=1.0)

@@ -146,7 +146,7 @@ def share_along_x(found: Modes, mass: Floats) -> Floats:
 
 
 def _costs(measured: Sequence[MeasuredFrequency], frequency: Floats, share: Floats) -> Floats:
-    """(measured, modes + measured): each peak may also stay alone."""
+    """Compute the costs (measured, modes + measured) of the pairs: each peak may also stay alone."""
     cost = np.full((len(measured), frequency.size + len(measured)), LARGEST_DEVIATION**2)
     for i, one in enumerate(measured):
         shows = {None: np.ones(share.size), "x": share, "y": 1.0 - share}[one.direction] >= LEAST_SHARE

@@ -23,7 +23,10 @@ def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ..
 
 
 def _first_with_bearings(machine: Machine, shaft: str | None, onward: dict[str, str]) -> list[Bearing]:
-    """Bearings of a shaft, or of the next one onward that has any. A train's couplings make no ring, so this ends."""
+    """Find the bearings of a shaft, or of the next one onward that has any.
+
+    A train's couplings make no ring, so this ends.
+    """
     while shaft is not None:
         found = [bearing for bearing in machine.bearings if bearing.shaft == shaft]
         if found:

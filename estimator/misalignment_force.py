@@ -64,7 +64,7 @@ def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForc
 
 
 def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> CouplingForce:
-    """A load is Σ p r bᵀq over the terms that act on it, r = (jω)ⁿ."""
+    """Sum a load over the terms that act on it: Σ p r bᵀq, r = (jω)ⁿ."""
     rotor = assemble_rotor(model.machine)
     numbered = enumerate(unknowns(model.machine, rotor).coefficients)
     terms = [(k, one, pair) for k, one in numbered if one.element == f"coupling.{coupling}" for pair in one.pairs]
@@ -87,7 +87,7 @@ def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> Coupli
 
 
 def _along_major_axis(load: Complexes, slope: Complexes, model: UpdatedModel) -> PhasorBand:
-    """Of a load (S, 2) over two axes with slopes (S, 2, n). To first order the axis itself stays where it is."""
+    """Project a load (S, 2) with slopes (S, 2, n) on its major axis; to first order the axis itself stays where it is."""
     inclination = orbit(load[:, 0], load[:, 1], direction=model.machine.direction).inclination
     axis = np.stack([np.cos(inclination), np.sin(inclination)], axis=1)
     return phasor_band(np.sum(axis * load, axis=1), np.sum(axis[:, :, None] * slope, axis=1), model.covariance)

@@ -147,7 +147,7 @@ def modal_basis(machine: Machine, highest: float) -> Basis:
 
 
 def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
-    """Independent shapes (N/2, k), orthogonal with the masses."""
+    """Compute independent shapes (N/2, k), orthogonal with the masses."""
     mass = rotor.discs.mass + sum(part.mass for part in rotor.materials.values())
     stiffness = rotor.discs.stiffness + sum(part.stiffness for part in rotor.materials.values())
     loads = _unit_loads(machine, rotor)
@@ -171,13 +171,13 @@ def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
 
 
 def _uneven_damping(rotor: Rotor) -> Iterator[Floats]:
-    """Stiffness (N/2, N/2) of each material with internal damping, where that is not the same everywhere."""
+    """Yield the stiffness (N/2, N/2) of each material with internal damping, where that is not the same everywhere."""
     if len(set(rotor.internal.values())) > 1:
         yield from (part.stiffness for name, part in rotor.materials.items() if rotor.internal[name] > 0.0)
 
 
 def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
-    """A unit load (N/2, n) at each plane degree of freedom that a coefficient acts at."""
+    """Build a unit load (N/2, n) at each plane degree of freedom that a coefficient acts at."""
     pairs = [pair for one in unknowns(machine, rotor).coefficients for pair in one.pairs]
     acting = dense([vector for pair in pairs for vector in pair], rotor.size)
     touched = np.flatnonzero(np.any(np.concatenate(in_planes(acting), axis=1), axis=1))
@@ -198,7 +198,7 @@ def in_planes(vectors: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _joined(x_plane: Numbers, y_plane: Numbers) -> Numbers:
-    """The opposite of `_planes`."""
+    """Join vectors of the two planes to vectors over (x, y, θx, θy) per node: the opposite of `in_planes`."""
     whole = np.empty((2 * len(x_plane), x_plane.shape[1]), dtype=x_plane.dtype)
     whole[0::NODE_DOFS], whole[3::NODE_DOFS] = x_plane[0::PLANE_DOFS], x_plane[1::PLANE_DOFS]
     whole[1::NODE_DOFS], whole[2::NODE_DOFS] = y_plane[0::PLANE_DOFS], -y_plane[1::PLANE_DOFS]

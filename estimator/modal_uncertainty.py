@@ -113,7 +113,7 @@ def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...])
 
 
 def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Complexes]:
-    """Shape and left vector of the mode that crosses."""
+    """Compute shape and left vector of the mode that crosses."""
     if model.basis is not EVERYTHING:
         return mode_of(model.matrices(one.speed), one.eigenvalue, spin=model.machine.direction * one.speed)
     found = modes_at(model, speed=one.speed)
@@ -122,7 +122,7 @@ def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Comple
 
 
 def _by_speed(model: UpdatedModel, found: Modes, crossing: int) -> complex:
-    """∂λ/∂Ω of one of the crossing modes."""
+    """Compute ∂λ/∂Ω of one of the crossing modes."""
     root, direction = complex(found.eigenvalue[crossing]), model.machine.direction
     speed = root.imag
     ahead, behind = (

@@ -119,7 +119,7 @@ def compare_misalignment(
 
 
 def _unbalances_moved(found: Identification, baseline: Identification) -> str:
-    """Unbalances are free in every view, so that a change of theirs is told beside the verdict."""
+    """Describe changes of unbalances, which are free in every view, beside the verdict."""
     moved = []
     for one in found.estimates:
         before = next((other for other in baseline.estimates if other.name == one.name), None)
@@ -177,7 +177,7 @@ def as_identified(machine: Machine, baseline: Identification) -> Machine:
 
 
 def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
-    """The machine with all constant coefficients kept near their values but those of the free elements."""
+    """Return the machine with all constant coefficients kept near their values but those of the free elements."""
     rules = tuple(ParameterRule(names=name, spread=RUN_SCATTER) for name in _holdable(baseline, free))
     return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
 
@@ -194,7 +194,7 @@ def _holdable(baseline: Identification, free: set[str]) -> list[str]:
 
 
 def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:
-    """How far each held coefficient went from the baseline, in units of the run-to-run scatter."""
+    """Compute the move of each held coefficient from the baseline, in units of the run-to-run scatter."""
     moves = {}
     for name in _holdable(baseline, free):
         before, after = (float(one.point[one.coordinates.index(name)]) for one in (baseline, found))

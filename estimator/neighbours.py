@@ -161,7 +161,7 @@ def out_of_line(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
 
 
 def _spread(fit: LocalFit, variance: Floats) -> Floats:
-    """Variance of each difference for variances (S,) of the phasors."""
+    """Compute the variance of each difference for variances (S,) of the phasors."""
     own = variance[fit.place]
     padded = np.pad(own, 2)
     around = np.stack([padded[i : i + own.size] for i in range(5)], axis=1)

@@ -176,7 +176,7 @@ def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> t
 def _told(
     state: OperatingState, limits: OperatingLimits, events: tuple[RunEvent, ...]
 ) -> tuple[OperatingState, tuple[Event, ...]]:
-    """What the mode becomes after a sample, put behind the events of its sweep."""
+    """Return the mode after a sample, its event behind those of its sweep."""
     told: tuple[Event, ...] = events
     time, speed = state.sweep.believed_time, state.sweep.believed_speed
     if any(isinstance(event, RunEnded) for event in events):
@@ -202,7 +202,7 @@ def _changed(
 
 
 def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
-    """By the speed and the sweep alone; a trip counts as a run-down."""
+    """Derive the mode from the speed and the sweep alone; a trip counts as a run-down."""
     if state.sweep.sweep:
         return "run-up" if state.sweep.sweep > 0 else "run-down"
     standing = limits.stopped
@@ -220,7 +220,7 @@ def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
 
 
 def _judged(state: OperatingState, limits: OperatingLimits, time: int, speed: float) -> tuple[OperatingState, bool]:
-    """Whether the run-down in progress is a trip, asked once, as soon as it has covered enough."""
+    """Judge once, as soon as it has covered enough, whether the run-down in progress is a trip."""
     top, sweep = state.sweep.high_speed, limits.sweep
     covered = top - speed
     if state.judged or covered < max(sweep.span(TRIP_SPAN), thresholds(state.sweep, sweep)[0]):

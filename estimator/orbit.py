@@ -175,7 +175,7 @@ def _undetectable(place: ProbeStation, why: str) -> Finding:
 
 
 def _wrong(backward: list[ProbeStation], judged: int) -> list[Finding]:
-    """What backward orbits among so many that were judged mean: one finding per station, or one for all."""
+    """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
         words = f"the orbits at all {judged} pairs of probes turn backward: the sense of rotation is wrong, or every pair"
@@ -285,7 +285,7 @@ class ExpectedOrbits:
         return float(np.linalg.norm(self._axes(place)))
 
     def _axes(self, place: ProbeStation) -> Complexes:
-        """What grows along x and y (2, P) per unbalance of each disc."""
+        """Compute the growth along x and y (2, P) per unbalance of each disc."""
         grown = np.einsum("s,smp->mp", self.growth(self.speed), self.influence[:, list(place.columns)])
         return np.asarray(np.linalg.pinv(place.directions) @ grown)
 
@@ -295,7 +295,7 @@ class _NotSeen(Exception):
 
 
 def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> StationOrbits:
-    """The one orbit that grows with the speed at a station. Raises _NotSeen."""
+    """Compute the one orbit that grows with the speed at a station. Raises _NotSeen."""
     if len(place.channels) < 2:
         raise _NotSeen("one probe alone sees no orbit")
     if not place.sees_both_axes:
@@ -318,7 +318,7 @@ def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation,
 
 
 def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats, direction: float) -> StationOrbits:
-    """The one orbit that grows with the speed; its error is as large as what is left beside it and a constant."""
+    """Compute the one orbit that grows with the speed; its error is as large as the rest beside it and a constant."""
     x, y = np.asarray(axes.x @ growth, dtype=complex), np.asarray(axes.y @ growth, dtype=complex)
     law = growth / float(growth @ growth)
     left = sum(float(np.sum(np.abs(v - np.mean(v) - one * law) ** 2)) for v, one in ((axes.x, x), (axes.y, y)))
@@ -330,7 +330,7 @@ def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats
 
 
 def _noise_error(machine: Machine, measurement: Measurement) -> Floats:
-    """Rms of the complex error (S, m) [m] of each phasor."""
+    """Compute the rms of the complex error (S, m) [m] of each phasor."""
     amplitude = np.where(measurement.usable, np.abs(measurement.phasor), 0.0)
     return error_size(machine.noise, amplitude, measurement.scatter)
 
@@ -338,7 +338,8 @@ def _noise_error(machine: Machine, measurement: Measurement) -> Floats:
 def _orbits(
     place: ProbeStation, x: Complexes, y: Complexes, inverse: Floats, error: Floats, direction: Floats
 ) -> StationOrbits:
-    """Orbits (S,) from x and y, which `inverse` (S, 2, k) makes from values with independent circular errors (S, k)."""
+    """Compute orbits (S,) from x and y, which `inverse` (S, 2, k) makes from values with independent circular errors
+    (S, k)."""
     ellipse = orbit(x, y, direction=1)
     positive, negative = x + 1j * y, x - 1j * y  # twice the circle from +x to +y, twice the conjugate of the other
     # δ|z| = Re(z* δz / |z|) and δ arg z = Im(δz / z), each with δz = Σ row · δ(value).

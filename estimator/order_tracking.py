@@ -143,7 +143,7 @@ def track_orders(
 
 
 def _bounds(angle: ShaftAngle, begin: float, end: float, seconds: float | None, turns: int | None) -> Floats:
-    """Instants [s] between blocks; empty where not even one begins."""
+    """Place the instants [s] between blocks; empty where not even one begins."""
     if end <= begin:
         return np.empty(0)
     if seconds is not None:
@@ -224,7 +224,7 @@ def track_block(
 
 
 def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, turns: float) -> Floats:
-    """Rms error (C, 2) of the phasors: the noise near each order through the least squares."""
+    """Compute the rms error (C, 2) of the phasors: the noise near each order through the least squares."""
     scatter = np.empty((residual.size, len(ORDERS)))
     for order in range(len(ORDERS)):
         cosine, negative_sine = columns[2 * order], columns[2 * order + 1]
@@ -236,7 +236,7 @@ def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, 
 
 
 def _columns(angle: Floats, position: Floats) -> Floats:
-    """Rows (8, N): 1× and 2× as in Re(X e^{jnθ}) = Re X cos nθ - Im X sin nθ, the trend of the 1×, mean and drift."""
+    """Build rows (8, N) of the model: 1×, 2×, trend of the 1×, mean and drift, Re(X e^{jnθ}) = Re X cos nθ - Im X sin nθ."""
     cosine, sine = np.cos(angle), np.sin(angle)
     twice_cosine, twice_sine = 2.0 * cosine * cosine - 1.0, 2.0 * sine * cosine
     rows = (cosine, -sine, twice_cosine, -twice_sine, position * cosine, -position * sine, np.ones_like(angle), position)

@@ -60,7 +60,7 @@ def local_variance(residual: Floats, *, angle_cosine: Floats, angle_sine: Floats
 
 
 def _leakage(first: Complexes, second: Complexes) -> Floats:
-    """Power (C,) that a single line adds to the mean, from the even components one and two bins away.
+    """Compute the power (C,) that a single line adds to the mean, from the even components one and two bins away.
 
     A line ν bins away with mean s has there (-1)^k √2 s ν²/(ν² - k²): ν goes out of the two.
     """
@@ -95,7 +95,7 @@ def quantisation_error(signal: Floats, *, amplitude: float, variance: float) -> 
 
 
 def _median_of_exponential(count: int) -> float:
-    """Expected median of an even number of independent exponential values of mean 1, from those of the two middle ones."""
+    """Compute the expected median of an even number of independent exponential values of mean 1, from the two middle ones."""
     half = count // 2
     lower = sum(1.0 / (count - place) for place in range(half))
     return lower + 0.5 / half

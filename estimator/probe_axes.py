@@ -137,7 +137,7 @@ def axis_phasors(station: ProbeStation, *, phasor: Complexes, usable: NDArray[np
 
 
 def _condition(normal: Floats) -> Floats:
-    """Condition number of the directions from their normal matrices (…, 2, 2)."""
+    """Compute the condition number of the directions from their normal matrices (..., 2, 2)."""
     smallest, largest = np.moveaxis(np.linalg.eigvalsh(normal), -1, 0)
     alike = smallest <= 1e-12 * np.maximum(largest, 1e-300)
     return np.where(alike, np.inf, np.sqrt(np.divide(largest, smallest, out=np.ones_like(largest), where=~alike)))

@@ -48,7 +48,7 @@ def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]
 
 
 def _rise(problem: Problem, found: Fit, covariance: Floats, weight: Floats, place: int, side: float) -> float:
-    """χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
+    """Compute χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
     error = float(np.sqrt(covariance[place, place]))
     # Where a Gaussian's ridge would lead.
     start = found.theta + side * covariance[place] / error

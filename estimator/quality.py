@@ -122,7 +122,7 @@ class Quality:
     noise: dict[str, ChannelNoise]
     beats: tuple[Beat | None, ...] = field(default=())
     clock_doubted: bool = False
-    """Whether a beat shows a quite different sweep rate than the samples' times do."""
+    """True where a beat shows a quite different sweep rate than the samples' times do."""
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -150,6 +150,7 @@ class Quality:
         Args:
             flag: The flag.
             where: True for the phasors that get it (S, m).
+            findings: Findings to add.
 
         Returns:
             The new quality.
@@ -234,13 +235,13 @@ def too_few(quality: Quality) -> tuple[str, ...]:
 
 
 def _smoothed(values: Complexes) -> Complexes:
-    """Weights from an amplitude's own error would favour what is too small."""
+    """Smooth phasors over three samples: weights from an amplitude's own error would favour amplitudes that are too small."""
     padded = np.pad(values, 1, mode="edge")
     return np.asarray((padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4)
 
 
 def _runs_of(same: NDArray[np.bool_], length: int) -> NDArray[np.bool_]:
-    """Which of n samples belong to a row of `length` at least in which each is the same as the one before; same: (n - 1,)."""
+    """Mark the samples (n,) in a row of `length` at least in which each is the same as the one before; same: (n - 1,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
     found = np.zeros(same.size + 1, dtype=bool)
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
@@ -274,7 +275,7 @@ def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _outliers(
     run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
+    """Mark phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
     found, disturbed = np.zeros(good.shape, dtype=bool), np.zeros(good.shape, dtype=bool)
     for c, channel in enumerate(run.channels):
         own = seen[channel]
@@ -297,7 +298,7 @@ def _not_accepted(speed: Floats, rules: QualityRules) -> NDArray[np.bool_]:
 
 
 def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Between the half-power points of each channel's peaks, as far as the curve shows both."""
+    """Mark the phasors between the half-power points of each channel's peaks, as far as the curve shows both."""
     found = np.zeros(good.shape, dtype=bool)
     for c in range(good.shape[1]):
         place = np.flatnonzero(good[:, c])
@@ -317,7 +318,7 @@ def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.boo
 
 
 def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
-    """With the points at which a beat is seen flagged."""
+    """Return the quality with the points flagged at which a beat is seen."""
     beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
     where = np.zeros(run.phasor.shape, dtype=bool)
     words, doubted = [], False
@@ -338,7 +339,7 @@ def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
 
 
 def _clock(run: Recorded, beat: Beat) -> str:
-    """What the times say of the rate, where that is something else."""
+    """Describe the sweep rate by the times, where it is not that of the beat."""
     if run.time is None or run.time[-1] <= run.time[0]:
         return ""
     near = (
@@ -352,7 +353,7 @@ def _clock(run: Recorded, beat: Beat) -> str:
 
 
 def _lost(run: Recorded, quality: Quality) -> tuple[str, ...]:
-    """Channels that gave nothing, or nothing for a part of the run."""
+    """Report channels that gave nothing, or nothing for a part of the run."""
     source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
     words = []
     for c, channel in enumerate(run.channels):
@@ -375,7 +376,7 @@ def _why(flags: NDArray[np.uint16]) -> str:
 
 
 def _noise_findings(quality: Quality) -> tuple[str, ...]:
-    """Channels whose noise is clearly not the stated one."""
+    """Report channels whose noise is clearly not the stated one."""
     words = []
     for channel, noise in quality.noise.items():
         if noise.resolved and noise.stated > 0.0 and noise.seen > OTHER_NOISE * noise.stated:

@@ -104,7 +104,7 @@ def repeatability_findings(channels: tuple[str, ...], found: tuple[Distance | No
 
 
 def _interpolated(earlier: EarlierRun, channel: int, speed: Floats) -> tuple[Complexes, NDArray[np.bool_]]:
-    """The earlier phasors of a channel at speeds (S,), and where that is possible."""
+    """Interpolate the earlier phasors of a channel at speeds (S,), and mark where that is possible."""
     used = np.flatnonzero(earlier.usable[:, channel])
     used = used[np.argsort(earlier.speed[used], kind="stable")]
     if used.size < 2:

@@ -267,7 +267,7 @@ def element_count(machine: Machine, shaft: Shaft) -> int:
 
 
 def _spans(machine: Machine, shaft: Shaft) -> tuple[list[float], list[int]]:
-    """Stations [m] at which a node must be, and the number of elements from each to the next."""
+    """Compute the stations [m] at which a node must be, and the number of elements from each to the next."""
     ends = np.concatenate([[0.0], np.cumsum([section.length for section in shaft.sections])])
     parts: list[Disc | Bearing | Seal | Probe] = [*machine.discs, *machine.bearings, *machine.seals, *machine.probes]
     places = [part.station for part in parts if part.shaft == shaft.id]

@@ -244,7 +244,7 @@ def _ended(state: SweepState, time: int, reason: str) -> RunEnded:
 
 
 def _step(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """One believed reading."""
+    """Take one believed reading."""
     if speed < limits.minimum:
         events: tuple[RunEvent, ...] = ()
         if state.sweep:
@@ -273,7 +273,8 @@ def _rest(state: SweepState, time: int, speed: float) -> SweepState:
 
 
 def _watch(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """No run in progress: does one begin? It begins where the speed last stood at the extreme it now leaves."""
+    """Check whether a run begins while none is in progress: it begins where the speed last stood at the extreme it now
+    leaves."""
     start, reversal, still = thresholds(state, limits)
     begun = replace(state, held_time=time, mark_speed=speed, mark_time=time)
     if speed - state.low_speed >= start:
@@ -313,7 +314,7 @@ def _leaving(state: SweepState, speed: float, reversal: float) -> bool:
 
 
 def _follow(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """A run in progress: does it go on, come back, or stand still?"""
+    """Check whether the run in progress goes on, comes back, or stands still."""
     _, reversal, still = thresholds(state, limits)
     reached = state.high_speed if state.sweep > 0 else state.low_speed
     progress = state.sweep * (speed - reached)
@@ -337,6 +338,9 @@ def _follow(state: SweepState, limits: SweepLimits, time: int, speed: float) -> 
 
 
 def _arrived(state: SweepState, limits: SweepLimits, speed: float) -> bool:
-    """Whether the sweep is near the end of the speed range that it heads for; on its way it may stand, to soak in heat."""
+    """Check whether the sweep is near the end of the speed range that it heads for.
+
+    On its way it may stand, to soak in heat.
+    """
     left = limits.maximum - speed if state.sweep > 0 else speed - limits.minimum
     return left <= limits.span(END_SPAN)

@@ -86,7 +86,7 @@ def plane_element(
 
 
 def _plane_stiffness(length: float, phi: float) -> NDArray[np.float64]:
-    """Bending stiffness over (displacement, slope) at both ends, per unit EI (Eq. A.9-A.11)."""
+    """Compute the bending stiffness over (displacement, slope) at both ends, per unit EI (Eq. A.9-A.11)."""
     l = length  # noqa: E741 - the field's letter
     matrix = np.array(
         [
@@ -100,7 +100,7 @@ def _plane_stiffness(length: float, phi: float) -> NDArray[np.float64]:
 
 
 def _plane_translation(length: float, phi: float) -> NDArray[np.float64]:
-    """Translational inertia, per unit ρA (Eq. A.1-A.4)."""
+    """Compute the translational inertia, per unit ρA (Eq. A.1-A.4)."""
     l = length  # noqa: E741
     m1 = 156 + 294 * phi + 140 * phi**2
     m2 = (22 + 38.5 * phi + 17.5 * phi**2) * l
@@ -113,7 +113,7 @@ def _plane_translation(length: float, phi: float) -> NDArray[np.float64]:
 
 
 def _plane_rotation(length: float, phi: float) -> NDArray[np.float64]:
-    """Rotary inertia, per unit ρI (Eq. A.5-A.8)."""
+    """Compute the rotary inertia, per unit ρI (Eq. A.5-A.8)."""
     l = length  # noqa: E741
     r1 = 36.0
     r2 = (3 - 15 * phi) * l

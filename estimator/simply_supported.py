@@ -149,7 +149,7 @@ def span_for(*, frequency: float, diameter: float, disc_mass: float, young_modul
 
 
 def _shear_flexibility(shaft: SimplySupportedShaft) -> float:
-    """EI/(κGA) [m²]."""
+    """Compute EI/(κGA) [m²]."""
     kappa = shear_coefficient(poisson_ratio=shaft.poisson_ratio, diameter_ratio=shaft.inner_diameter / shaft.outer_diameter)
     area = shaft.mass / (shaft.density * shaft.span)
     return 2 * (1 + shaft.poisson_ratio) * shaft.second_moment / (kappa * area)

@@ -108,7 +108,7 @@ def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -
 
 
 def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
-    """The first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
+    """Make the first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
     if not machine.couplings:
         raise ValueError(f"'{machine.id}' has no coupling that could be misaligned")
     coupling = machine.couplings[0]

@@ -149,7 +149,7 @@ def _reached(distance: float, slope: float) -> float | None:
 
 
 def _variance(value: Floats) -> float:
-    """Of Kendall's S without serial correlation, ties counted."""
+    """Compute the variance of Kendall's S without serial correlation, ties counted."""
     count = value.size
     ties = np.unique(value, return_counts=True)[1].astype(float)
     whole = count * (count - 1) * (2 * count + 5)
@@ -157,12 +157,12 @@ def _variance(value: Floats) -> float:
 
 
 def _ordered(slopes: Floats, place: float) -> float:
-    """The order statistic at a place that may lie between two."""
+    """Interpolate the order statistic at a place that may lie between two."""
     return float(np.interp(place, np.arange(slopes.size), slopes))
 
 
 def _ranks(values: Floats) -> Floats:
-    """From 1; equal values share the mean of theirs."""
+    """Compute ranks from 1; equal values share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     ranks: Floats = (np.cumsum(counts) - (counts - 1) / 2.0)[place]
     return ranks

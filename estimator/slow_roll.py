@@ -183,7 +183,7 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
 
 
 def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> tuple[complex, float] | str:
-    """The vector and its standard error, or why there is none."""
+    """Compute the vector and its standard error, or the reason why there is none."""
     count = phasor.size
     if count < FEWEST_SAMPLES:
         return f"{count} good samples in the band, {FEWEST_SAMPLES} are needed"
@@ -205,7 +205,7 @@ def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> 
 
 
 def _growth(speed: Floats, phasor: Complexes) -> tuple[complex, float, Complexes]:
-    """Slope of the phasors over the speed squared, its standard error, and the phasors without mean and slope."""
+    """Fit the slope of the phasors over the speed squared: slope, standard error, phasors without mean and slope."""
     square = speed**2 - np.mean(speed**2)
     about = phasor - np.mean(phasor)
     total = float(square @ square)
@@ -217,7 +217,7 @@ def _growth(speed: Floats, phasor: Complexes) -> tuple[complex, float, Complexes
 
 
 def _independent(residual: Complexes) -> float:
-    """How many independent samples the residuals are worth."""
+    """Estimate the number of independent samples that the residuals are worth."""
     power = float(np.sum(np.abs(residual) ** 2))
     alike = float(np.real(np.vdot(residual[:-1], residual[1:]))) / power if power > 0.0 else 0.0
     alike = min(max(alike, 0.0), LARGEST_ALIKENESS)

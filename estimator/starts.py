@@ -85,7 +85,7 @@ def best_fit(
 
 
 def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
-    """At the nominal values, else at the best of some random candidates, by their first-stage misfit."""
+    """Choose the nominal values, else the best of some random candidates by their first-stage misfit."""
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():
@@ -98,7 +98,7 @@ def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats
 
 
 def _candidate(coordinates: Coordinates, rng: np.random.Generator) -> Floats:
-    """Random coefficients around the expected ones; those that nobody knows share a common factor besides."""
+    """Draw coefficients around the expected ones; those that nobody knows share a common factor besides."""
     common = {quantity: GUESSED_SPREAD * rng.standard_normal() for quantity in sorted(set(coordinates.quantities))}
     theta = coordinates.centre.copy()
     for k, (quantity, direct) in enumerate(zip(coordinates.quantities, coordinates.logarithmic, strict=True)):

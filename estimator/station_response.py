@@ -95,7 +95,7 @@ def _along(angle: float, at: float, tilt: float) -> Floats:
 
 
 def _shape_functions(*, part: float, length: float, shear: float) -> tuple[float, float, float, float]:
-    """Displacement at a part of an element per displacement and slope at its two ends; shear: 12EI/(κGAl²)."""
+    """Compute the displacement at a part of an element per displacement and slope at its two ends; shear: 12EI/(κGAl²)."""
     s, bubble = part, shear / 2 * (part - part**2)
     return (
         (1 - 3 * s**2 + 2 * s**3 + shear * (1 - s)) / (1 + shear),

@@ -226,7 +226,10 @@ def creep_limit(*, runs: int, degrees_of_freedom: float) -> float:
 
 
 def _limit(rate: Callable[[float, float, float], float], runs: int, freedom: float) -> float:
-    """The limit at which the mean rate of false alarms is that of RUN_LENGTH. rate: by limit, shift and σ true / σ used."""
+    """Solve for the limit at which the mean rate of false alarms is that of RUN_LENGTH.
+
+    rate: by limit, shift and σ true / σ used.
+    """
     centres, centre_weights = np.polynomial.hermite_e.hermegauss(CENTRES)
     quantiles, scatter_weights = np.polynomial.legendre.leggauss(SCATTERS)
     shifts = centres / math.sqrt(runs)

@@ -70,7 +70,7 @@ class TurningCurve:
 
 
 def _turns(spline: scipy.interpolate.CubicSpline) -> Floats:
-    """Where a spline's slope is zero, ascending."""
+    """Find where a spline's slope is zero, ascending."""
     cubic, square, slope, _ = spline.c
     length = np.diff(spline.x)
     a, b, c = 3.0 * cubic, 2.0 * square, slope

@@ -235,11 +235,11 @@ def with_exact_probes(machine: Machine) -> Machine:
 
 @remembered
 def _reference(machine: Machine) -> CondensedTrain:
-    """The machine condensed at any one speed, to learn its coordinates from."""
+    """Condense the machine at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
 
 
 @remembered
 def _coordinates(machine: Machine) -> Coordinates:
-    """The machine's coordinates at that speed: their names, centre and spread are those at any."""
+    """Return the machine's coordinates at that speed: their names, centre and spread are those at any."""
     return Coordinates.of(_reference(machine), unbalance_scale=1.0)

@@ -130,7 +130,10 @@ def remark(problem: Problem, found: Fit) -> Remark:
 
 
 def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
-    """With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed."""
+    """Judge by the order of the residuals.
+
+    With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed.
+    """
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE and found.noise.floor == 0.0:
         return Verdict(True, f"accepted; no noise to be seen: {words}", freedom)
     if found.noise.relative * float(np.max(found.channel_noise)) > LARGEST_ESTIMATED_NOISE:
@@ -174,7 +177,7 @@ def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np
 
 
 def _misfitting_channel(problem: Problem, found: Fit) -> str:
-    """The channel that holds more than half of what χ² is too large by."""
+    """Name the channel that holds more than half of the excess of χ²."""
     final = settled(problem, found)
     model = final.model(found.theta)
     error = final.error(np.abs(model))
@@ -199,7 +202,7 @@ def _noisy_channels(problem: Problem, found: Fit) -> str:
 
 
 def _worst_channel(problem: Problem, found: Fit) -> str:
-    """Where most of the outliers are, if one channel has more than half of them."""
+    """Name the channel with more than half of the outliers, if there is one."""
     counts = np.count_nonzero(found.outlier, axis=0)
     worst = int(np.argmax(counts))
     if len(counts) < 2 or counts.sum() < FEW_OUTLIERS or counts[worst] <= counts.sum() / 2:

@@ -120,7 +120,7 @@ class Watch:
         return int(np.argmax(sums))
 
     def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
-        """Whether the data of a single run have this fault: one that comes and goes has not gone."""
+        """Check whether the data of a single run have this fault: one that comes and goes has not gone."""
         faults = (*lost_channels(self.baseline, [one]), *many_outliers([one]))
         return any((fault.kind, fault.element) == (kind, element) for fault in faults)
 
@@ -129,14 +129,14 @@ class Watch:
         return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
 
     def _explanation(self, window: Sequence[Observation]) -> Diagnosis:
-        """Found once: several questions are asked about the same runs."""
+        """Diagnose a window once: several questions are asked about the same runs."""
         runs = tuple(window)
         if runs not in self._explained:
             self._explained[runs] = diagnose(self.reference, runs)
         return self._explained[runs]
 
     def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
-        """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
+        """Find causes in the machine, in its channels and in the data; none of the machine where no fit explains the runs."""
         found = self._explanation(window)
         channels = explained_channels(found)
         if not all(fits(one, channels) for one in window):

@@ -58,8 +58,10 @@ class FlexibleTrain:
 
     @property
     def interface(self) -> Indices:
-        """Return the degrees of freedom (n,) at bearings and couplings, where the unknown coefficients act (thesis: B
-        and C)."""
+        """Return the degrees of freedom (n,) at bearings and couplings.
+
+        The unknown coefficients act there (the thesis's B and C).
+        """
         return np.concatenate([self.bearing, np.setdiff1d(self.coupling, self.bearing)])
 
 

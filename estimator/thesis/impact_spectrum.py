@@ -1,6 +1,5 @@
-"""Impact test on a train at standstill (thesis §5.6): blows at some places, an accelerometer at another, peaks in the
-spectrum.
-"""
+"""Impact test on a train at standstill (thesis §5.6): blows at some places, an accelerometer at another, the
+spectrum's peaks."""
 
 import math
 from collections.abc import Sequence

@@ -1,5 +1,4 @@
-"""Identification of the thesis's Chapter 4 on a machine's own run, as published: beside the maximum-likelihood fit, to
-compare.
+"""Identification of the thesis's Chapter 4 on a machine's own run, as published, to compare with the maximum-likelihood fit.
 
 High-frequency condensation to the bearings' translations and a least-squares regression (Eq. 4.54-4.57, 4.71). It has no
 intervals, is biased by noise in the regressors and wrong at speeds where stiffness matters: see the evidence page.
@@ -95,7 +94,7 @@ def regress(
 
 
 def _reduced_chi_square(machine: Machine, measurement: Measurement, coefficients: Floats, parts: Floats) -> float:
-    """How far the whole machine with these values is from the run, per measured number beyond the unknowns."""
+    """Compute the distance of the whole machine with these values from the run, per measured number beyond the unknowns."""
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     own = parts.reshape(-1, 2) @ np.array([1.0, 1.0j])
     excitations = np.zeros((measurement.speed.size, len(train.unknowns.excitations)), dtype=complex)

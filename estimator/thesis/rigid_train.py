@@ -207,7 +207,7 @@ def _square(vector: list[float] | Floats) -> Floats:
 
 
 def _force(speed: Floats, direction: Floats) -> Complexes:
-    """Force columns (S, 8, 8): ω² U (1, -j) per plane for rotation from +x to +y, its mirror image against it (Eq. 2.9)."""
+    """Assemble force columns (S, 8, 8): ω² U (1, -j) per plane from +x to +y, its mirror image against it (Eq. 2.9)."""
     force = np.zeros((speed.size, SIZE, 2 * len(DISC_WEIGHTS)), dtype=complex)
     square = speed[:, None] ** 2
     sense = direction[:, None]
@@ -219,7 +219,7 @@ def _force(speed: Floats, direction: Floats) -> Complexes:
 
 
 def _coefficients(train: RigidTrain) -> tuple[Coefficient, ...]:
-    """The 42 coefficients in the order of Table 2.1: stiffnesses of bearings and coupling, then dampings."""
+    """List the 42 coefficients in the order of Table 2.1: stiffnesses of bearings and coupling, then dampings."""
     journals = [(f"bearing.B{bearing + 1}", {bearing: 1.0}) for bearing in range(BEARINGS)]
     coupling = ("coupling.C", dict(enumerate(COUPLING_WEIGHTS)))
     bending = {0: 1 / train.span[0], 1: -1 / train.span[0], 2: 1 / train.span[1], 3: -1 / train.span[1]}
