@@ -293,8 +293,9 @@ class Problem:
         return replace(self, noise=noise, channel_noise=channel_noise(size, modelled, spent=spent))
 
     def _as_measured(self, theta: Floats, phasor: Complexes, direction: Floats) -> Complexes:
-        """Convert phasors to readings: through the channels' gains, with run-out, a pattern on the shaft mirrored with the
-        rotation.
+        """Convert phasors to readings, through the channels' gains and with run-out.
+
+        Run-out is a pattern on the shaft, so it is mirrored with the rotation.
         """
         run_out = self.coordinates.run_outs(theta)
         turned = np.where(direction[:, None] > 0, run_out, np.conj(run_out))

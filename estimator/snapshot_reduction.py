@@ -73,9 +73,8 @@ def narrowed(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Calla
 
 
 def _shapes(found: Modes, highest: float) -> Floats:
-    """Collect shapes and left vectors of modes up to a frequency [rad/s] in either plane, real and imaginary parts,
-    normalised.
-    """
+    """Collect shapes and left vectors of modes up to a frequency [rad/s] in either plane, real and imaginary part,
+    normalised."""
     slow = (found.eigenvalue.imag <= highest) & (found.damping_ratio < HEAVILY_DAMPED)
     vectors = np.concatenate([found.shape[:, slow], found.left[:, slow]], axis=1)
     vectors = vectors / np.linalg.norm(vectors, axis=0)
