@@ -1,10 +1,10 @@
-"""How far a machine's parameters differ from run to run while nothing happens to it, beyond the errors of the fits.
+"""Scatter of a machine's parameters from run to run while nothing happens to it, beyond the errors of the fits.
 
 A baseline of a few runs says little about its own scatter. So each variance begins as a belief, a scaled inverse χ² with
 PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own: the conjugate analysis
 of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), as it shrinks the variances of many genes (Smyth
-2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. What the fits' own errors explain
-is taken off first; where these are large beside the scatter the runs say little about it and count for less.
+2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. The part that the fits' own errors
+explain is taken off first; where these are large beside the scatter the runs say little about it and count for less.
 """
 
 import math
@@ -20,25 +20,38 @@ from estimator.point import Point
 PRIOR_WEIGHT = 10.0
 """Degrees of freedom that the expected scatter counts for."""
 STIFFNESS_SCATTER = 0.01
-"""Expected run-to-run standard deviation of a stiffness, part of its own value or of the direct terms beside it; and of a
-gain, part of 1."""
+"""Expected run-to-run standard deviation of a stiffness, as a part of its own value or of the direct terms beside it, and of a
+gain, as a part of 1 [-].
+"""
 DAMPING_SCATTER = 0.05
-"""The same for a damping, which depends on the oil's temperature; also for a seal's inertia."""
+"""Expected run-to-run standard deviation of a damping, which depends on the oil's temperature, and of a seal's inertia, as a
+part as for a stiffness [-].
+"""
 EXCITATION_SCATTER = 0.03
-"""The same for each component of an unbalance or of another excitation, part of its magnitude."""
+"""Expected run-to-run standard deviation of each component of an unbalance or another excitation, as a part of its magnitude
+[-].
+"""
 LEAST_EXCITATION = 1.0 / 3.0
-"""Small unbalances take up what the model lacks: none is expected to repeat better than this part of the largest does."""
+"""Part of the largest excitation's magnitude that a smaller one's scatter is measured by at least [-]: small unbalances take
+up what the model lacks.
+"""
 COMPONENTS = (".real", ".imaginary")
+"""Endings of the names of an excitation's two components."""
 GAINS = tuple(f".gain{part}" for part in COMPONENTS)
+"""Endings of the names of a gain's two components."""
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Run-to-run scatter of N parameters.
 
-    names: of the parameters. size: (N,) what a change of each is measured by, in the parameter's unit: 1 for a logarithm, the
-    direct terms beside a cross-coupled term, the magnitude of an unbalance. variance: (N,) from run to run, in the
-    parameter's unit squared. degrees_of_freedom: (N,) with which each variance is known, PRIOR_WEIGHT to PRIOR_WEIGHT + n - 1.
+    Attributes:
+        names: Names of the parameters.
+        size: Measure (N,) of a change of each [unit of the parameter]: 1 for a logarithm, the direct terms beside a
+            cross-coupled term, the magnitude of an unbalance.
+        variance: Variance (N,) from run to run [unit of the parameter squared].
+        degrees_of_freedom: Degrees of freedom (N,) with which each variance is known [-], PRIOR_WEIGHT to PRIOR_WEIGHT + n -
+            1.
     """
 
     names: tuple[str, ...]
@@ -48,9 +61,18 @@ class Scatter:
 
 
 def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
-    """Scatter of the parameters of a baseline, whose points all have the same names.
+    """Estimate the run-to-run scatter of the parameters of a baseline, shrunk towards the usual one.
 
-    Raises ValueError for an empty baseline or points of different parameters.
+    Sources: module's docstring.
+
+    Args:
+        baseline: Points of n runs with the same N parameters in the same order.
+
+    Returns:
+        Scatter of the N parameters.
+
+    Raises:
+        ValueError: The baseline is empty, or its points have different parameters.
     """
     if not baseline:
         raise ValueError("a baseline needs at least one identification")
@@ -71,12 +93,27 @@ def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
 
 
 def expected_scatter(names: Sequence[str]) -> Floats:
-    """Standard deviation (N,) that is expected from run to run, part of each parameter's size."""
+    """Return the standard deviation that is expected from run to run.
+
+    Args:
+        names: Names of the N parameters.
+
+    Returns:
+        Standard deviation (N,) as a part of each parameter's size [-].
+    """
     return np.array([_expected(name) for name in names])
 
 
 def sizes(names: Sequence[str], centre: Floats) -> Floats:
-    """What a change of each parameter (N,) is measured by, in the parameter's unit, from a baseline's centre (N,)."""
+    """Compute the measure of a change of each parameter.
+
+    Args:
+        names: Names of the N parameters.
+        centre: Centre of the baseline (N,), in each parameter's unit [SI, logarithms of direct terms].
+
+    Returns:
+        Measure (N,) in each parameter's unit [SI, 1 for logarithms].
+    """
     at = dict(zip(names, centre.tolist(), strict=True))
     excitations = {stem: math.hypot(*(at.get(stem + part, 0.0) for part in COMPONENTS)) for stem in _excitations(names)}
     largest: dict[str, float] = {}
@@ -108,12 +145,12 @@ def _excitations(names: Sequence[str]) -> list[str]:
 
 
 def _kind(stem: str) -> str:
-    """Excitations of one kind, such as unbalances, share a unit."""
+    """Return the kind of an excitation; those of one kind, such as unbalances, share a unit."""
     return stem.rsplit(".", 1)[-1]
 
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
-    """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
+    """Compute the geometric mean of the direct terms beside a cross-coupled one, as far as known; else its own magnitude."""
     coefficient, _, knot = name.partition("@")
     element, term = coefficient.rsplit(".", 1)
     if term.startswith(("k_phi", "c_phi")):

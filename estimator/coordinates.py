@@ -1,8 +1,8 @@
-"""The coordinates in which a train is fitted, and the prior that keeps undetermined directions from running away.
+"""Coordinates in which a train is fitted, and the prior that keeps undetermined directions from running away.
 
-Direct terms are fitted as ln(p / expected), so that they stay positive and a factor counts the same up and down;
-cross-coupled terms as p / scale; excitations in units of their own scale, real and imaginary part; scale factors of E and ρ
-as logarithms; gains of channels as real and imaginary part of their error, run-outs in units of their spread.
+Direct terms are fitted as ln(p / expected), so that they stay positive and a factor counts the same up and down; cross-coupled
+terms as p / scale; excitations in units of their own scale, real and imaginary part; scale factors of E and ρ as logarithms;
+gains of channels as real and imaginary part of their error, run-outs in units of their spread.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from estimator.sensitivity import Sensitivity
 KNOWN_SPREAD = log(10.0)
 """Prior standard deviation of the logarithm of a direct term whose nominal value the document gives: a factor of 10."""
 UNKNOWN_SPREAD = log(1000.0)
-"""The same where the document gives none."""
+"""Prior standard deviation of the logarithm of a direct term whose nominal value no document gives: a factor of 1000."""
 CROSS_SPREAD = 10.0
 """Prior standard deviation of a cross-coupled term in units of its element's direct terms."""
 UNBALANCE_SPREAD = 1000.0
@@ -28,9 +28,13 @@ UNBALANCE_SPREAD = 1000.0
 
 @dataclass(frozen=True)
 class FollowsSpeed:
-    """A coefficient that follows the speed: its coordinates are the `count` from `first` on, at each speed mixed by weights.
+    """A coefficient that follows the speed: its values at knots are coordinates, mixed by weights at each speed.
 
-    weight: (S, count). speeds: (count,) the knots [r/min].
+    Attributes:
+        coefficient: Index of the coefficient.
+        first: Index of its first coordinate; one per knot follows.
+        weight: Weights (S, count) of the knots at each speed [-].
+        speeds: Knots (count,) [r/min].
     """
 
     coefficient: int
@@ -41,14 +45,29 @@ class FollowsSpeed:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """The map between physical parameters and fit coordinates θ (n,).
+    """Map between physical parameters and fit coordinates θ (n,).
 
-    names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. origin, unit: origin + unit·θ
-    is the value in SI, of positive ones its logarithm. Of the coefficients (K,): logarithmic, True for direct terms;
-    expected, scale in SI; place, the first coordinate of each, -1 where it is fixed; follows, those that follow the speed.
-    Of the excitations (E,): excitation_place, -1 where fixed; excitation_scale; held, the value of those that are fixed.
-    scale_place (F,), gain_place and run_out_place (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,)
-    what each coefficient is; guessed: (K,) True for direct terms whose expected value no document gave.
+    The train has K coefficients, E excitations and m channels.
+
+    Attributes:
+        names: Names of the n coordinates.
+        centre: Mean (n,) of the prior on θ [-].
+        spread: Standard deviation (n,) of the prior on θ [-].
+        origin: Offset (n,) [SI, logarithms of positive ones]: origin + unit·θ is the physical value.
+        unit: Unit (n,) of θ [SI, 1 for logarithms].
+        logarithmic: True for direct terms (K,).
+        expected: Expected value of each coefficient (K,) [SI].
+        scale: Scale of each coefficient (K,) [SI].
+        place: Coordinate of each coefficient (K,); -1 where it is fixed or follows the speed.
+        follows: Coefficients that follow the speed.
+        excitation_place: First coordinate of each excitation (E,); -1 where it is fixed.
+        excitation_scale: Scale of each excitation (E,) [SI].
+        held: Value of each fixed excitation (E,), 0 for the others [SI].
+        scale_place: Coordinate of each scale factor (F,).
+        gain_place: First coordinate of each channel's gain (m,); -1 where it is taken as exact.
+        run_out_place: First coordinate of each channel's run-out (m,); -1 where it is taken as exact.
+        quantities: Physical quantity of each of the K coefficients.
+        guessed: True for direct terms whose expected value no document gave (K,).
     """
 
     names: tuple[str, ...]
@@ -72,29 +91,58 @@ class Coordinates:
 
     @classmethod
     def of(cls, train: CondensedTrain, *, unbalance_scale: float) -> "Coordinates":
-        """Coordinates and prior for the unknowns of a train."""
+        """Build coordinates and prior for the unknowns of a train.
+
+        Args:
+            train: The condensed train.
+            unbalance_scale: Scale of the excitations that have no spread of their own [SI].
+
+        Returns:
+            The coordinates.
+        """
         return _Builder(train, unbalance_scale).build()
 
     @property
     def size(self) -> int:
-        """n."""
+        """Return the number of coordinates n."""
         return len(self.names)
 
     @property
     def channel_count(self) -> int:
-        """Number of coordinates that belong to channels, which a prior keeps small."""
+        """Return the number of coordinates that belong to channels, which a prior keeps small."""
         return 2 * int(np.count_nonzero(self.gain_place >= 0) + np.count_nonzero(self.run_out_place >= 0))
 
     def point(self, theta: Floats) -> Floats:
-        """Physical values (n,) over the coordinates: logarithms of positive ones, everything else in SI."""
+        """Convert fit coordinates to physical values.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Physical values (n,) [SI, logarithms of positive ones].
+        """
         return self.origin + self.unit * theta
 
     def theta(self, point: Floats) -> Floats:
-        """Fit coordinates (n,) of physical values as `point` gives them."""
+        """Convert physical values to fit coordinates.
+
+        Args:
+            point: Physical values (n,) as `point` returns them [SI, logarithms of positive ones].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+        """
         return (point - self.origin) / self.unit
 
     def places(self, coefficient: int) -> range:
-        """Coordinates of a coefficient: one, or one per knot, or none where it is fixed."""
+        """Return the coordinates of a coefficient.
+
+        Args:
+            coefficient: Index of the coefficient.
+
+        Returns:
+            Indices of its coordinates: one, or one per knot, or none where it is fixed.
+        """
         for one in self.follows:
             if one.coefficient == coefficient:
                 return range(one.first, one.first + one.weight.shape[1])
@@ -102,7 +150,14 @@ class Coordinates:
         return range(place, place + 1) if place >= 0 else range(0)
 
     def coefficients(self, theta: Floats) -> Floats:
-        """Physical coefficients [SI]: (K,), or (S, K) when one of them follows the speed."""
+        """Compute the physical coefficients.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Coefficients (K,), or (S, K) when one of them follows the speed [SI].
+        """
         at = np.where(self.place >= 0, theta[self.place], self._fixed) if theta.size else self._fixed
         if self.follows:
             at = np.repeat(at[None, :], len(self.follows[0].weight), axis=0)
@@ -112,7 +167,14 @@ class Coordinates:
         return np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
 
     def excitations(self, theta: Floats) -> Complexes:
-        """Complex excitations (E,) [SI]."""
+        """Compute the complex excitations.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Excitations (E,) [SI].
+        """
         free = self.excitation_place >= 0
         found = self.held.copy()
         first = self.excitation_place[free]
@@ -120,19 +182,51 @@ class Coordinates:
         return found
 
     def scales(self, theta: Floats) -> Floats:
-        """Scale factors (F,) of E and ρ [-]."""
+        """Compute the scale factors of Young's moduli E and densities ρ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Factors (F,) [-].
+        """
         return np.exp(theta[self.scale_place])
 
     def gains(self, theta: Floats) -> Complexes:
-        """Gain (m,) of each channel [-]: measured over true."""
+        """Compute the gain of each channel: measured over true.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Gains (m,) [-].
+        """
         return np.asarray(1.0 + self._pairs(theta, self.gain_place))
 
     def run_outs(self, theta: Floats) -> Complexes:
-        """Run-out (m,) of each channel in rotation from +x to +y [m]."""
+        """Compute the run-out of each channel in rotation from +x to +y.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Run-outs (m,) [m].
+        """
         return self._pairs(theta, self.run_out_place)
 
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
-        """θ with the coordinates of coefficients (K,), constant over speed. Raises ValueError for a direct term <= 0."""
+        """Return θ with the coordinates of other coefficients, constant over speed.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            coefficients: Coefficients (K,) [SI].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+
+        Raises:
+            ValueError: A direct term is not positive.
+        """
         if np.any(coefficients[self.logarithmic] <= 0):
             raise ValueError("direct terms must be positive")
         positive = np.where(self.logarithmic, coefficients / np.where(self.logarithmic, self.expected, 1.0), 1.0)
@@ -144,7 +238,18 @@ class Coordinates:
         return result
 
     def jacobian(self, theta: Floats, found: Sensitivity, coefficients: Floats, direction: Floats, block: slice) -> Complexes:
-        """∂ phasor/∂θ (n, S, m) for some of the speeds, from the derivatives by physical parameters there."""
+        """Compute ∂ phasor/∂θ at some of the speeds, from the derivatives by physical parameters there.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            found: Phasors and their derivatives at the S speeds of the block.
+            coefficients: Coefficients at θ, (K,) or at all speeds of the train (all, K) [SI].
+            direction: Sense of rotation (S,), +1 or -1 [-].
+            block: The speeds, among all of the train.
+
+        Returns:
+            Derivatives (n, S, m) [m].
+        """
         whole = np.zeros((self.size, *found.phasor.shape), dtype=complex)
         slope = np.where(self.logarithmic, coefficients, self.scale)
         slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
@@ -172,7 +277,7 @@ class Coordinates:
 
     @property
     def _fixed(self) -> Floats:
-        """Coordinate of each coefficient (K,) at its expected value."""
+        """Return the coordinate of each coefficient (K,) at its expected value."""
         return np.where(self.logarithmic, 0.0, self.expected / self.scale)
 
     def _pairs(self, theta: Floats, place: NDArray[np.intp]) -> Complexes:
@@ -290,7 +395,15 @@ class _Builder:
 
 
 def knot_weights(dependence: SpeedDependence, speed: Floats) -> Floats:
-    """Weights (S, knots) with which the values at the knots make the value at each speed [rad/s]."""
+    """Compute the weights with which the values at the knots make the value at each speed.
+
+    Args:
+        dependence: Form of the dependence and its knots.
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Weights (S, knots) [-]: linear interpolation or Lagrange's polynomials.
+    """
     knots = np.array(dependence.knots_rpm) * pi / 30.0
     unit = np.eye(knots.size)
     if dependence.form == "piecewise":

@@ -1,4 +1,4 @@
-"""From fit coordinates to estimates that a person can use: SI values with intervals, or the reason why there is none."""
+"""Conversion of fit coordinates to estimates in SI units with intervals, or the reason why there is none."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -14,20 +14,34 @@ from estimator.parameters import UNITS, Coefficient, Excitation, Quantity
 CONFIDENCE_95 = 1.959964
 """Half width of a 95 % interval in standard errors."""
 LARGEST_RELATIVE_ERROR = 1.0
-"""A cross-coupled term or unbalance whose standard error exceeds this part of its scale is not estimable."""
+"""Largest standard error of an estimable cross-coupled term or unbalance, as a part of its scale [-]."""
 LARGEST_DIRECT_ERROR = 0.4
-"""The same for a direct term and its own value: beyond it the term may be zero, and its logarithm has no sound interval."""
+"""Largest standard error of an estimable direct term's logarithm [-]: beyond it the term may be zero, and its logarithm has no
+sound interval.
+"""
 
 Reason = Callable[[str], str] | None
-"""Says why the data leave the coordinate of that name open, where something can say it."""
+"""Function that says why the data leave the coordinate of that name open; None where nothing can say it."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One estimated parameter, in SI units.
+    """One estimated parameter.
 
-    value, standard_error, lower, upper (95 %): None where the data do not determine it; `reason` then says why. A complex
-    one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
+    A complex one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
+
+    Attributes:
+        name: Name of the parameter.
+        element: Name of its element.
+        quantity: Physical quantity.
+        unit: SI unit of the values.
+        value: Value or real part [unit]; None where the data do not determine it.
+        standard_error: Standard error of the value [unit]; None where the data do not determine it.
+        lower: Lower end of the 95 % interval [unit]; None where the data do not determine it.
+        upper: Upper end of the 95 % interval [unit]; None where the data do not determine it.
+        imaginary: Imaginary part of a complex parameter [unit].
+        imaginary_standard_error: Standard error of the imaginary part [unit].
+        reason: Reason why there is no value.
     """
 
     name: str
@@ -44,12 +58,20 @@ class Estimate:
 
     @property
     def estimable(self) -> bool:
-        """Whether the data determine this parameter."""
+        """Return whether the data determine this parameter."""
         return self.value is not None
 
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
-    """Coordinates of coefficients whose standard error alone does not rule an estimate out."""
+    """List the coordinates of coefficients whose standard error alone does not rule an estimate out.
+
+    Args:
+        coordinates: Coordinates of the fit.
+        error: Standard errors (n,) of the coordinates [-].
+
+    Returns:
+        Indices of the coordinates.
+    """
     limit = np.where(coordinates.logarithmic, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR)
     return tuple(p for k in range(coordinates.logarithmic.size) for p in coordinates.places(k) if error[p] <= limit[k])
 
@@ -62,9 +84,18 @@ def estimates(
     reason: Reason,
     doubtful: frozenset[int] = frozenset(),
 ) -> tuple[Estimate, ...]:
-    """Estimates of all parameters, from fit coordinates (n,) and their standard errors (n,).
+    """Convert fit coordinates to estimates of all parameters.
 
-    doubtful: coordinates whose interval the likelihood's profile does not confirm.
+    Args:
+        train: The condensed train.
+        coordinates: Coordinates of the fit.
+        theta: Fit coordinates θ (n,) [-].
+        error: Standard errors (n,) of θ [-].
+        reason: Function that says why a coordinate is left open, or None.
+        doubtful: Coordinates whose interval the likelihood's profile does not confirm.
+
+    Returns:
+        Estimates of coefficients, excitations, scale factors and channels, with their units.
     """
     return (
         *_coefficients(train, coordinates, theta, error, reason, doubtful),
@@ -101,9 +132,16 @@ def _coefficients(
 
 
 def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
-    """What a cross-coupled term is judged by: the direct terms beside it; its own value may well be zero.
+    """Return the size that a coefficient's error is compared with: of a cross-coupled term, the direct terms beside it.
 
-    size: magnitudes of all coefficients by name.
+    A cross-coupled term's own value may well be zero.
+
+    Args:
+        coefficient: The coefficient.
+        size: Magnitude of every coefficient by name [SI].
+
+    Returns:
+        Size [SI].
     """
     if coefficient.direct:
         return size[coefficient.name]
@@ -186,7 +224,7 @@ def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, er
 
 
 def _positive(common: tuple[str, str, Quantity, str], value: float, error: float) -> Estimate:
-    """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
+    """Build the estimate of a direct term; `error` is of its logarithm, which makes the interval lopsided."""
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*common, value, value * error, lower, upper)
 

@@ -1,4 +1,4 @@
-"""Response of the updated model to what excites it, at any linear combinations of its degrees of freedom, with slopes."""
+"""Response of the updated model to its excitations, at any linear combinations of its degrees of freedom, with slopes."""
 
 from dataclasses import dataclass
 
@@ -13,10 +13,13 @@ from estimator.updated_model import UpdatedModel
 
 @dataclass(frozen=True)
 class ForcedResponse:
-    """Phasors at S speeds.
+    """Phasors of m outputs at S speeds.
 
-    phasor: (S, m). slope: (S, m, n) by the model's coordinates. influence: (S, m, 2E) by real and imaginary part of each
-    excitation. coefficients: (S, K) at these speeds [SI].
+    Attributes:
+        phasor: Phasors (S, m) [m].
+        slope: Derivatives (S, m, n) of the phasors by the model's coordinates [m per unit of the coordinate].
+        influence: Derivatives (S, m, 2E) by real and imaginary part of each excitation [m per unit of the excitation].
+        coefficients: Coefficients (S, K) at these speeds [SI].
     """
 
     phasor: Complexes
@@ -25,17 +28,33 @@ class ForcedResponse:
     coefficients: Floats
 
     def band(self, model: UpdatedModel) -> PhasorBand:
-        """The phasors with their uncertainty."""
+        """Compute the uncertainty of the phasors.
+
+        Args:
+            model: The model that responded.
+
+        Returns:
+            Phasors with their bands (S, m) [m].
+        """
         return phasor_band(self.phasor, self.slope, model.covariance)
 
 
 def forced_response(
     model: UpdatedModel, *, speed: Floats, output: Floats | None = None, added: Complexes | None = None
 ) -> ForcedResponse:
-    """Response of a machine in its sense of rotation.
+    """Compute the response of a machine in its sense of rotation.
 
-    speed: (S,) [rad/s], positive. output: (m, N) rows over all degrees of freedom, by default the probes. added: (E,) to the
-    identified excitations, exactly known, such as correction masses. Raises ValueError for speeds that are not positive.
+    Args:
+        model: The updated model.
+        speed: Speeds (S,) [rad/s], positive.
+        output: Rows (m, N) over all degrees of freedom [-]; None for the probes.
+        added: Excitations (E,) added to the identified ones, exactly known, such as correction masses [SI].
+
+    Returns:
+        The response.
+
+    Raises:
+        ValueError: A speed is not positive.
     """
     speed = np.asarray(speed, dtype=float)
     train = condense(model.machine, speed=speed, direction=np.full(speed.size, float(model.machine.direction)), output=output)
@@ -62,7 +81,15 @@ def forced_response(
 
 
 def coefficient_slopes(coordinates: Coordinates, coefficients: Floats) -> dict[int, dict[int, Floats]]:
-    """Per coefficient and coordinate, the derivative (S,) of the one by the other, for coefficients (S, K)."""
+    """Compute the derivatives of the coefficients by the coordinates.
+
+    Args:
+        coordinates: Coordinates of the fit.
+        coefficients: Coefficients (S, K) [SI].
+
+    Returns:
+        By index of coefficient and of coordinate, the derivative (S,) of the one by the other [SI].
+    """
     slopes: dict[int, dict[int, Floats]] = {}
     following = {one.coefficient: one for one in coordinates.follows}
     for k, logarithmic in enumerate(coordinates.logarithmic):
