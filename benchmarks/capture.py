@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.capture import thinned
-from estimator.condensation import Floats
 from estimator.identification import identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement

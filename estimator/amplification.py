@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import critical_speed_table
 from estimator.error_propagation import standard_errors
 from estimator.forced_response import ForcedResponse, forced_response

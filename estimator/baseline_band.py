@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
+from estimator.arrays import Complexes, Floats
 from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Complexes, Floats
 from estimator.parameters import is_direct
 from estimator.point import Point
 

@@ -15,7 +15,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
 from estimator.speed_law import SpeedLaw
 from estimator.sweep_rate import modal_deviation

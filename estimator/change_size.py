@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.deviation import element_of
 from estimator.diagnosis import Cause, Reference
 from estimator.parameters import is_direct

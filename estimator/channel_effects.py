@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem, settled
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.arrays import Complexes as Complexes
-from estimator.arrays import Floats as Floats
+from estimator.arrays import Complexes, Floats
 from estimator.elimination import GivenShafts, WhirlElimination
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns

@@ -11,7 +11,8 @@ from math import log, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.machine import SpeedDependence
 from estimator.parameters import Coefficient, Excitation, Quantity
 from estimator.sensitivity import Sensitivity

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import CondensedTrain, Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine, Probe

@@ -17,8 +17,8 @@ from itertools import groupby
 import numpy as np
 import scipy.special
 
+from estimator.arrays import Floats
 from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Floats
 from estimator.parameters import is_direct
 from estimator.point import Point
 

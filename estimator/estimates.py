@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import CondensedTrain, Floats
+from estimator.arrays import Floats
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
 from estimator.parameters import UNITS, Coefficient, Excitation, Quantity
 

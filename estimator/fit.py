@@ -15,7 +15,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
 from estimator.elimination import SingularCondensation
 from estimator.machine import Noise

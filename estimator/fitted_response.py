@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.machine import Machine

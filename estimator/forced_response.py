@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.sensitivity import sensitivity

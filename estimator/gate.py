@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.identification import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
 from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined

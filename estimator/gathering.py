@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.estimates import Estimate
 from estimator.identification import Identification
 from estimator.parameters import is_direct

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.between_run_scatter import between_run_scatter
-from estimator.condensation import Floats
 from estimator.observation import Observation
 from estimator.parameters import SCALE_FACTORS, Coefficient, Quantity, Unknowns
 

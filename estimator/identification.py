@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.channel_effects import ChannelEffects, channel_effects
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates

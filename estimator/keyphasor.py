@@ -14,7 +14,7 @@ import scipy.interpolate
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 Edge = Literal["rising", "falling"]
 

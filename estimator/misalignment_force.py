@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.forced_response import coefficient_slopes, forced_response
 from estimator.parameters import dense, unknowns

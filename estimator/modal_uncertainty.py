@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import CriticalSpeed
 from estimator.crossing_correction import mode_of
 from estimator.error_propagation import standard_errors

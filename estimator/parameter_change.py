@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.parameters import is_direct
 
 

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.elimination import WhirlElimination
 
 

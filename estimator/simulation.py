@@ -5,7 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.covariates import usual_change
 from estimator.machine import Machine, Noise
 from estimator.misalignment import neighbouring_bearings

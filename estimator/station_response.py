@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.error_propagation import PhasorBand
 from estimator.forced_response import forced_response
 from estimator.machine import Machine, Probe, Section

@@ -13,7 +13,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import probe_rows
 from estimator.modal_reduction import modal_basis
 from estimator.modes import modes
 from estimator.parameters import unknowns

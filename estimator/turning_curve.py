@@ -6,7 +6,7 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 SAME = 1e-9
 """Turns that lie so near to each other, in units of the points' distance, are one that rounding has doubled."""

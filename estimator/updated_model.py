@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.machine import Machine, Noise
 from estimator.measurement import Measurement
 from estimator.quality import EXCLUDING

@@ -12,7 +12,7 @@ import msgspec
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Identifier, Machine, Positive, Unbalance, field_path
 from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.optimize
 import yaml
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.machine import Coupling, Machine, parse_machine
 from estimator.misalignment import neighbouring_bearings
 from estimator.modes import natural_frequencies

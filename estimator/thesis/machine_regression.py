@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import condense
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
