@@ -17,11 +17,11 @@ from sqlalchemy.orm import Session, sessionmaker
 from storage import database_version, file_lock, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import Damage, marker_of
-from storage.json_text import written
 from storage.longest import Longest
 from storage.looking import damages
 from storage.schema import known_revisions, revision_of
 from storage.sqlite_files import SqliteFiles
+from storage.text import json_text
 
 BUSY_TIMEOUT_MS = 15_000
 """How long a writer waits for its turn."""
@@ -329,7 +329,7 @@ def _engine(url: str | URL) -> Engine:
             f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
-        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=written
+        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
     )
     if dialect == "postgresql":
         event.listen(engine, "begin", _begin_postgresql)
