@@ -8,8 +8,8 @@ import numpy as np
 import scipy.special
 
 from estimator.arrays import Complexes, Floats
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.parameters import is_direct
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import COMPONENTS, is_direct
 from estimator.point import Point
 
 QUANTILE = 0.975
@@ -42,7 +42,7 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
 
 def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
     """The same for the magnitude of an unbalance: value (n,) complex, error (n,) of its real and imaginary part."""
-    names = tuple(name + part for part in COMPONENTS)
+    names = tuple(f"{name}.{part}" for part in COMPONENTS)
     points = [
         Point(names, np.array([v.real, v.imag]), np.diag([e.real**2, e.imag**2])) for v, e in zip(value, error, strict=True)
     ]

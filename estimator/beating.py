@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
+from estimator.modal_transient import modal_deviation
 from estimator.speed_law import SpeedLaw
-from estimator.sweep_rate import modal_deviation
 
 FEWEST_TURNS = 3.0
 """Turns of the beat that must lie behind the peak: fewer may be another resonance."""

@@ -18,8 +18,8 @@ import numpy as np
 import scipy.special
 
 from estimator.arrays import Floats
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.parameters import is_direct
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import describe, is_direct
 from estimator.point import Point
 
 LARGEST_FREEDOM = 1e6
@@ -155,12 +155,13 @@ def comparable(baseline: Sequence[Point], now: Point) -> tuple[str, ...]:
 
 def parameter_of(coordinate: str) -> str:
     """`disc.D1.unbalance` of `disc.D1.unbalance.real`."""
-    return coordinate.rsplit(".", 1)[0] if coordinate.endswith(COMPONENTS) else coordinate
+    said = describe(coordinate)
+    return coordinate if said.component is None else said.whole
 
 
 def element_of(name: str) -> str:
     """`bearing.B1` of `bearing.B1.kxx`."""
-    return ".".join(name.split(".", 2)[:2])
+    return describe(name).element
 
 
 def element_distance(white: Whitening, now: Point) -> ElementDistance:

@@ -16,7 +16,7 @@ import scipy.special
 from estimator.arrays import Floats
 from estimator.estimates import Estimate
 from estimator.identification import Identification
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 
 
 def combined(results: Sequence[Identification]) -> Identification:

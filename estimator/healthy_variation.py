@@ -13,7 +13,9 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.between_run_scatter import between_run_scatter
 from estimator.observation import Observation
-from estimator.parameters import SCALE_FACTORS, Coefficient, Quantity, Unknowns
+from estimator.parameter_description import SCALE_FACTORS
+from estimator.parameters import Coefficient, Unknowns
+from estimator.quantities import Quantity
 
 SHARED: dict[Quantity, float] = {
     "stiffness": 0.012,

@@ -12,9 +12,10 @@ from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
 from estimator.identifiability import Reasons, reasons_for
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.profile import flat
+from estimator.rules import Noise
 from estimator.starts import BestFit, best_fit
 from estimator.verdict import Remark, judge, remark
 

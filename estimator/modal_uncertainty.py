@@ -31,10 +31,11 @@ def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed:
     """
     speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
     coordinates = model.coordinates_at(speeds)
-    coefficients = coordinates.coefficients(coordinates.theta(model.values))
+    theta = coordinates.theta(model.values)
+    coefficients = coordinates.coefficients(theta)
     by_coefficient = eigenvalue_slopes(model.machine, found, model.basis)
     slopes = np.zeros((found.eigenvalue.size, model.values.size), dtype=complex)
-    for k, places in coefficient_slopes(coordinates, np.broadcast_to(coefficients, by_coefficient.shape)).items():
+    for k, places in coefficient_slopes(coordinates, theta, np.broadcast_to(coefficients, by_coefficient.shape)).items():
         for place, by_coordinate in places.items():
             slopes[:, place] += by_coefficient[:, k] * by_coordinate
     for place in map(int, coordinates.scale_place):

@@ -14,11 +14,13 @@ from typing import Any
 import numpy as np
 
 from estimator.identification import Identification, Options, identify
-from estimator.machine import Coupling, EquivalentLoad, Machine, ParameterRule, Unbalance
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.misalignment import neighbouring_bearings
 from estimator.noise import OUTLIER_CHANCE
-from estimator.parameters import is_direct
+from estimator.parameter_description import describe, is_direct
+from estimator.parts import Coupling, EquivalentLoad, Unbalance
+from estimator.rules import ParameterRule
 from estimator.units import rpm_to_rad_per_s
 
 CLEAR = 10.0
@@ -71,7 +73,7 @@ def compare_misalignment(
     Raises KeyError for a coupling that the machine does not have, ValueError for a machine with coefficients that follow the
     speed, which cannot be held, and what `identify` raises.
     """
-    following = sorted({name.split("@")[0] for name in baseline.coordinates if "@" in name})
+    following = sorted({describe(name).whole for name in baseline.coordinates if describe(name).knot is not None})
     if following:
         raise ValueError(
             f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
@@ -152,14 +154,9 @@ def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine
 
 
 def _holdable(baseline: Identification, free: set[str]) -> list[str]:
-    return [
-        name
-        for name in baseline.coordinates
-        if name.split(".")[0] in ("bearing", "coupling", "seal")
-        and "@" not in name
-        and not name.endswith((".real", ".imaginary"))
-        and name.rsplit(".", 1)[0] not in free
-    ]
+    """Names of constant coefficients, but for those of the free elements."""
+    said = {name: describe(name) for name in baseline.coordinates}
+    return [name for name, one in said.items() if one.term is not None and one.knot is None and one.element not in free]
 
 
 def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:

@@ -55,10 +55,7 @@ class UpdatedModel:
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
         """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
-        known = _coordinates(self.machine)
-        if not known.follows:
-            return known
-        return Coordinates.of(replace(_reference(self.machine), speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+        return _coordinates(self.machine).at_speeds(np.asarray(speed, dtype=float))
 
     def coefficients(self, speed: float) -> Floats:
         """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
@@ -107,7 +104,7 @@ class UpdatedModel:
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
         """What gives the matrices of the whole train over the coordinates of `basis` at a spin speed [rad/s, without sign]."""
-        constant = not _coordinates(self.machine).follows
+        constant = not _coordinates(self.machine).models
         return system_matrices_over_speed(
             self.scaled_machine,
             coefficients=self.coefficients(1.0) if constant else self.coefficients,

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
-from estimator.parameters import Coefficient, Quantity
+from estimator.parameters import Coefficient
+from estimator.quantities import Quantity
 from estimator.simulation import Truth, draw_truth
 
 STIFFNESS_SCATTER, DAMPING_SCATTER, UNBALANCE_SCATTER = 0.01, 0.05, 0.01

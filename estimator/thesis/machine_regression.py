@@ -14,7 +14,7 @@ from estimator.condensation import condense
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS

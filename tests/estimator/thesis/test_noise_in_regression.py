@@ -10,7 +10,7 @@ from estimator.condensation import CondensedTrain, condense
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
-from estimator.sensitivity import sensitivity
+from estimator.response import sensitivity
 from estimator.thesis.flexible_train import Floats, flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import response_equations

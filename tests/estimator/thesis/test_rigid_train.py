@@ -7,8 +7,7 @@ import pytest
 
 from estimator.arrays import Complexes
 from estimator.condensation import CondensedTrain
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.rigid_train import (
     condensed,
