@@ -25,10 +25,11 @@ else:
 OWN_PARAMETERS: dict[str, OwnParameter] = {one.name: one for form in FORMS for one in form.own_parameters}
 """Kinds of parameters that the models have beside coefficients, by the last part of their names."""
 
-_NAMES = {name for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
+FORM_NAMES = {name for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
+"""What `form` may be."""
 
 
 def without_form(location: tuple[int | str, ...]) -> tuple[int | str, ...]:
     """Return the place of an error in a document without the form's name, which is no field of it."""
     behind = zip(location, ("", *location), strict=False)
-    return tuple(part for part, before in behind if not (before == "speed_dependence" and part in _NAMES))
+    return tuple(part for part, before in behind if not (before == "speed_dependence" and part in FORM_NAMES))

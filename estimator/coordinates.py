@@ -127,7 +127,8 @@ class Coordinates:
 
     def coefficients(self, theta: Floats) -> Floats:
         """Physical coefficients [SI]: (K,), or (S, K) when one of them follows the speed."""
-        at = np.where(self.place >= 0, theta[self.place], self._fixed) if theta.size else self._fixed
+        fixed = np.where(self.logarithmic, 0.0, self.expected / self.scale)
+        at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
         exponent = np.where(self.logarithmic, at, 0.0)
         constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
         if not self.models:
@@ -152,11 +153,11 @@ class Coordinates:
 
     def gains(self, theta: Floats) -> Complexes:
         """Gain (m,) of each channel [-]: measured over true."""
-        return np.asarray(1.0 + self._pairs(theta, self.gain_place))
+        return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
 
     def run_outs(self, theta: Floats) -> Complexes:
         """Run-out (m,) of each channel in rotation from +x to +y [m]."""
-        return self._pairs(theta, self.run_out_place)
+        return _pairs(self.unit, theta, self.run_out_place)
 
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
         """θ with the coordinates of coefficients (K,), constant over speed.
@@ -202,17 +203,6 @@ class Coordinates:
             whole[first, :, channel] = self.unit[first]
             whole[first + 1, :, channel] = 1j * self.unit[first] * direction
         return whole
-
-    @property
-    def _fixed(self) -> Floats:
-        """Coordinate of each coefficient (K,) at its expected value."""
-        return np.where(self.logarithmic, 0.0, self.expected / self.scale)
-
-    def _pairs(self, theta: Floats, place: NDArray[np.intp]) -> Complexes:
-        found = np.zeros(place.size, dtype=complex)
-        first = place[place >= 0]
-        found[place >= 0] = self.unit[first] * (theta[first] + 1j * theta[first + 1])
-        return found
 
 
 class _Builder:
@@ -320,3 +310,11 @@ def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models
         for of in models:
             if leader in of.coefficients:
                 yield replace(of, coefficients=(k,), columns=(of.columns[of.coefficients.index(leader)],))
+
+
+def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
+    """Complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
+    found = np.zeros(place.size, dtype=complex)
+    first = place[place >= 0]
+    found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])
+    return found
