@@ -30,16 +30,18 @@ def form_of(name: str) -> BearingForm:
     return found
 
 
-def models() -> list[tuple[str, CoefficientModel]]:
-    return [(name, model) for name in ("constant", *sorted(FORM_NAMES)) for model in form_of(name).models(ELEMENT)]
+def models() -> list[Any]:
+    names = ("constant", *sorted(FORM_NAMES))
+    found = [(name, model) for name in names for model in form_of(name).models(ELEMENT)]
+    return [pytest.param(model, id=f"{name}-{'-'.join(model.coefficients)}") for name, model in found]
 
 
 def drawn(model: CoefficientModel) -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.random.default_rng(3).normal(0.1, 0.3, len(model.parameters))
 
 
-@pytest.mark.parametrize(("name", "model"), models())
-def test_derivatives_are_those_of_the_values(name: str, model: CoefficientModel) -> None:
+@pytest.mark.parametrize("model", models())
+def test_derivatives_are_those_of_the_values(model: CoefficientModel) -> None:
     curves, at = model.at(SPEED), drawn(model)
     found = curves.derivatives(at, slice(2, 9))
     assert found.shape == (7, len(model.coefficients), len(model.parameters))
@@ -49,8 +51,8 @@ def test_derivatives_are_those_of_the_values(name: str, model: CoefficientModel)
         assert found[:, :, p] == pytest.approx(difference, rel=1e-7, abs=1e-7 * ELEMENT[0].scale)
 
 
-@pytest.mark.parametrize(("name", "model"), models())
-def test_a_level_is_the_same_at_every_speed(name: str, model: CoefficientModel) -> None:
+@pytest.mark.parametrize("model", models())
+def test_a_level_is_the_same_at_every_speed(model: CoefficientModel) -> None:
     governed = [one for one in ELEMENT if one.name in model.coefficients]
     values = model.at(SPEED).values(model.level(np.full(len(governed), 0.2)))
     assert values == pytest.approx(np.tile([float(one.value(np.array(0.2))) for one in governed], (SPEED.size, 1)), rel=1e-12)
@@ -65,8 +67,8 @@ def test_every_coefficient_is_given_once_and_every_parameter_counted(name: str) 
     assert all(model.constant == (name == "constant") for model in found)
 
 
-@pytest.mark.parametrize(("name", "model"), models())
-def test_names_say_what_is_positive(name: str, model: CoefficientModel) -> None:
+@pytest.mark.parametrize("model", models())
+def test_names_say_what_is_positive(model: CoefficientModel) -> None:
     for one in model.parameters:
         assert (describe(one.name).element, describe(one.name).positive) == ("bearing.B1", one.positive)
 
