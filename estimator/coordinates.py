@@ -182,7 +182,7 @@ class Coordinates:
         slope = np.where(self.logarithmic, coefficients, self.scale)
         slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
         by_coefficient = found.by_coefficient * slope
-        for k in np.flatnonzero(constant):
+        for k in np.flatnonzero(constant).tolist():
             whole[self.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
         for one in self.models:
             slopes = one.derivatives(theta, block)
