@@ -3,9 +3,9 @@
 A form is a `Part` with a literal field `form` and the methods of `BearingForm`.
 """
 
-from typing import TYPE_CHECKING, Annotated, Union, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Union, get_args
 
-from pydantic import Field
+from pydantic import Discriminator, Tag
 
 from estimator.bearing_model import BearingForm, OwnParameter
 from estimator.constant_coefficients import Constant
@@ -17,19 +17,41 @@ FORMS = (SpeedDependence,)
 CONSTANT = Constant()
 """The form where a document gives none."""
 
-if TYPE_CHECKING:
-    DeclaredForm = BearingForm
-else:
-    DeclaredForm = FORMS[0] if len(FORMS) == 1 else Annotated[Union[FORMS], Field(discriminator="form")]  # noqa: UP007
-
 OWN_PARAMETERS: dict[str, OwnParameter] = {one.name: one for form in FORMS for one in form.own_parameters}
 """Kinds of parameters that the models have beside coefficients, by the last part of their names."""
 
-FORM_NAMES = {name for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
+_CLASSES = {name: form for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
+FORM_NAMES = tuple(_CLASSES)
 """What `form` may be."""
+_UNKNOWN = "unknown_form"
 
 
-def without_form(location: tuple[int | str, ...]) -> tuple[int | str, ...]:
-    """Return the place of an error in a document without the form's name, which is no field of it."""
+def _tag(value: Any) -> str | None:
+    """Return the name of the class that a part of a document, or its content, belongs to; None where `form` names none."""
+    form = value.get("form") if isinstance(value, dict) else getattr(value, "form", None)
+    return _CLASSES[form].__name__ if isinstance(form, str) and form in _CLASSES else None
+
+
+def _declared() -> Any:
+    """Return the type of a document's field that takes any of the forms, told apart by `form`."""
+    if len(FORMS) == 1:
+        return FORMS[0]
+    tagged = tuple(Annotated[form, Tag(form.__name__)] for form in FORMS)
+    names = ", ".join(map(repr, FORM_NAMES[:-1]))
+    message = f"Input should be {names} or {FORM_NAMES[-1]!r}"
+    return Annotated[Union[tagged], Discriminator(_tag, custom_error_type=_UNKNOWN, custom_error_message=message)]  # noqa: UP007
+
+
+if TYPE_CHECKING:
+    DeclaredForm = BearingForm
+else:
+    DeclaredForm = _declared()
+
+
+def place_of(error: Any) -> tuple[int | str, ...]:
+    """Return the place in a document of one of pydantic's errors, without a form's class, which is no field of it."""
+    location = tuple(error["loc"])
+    classes = {form.__name__ for form in FORMS}
     behind = zip(location, ("", *location), strict=False)
-    return tuple(part for part, before in behind if not (before == "speed_dependence" and part in FORM_NAMES))
+    place = tuple(part for part, before in behind if not (before == "speed_dependence" and part in classes))
+    return (*place, "form") if error["type"] == _UNKNOWN else place

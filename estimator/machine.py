@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
-from estimator.bearing_registry import without_form
+from estimator.bearing_registry import place_of
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.parts import Bearing, Coupling, Disc, Material, Probe, RayleighDamping, Seal, Shaft
 from estimator.references import reference_problems
@@ -112,7 +112,7 @@ def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
         place = tuple(item["loc"])
         return item["type"] == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places)
 
-    return [(field_path(without_form(item["loc"])), item["msg"]) for item in errors if not follows(item)]
+    return [(field_path(place_of(item)), item["msg"]) for item in errors if not follows(item)]
 
 
 def field_path(location: tuple[int | str, ...]) -> str:

@@ -7,7 +7,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from estimator.bearing_model import BearingForm, CoefficientModel, ModelParameter
-from estimator.bearing_registry import CONSTANT, FORM_NAMES, DeclaredForm, without_form
+from estimator.bearing_registry import CONSTANT, FORM_NAMES, DeclaredForm, place_of
 from estimator.machine import parse_machine
 from estimator.parameter_description import describe
 from tests.estimator.trains import chapter_3_document
@@ -82,11 +82,13 @@ def test_every_form_has_a_place_in_a_document() -> None:
         assert form.governs("kxx")
 
 
-def test_a_place_in_a_document_does_not_name_the_form() -> None:
-    assert without_form(("bearings", 1, "speed_dependence", "piecewise", "knots_rpm")) == (
-        "bearings",
-        1,
+def test_a_place_in_a_document_does_not_name_the_class_of_a_form() -> None:
+    known = {"type": "missing", "loc": ("bearings", 1, "speed_dependence", "SpeedDependence", "knots_rpm")}
+    assert place_of(known) == ("bearings", 1, "speed_dependence", "knots_rpm")
+    assert place_of({"type": "unknown_form", "loc": ("seals", 0, "speed_dependence")}) == (
+        "seals",
+        0,
         "speed_dependence",
-        "knots_rpm",
+        "form",
     )
-    assert without_form(("materials", "piecewise", "density")) == ("materials", "piecewise", "density")
+    assert place_of({"type": "missing", "loc": ("materials", "SpeedDependence", "density")})[1] == "SpeedDependence"
