@@ -13,13 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from estimator.coefficient_models import governing_models
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.misalignment import neighbouring_bearings
 from estimator.noise import OUTLIER_CHANCE
 from estimator.parameter_description import describe, is_direct
+from estimator.parameters import unknowns
 from estimator.parts import Coupling, EquivalentLoad, Unbalance
+from estimator.rotor import assemble_rotor
 from estimator.rules import ParameterRule
 from estimator.units import rpm_to_rad_per_s
 
@@ -73,7 +76,7 @@ def compare_misalignment(
     Raises KeyError for a coupling that the machine does not have, ValueError for a machine with coefficients that follow the
     speed, which cannot be held, and what `identify` raises.
     """
-    following = sorted({describe(name).whole for name in baseline.coordinates if describe(name).knot is not None})
+    following = _following(machine)
     if following:
         raise ValueError(
             f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
@@ -94,6 +97,13 @@ def compare_misalignment(
     return Comparison(
         coupling, frozenset(suspects), tuple(views), preferred, verdict + _unbalances_moved(views[0].identification, baseline)
     )
+
+
+def _following(machine: Machine) -> list[str]:
+    """Names of the free coefficients that follow the speed."""
+    coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
+    models = (one for one in governing_models(coefficients) if not one.model.constant)
+    return sorted(coefficients[k].name for one in models for k in one.coefficients)
 
 
 def _unbalances_moved(found: Identification, baseline: Identification) -> str:
