@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem, settled
+from estimator.parameter_description import describe
 
 MOSTLY_LEFT_OUT = 0.3
 """A channel of whose phasors more than this part was left out is itself what is wrong: all of them are looked at."""
@@ -102,7 +103,7 @@ def _judged_alone(
     _, gradient, curvature = restored.linearised(theta, restored.weight(amplitude, 0.0))
     unit = problem.coordinates.unit[added]
     channels = [channel for channel, bad in zip(problem.train.channels, doubtful, strict=True) if bad]
-    theirs = np.array([problem.coordinates.names[place].split(".")[1] in channels for place in added])
+    theirs = np.array([describe(problem.coordinates.names[place]).element_id in channels for place in added])
     bias, information, score = (array.copy() for array in effects)
     bias[:, theirs] = 0.0
     information[theirs], information[:, theirs] = 0.0, 0.0
