@@ -14,11 +14,11 @@ from typing import Literal
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import critical_speed_table
 from estimator.error_propagation import standard_errors
 from estimator.forced_response import ForcedResponse, forced_response
-from estimator.machine import Probe
+from estimator.parts import Probe
 from estimator.rotor import assemble_rotor
 from estimator.station_response import displacement_row
 from estimator.turning_curve import TurningCurve

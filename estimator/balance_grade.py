@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from estimator.error_propagation import PhasorBand, phasor_band
-from estimator.machine import Bearing
+from estimator.parts import Bearing
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 from estimator.units import rad_per_s_to_rpm

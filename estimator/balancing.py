@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.error_propagation import PhasorBand
 from estimator.forced_response import ForcedResponse, forced_response
 from estimator.updated_model import UpdatedModel

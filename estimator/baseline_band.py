@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Complexes, Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Complexes, Floats
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import COMPONENTS, is_direct
 from estimator.point import Point
 
 QUANTILE = 0.975
@@ -59,20 +59,8 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
 
 
 def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
-    """Compute the band of an unbalance's magnitude from the estimates of n runs.
-
-    Args:
-        name: Name of the excitation.
-        value: Complex estimates (n,) in the excitation's unit [SI].
-        error: Standard errors (n,) of real and imaginary part in the excitation's unit [SI].
-
-    Returns:
-        Band of the magnitude in the excitation's unit [SI].
-
-    Raises:
-        ValueError: The baseline is empty.
-    """
-    names = tuple(name + part for part in COMPONENTS)
+    """The same for the magnitude of an unbalance: value (n,) complex, error (n,) of its real and imaginary part."""
+    names = tuple(f"{name}.{part}" for part in COMPONENTS)
     points = [
         Point(names, np.array([v.real, v.imag]), np.diag([e.real**2, e.imag**2])) for v, e in zip(value, error, strict=True)
     ]

@@ -15,10 +15,10 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
+from estimator.modal_transient import modal_deviation
 from estimator.speed_law import SpeedLaw
-from estimator.sweep_rate import modal_deviation
 
 FEWEST_TURNS = 3.0
 """Least turns of the beat behind the peak: fewer may be another resonance."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import COMPONENTS, describe
 from estimator.point import Point
 
 PRIOR_WEIGHT = 10.0
@@ -32,13 +32,8 @@ EXCITATION_SCATTER = 0.03
 [-].
 """
 LEAST_EXCITATION = 1.0 / 3.0
-"""Part of the largest excitation's magnitude that a smaller one's scatter is measured by at least [-]: small unbalances take
-up what the model lacks.
-"""
-COMPONENTS = (".real", ".imaginary")
-"""Endings of the names of an excitation's two components."""
-GAINS = tuple(f".gain{part}" for part in COMPONENTS)
-"""Endings of the names of a gain's two components."""
+"""Small unbalances take up what the model lacks: none is expected to repeat better than this part of the largest does."""
+GAIN = "gain"
 
 
 @dataclass(frozen=True)
@@ -115,50 +110,35 @@ def sizes(names: Sequence[str], centre: Floats) -> Floats:
         Measure (N,) in each parameter's unit [SI, 1 for logarithms].
     """
     at = dict(zip(names, centre.tolist(), strict=True))
-    excitations = {stem: math.hypot(*(at.get(stem + part, 0.0) for part in COMPONENTS)) for stem in _excitations(names)}
-    largest: dict[str, float] = {}
-    for stem, magnitude in excitations.items():
-        largest[_kind(stem)] = max(magnitude, largest.get(_kind(stem), 0.0))
+    complex_ones = {said.whole: said.quantity for said in map(describe, names) if said.component is not None}
+    excitations = {one: math.hypot(*(at.get(f"{one}.{part}", 0.0) for part in COMPONENTS)) for one in complex_ones}
+    largest: dict[str, float] = {}  # of each kind, such as unbalances, which share a unit
+    for one, magnitude in excitations.items():
+        largest[complex_ones[one]] = max(magnitude, largest.get(complex_ones[one], 0.0))
 
     def size(name: str) -> float:
-        if is_direct(name) or name.endswith(GAINS):
+        said = describe(name)
+        if said.positive or said.quantity == GAIN:
             return 1.0
-        if name.endswith(COMPONENTS):
-            stem = name.rsplit(".", 1)[0]
-            return max(excitations[stem], LEAST_EXCITATION * largest[_kind(stem)])
+        if said.component is not None:
+            return max(excitations[said.whole], LEAST_EXCITATION * largest[said.quantity])
         return _beside(name, at)
 
     return np.array([size(name) for name in names])
 
 
 def _expected(name: str) -> float:
-    if name.endswith(GAINS):
+    said = describe(name)
+    if said.quantity == GAIN:
         return STIFFNESS_SCATTER
-    if name.endswith(COMPONENTS):
+    if said.component is not None:
         return EXCITATION_SCATTER
-    term = name.partition("@")[0].rsplit(".", 1)[-1]
-    return DAMPING_SCATTER if term.startswith(("c", "m")) else STIFFNESS_SCATTER
-
-
-def _excitations(names: Sequence[str]) -> list[str]:
-    return [name.rsplit(".", 1)[0] for name in names if name.endswith(COMPONENTS)]
-
-
-def _kind(stem: str) -> str:
-    """Return the kind of an excitation; those of one kind, such as unbalances, share a unit."""
-    return stem.rsplit(".", 1)[-1]
+    return STIFFNESS_SCATTER if said.term is None or said.term.order == 0 else DAMPING_SCATTER
 
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
-    """Compute the geometric mean of the direct terms beside a cross-coupled one, as far as known; else its own magnitude."""
-    coefficient, _, knot = name.partition("@")
-    element, term = coefficient.rsplit(".", 1)
-    if term.startswith(("k_phi", "c_phi")):
-        pair = (f"{term[:5]}x", f"{term[:5]}y")
-    elif "_phi" in term:
-        pair = (f"k{term[1]}{term[1]}", f"k_phi{term[-1]}")
-    else:
-        pair = (f"{term[0]}xx", f"{term[0]}yy")
-    suffix = f"@{knot}" if knot else ""
-    known = [at[f"{element}.{one}{suffix}"] for one in pair if f"{element}.{one}{suffix}" in at]
+    """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
+    said = describe(name)
+    beside = () if said.term is None else tuple(map(said.of_term, said.term.beside))
+    known = [at[one] for one in beside if one in at]
     return math.exp(sum(known) / len(known)) if known else abs(at[name]) or 1.0

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
 from estimator.machine import Machine
 from estimator.modal_reduction import EVERYTHING, modal_basis

@@ -11,9 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem, settled
+from estimator.parameter_description import describe
 
 MOSTLY_LEFT_OUT = 0.3
 """Part of a channel's phasors [-]; where more was left out, the channel itself is at fault and all of its phasors are used."""
@@ -114,7 +115,7 @@ def _judged_alone(
     _, gradient, curvature = restored.linearised(theta, restored.weight(amplitude, 0.0))
     unit = problem.coordinates.unit[added]
     channels = [channel for channel, bad in zip(problem.train.channels, doubtful, strict=True) if bad]
-    theirs = np.array([problem.coordinates.names[place].split(".")[1] in channels for place in added])
+    theirs = np.array([describe(problem.coordinates.names[place]).element_id in channels for place in added])
     bias, information, score = (array.copy() for array in effects)
     bias[:, theirs] = 0.0
     information[theirs], information[:, theirs] = 0.0, 0.0

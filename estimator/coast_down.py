@@ -16,7 +16,8 @@ from functools import cached_property
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import probe_rows
 from estimator.machine import Machine
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor

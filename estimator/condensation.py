@@ -12,11 +12,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.arrays import Complexes as Complexes
-from estimator.arrays import Floats as Floats
+from estimator.arrays import Complexes, Floats
 from estimator.elimination import GivenShafts, WhirlElimination
 from estimator.machine import Machine
-from estimator.parameters import Unknowns, dense, unknowns
+from estimator.parameters import ScaleFactor, Unknowns, dense, scale_factors, unknowns
 from estimator.rotor import Rotor, assemble_rotor, plane_columns
 from estimator.shaft import NODE_DOFS
 
@@ -28,19 +27,13 @@ BLOCK = 256
 class CondensedTrain:
     """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
 
-    Attributes:
-        speed: Spin speeds (S,) [rad/s], positive.
-        direction: Sense of rotation (S,), +1 or -1 [-].
-        shafts: Dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
-        left: Vectors a (n, T), one per term [-].
-        right: Vectors b (n, T), one per term [-].
-        output: Displacement (m, n) at each probe, along its angle [-].
-        unknowns: Names and expectations of coefficients and excitations.
-        channels: Ids of the m channels.
-        gain_spread: Standard deviation (m,) of each channel's gain [-]; empty where gains are exact.
-        run_out_spread: Standard deviation (m,) of each channel's run-out [m]; empty where run-outs are exact.
-        scale_names: Names of the F scale factors that are not known exactly.
-        scale_spread: Relative standard deviation (F,) of each scale factor [-].
+    speed: (S,) spin speed [rad/s], positive. direction: (S,) +1 or -1.
+    shafts: dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
+    left, right: (n, T) vectors a, b of each term; owner: (T,) the coefficient that a term belongs to, ascending.
+    output: (m, n) displacement at each probe, along its angle.
+    unknowns: names and expectations of coefficients and excitations. channels: the m channel ids.
+    gain_spread, run_out_spread: (m,) how far a channel's gain [-] and run-out [m] may be off; empty: not at all.
+    scale_factors: the F factors of E and ρ that are not known exactly.
     """
 
     speed: Floats
@@ -53,8 +46,17 @@ class CondensedTrain:
     channels: tuple[str, ...]
     gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
     run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
-    scale_names: tuple[str, ...] = ()
-    scale_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    scale_factors: tuple[ScaleFactor, ...] = ()
+
+    @property
+    def scale_names(self) -> tuple[str, ...]:
+        """Names of the scale factors."""
+        return tuple(one.name for one in self.scale_factors)
+
+    @property
+    def scale_spread(self) -> Floats:
+        """(F,) how far each may be off, relative rms [-]."""
+        return np.array([one.spread for one in self.scale_factors])
 
     @property
     def known(self) -> Complexes:
@@ -180,7 +182,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
     retained = np.flatnonzero(touched[: rotor.plane_size] | touched[rotor.plane_size :])
     kept = np.concatenate([retained, rotor.plane_size + retained])
-    spreads = scale_spreads(machine, rotor)
+    scales = scale_factors(machine, rotor)
     elimination = WhirlElimination.of(
         rotor,
         retained=retained,
@@ -188,7 +190,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         excitations=unknown.excitations,
         speed=speed,
         direction=direction,
-        reusable=bool(spreads),
+        reusable=bool(scales),
     )
     return CondensedTrain(
         speed=speed,
@@ -201,8 +203,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         channels=machine.channels,
         gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
         run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
-        scale_names=tuple(spreads),
-        scale_spread=np.array(list(spreads.values())),
+        scale_factors=scales,
     )
 
 
@@ -210,26 +211,6 @@ def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
     """Convert vectors (N, count) over (x, y, θx, θy) per node to vectors over the x-z plane, then the y-z plane."""
     x_plane, y_plane = plane_columns(rotor.size)
     return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
-
-
-def scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
-    """Collect the scale factors that are not known exactly.
-
-    Args:
-        machine: The machine.
-        rotor: Its assembled rotor.
-
-    Returns:
-        Relative spread [-] by the factor's name.
-    """
-    found: dict[str, float] = {}
-    for name in rotor.materials:
-        material = machine.materials[name]
-        if material.young_modulus_spread > 0.0:
-            found[f"material.{name}.young_modulus"] = material.young_modulus_spread
-        if material.density_spread > 0.0:
-            found[f"material.{name}.density"] = material.density_spread
-    return found
 
 
 def probe_rows(machine: Machine, rotor: Rotor) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.optimize
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 NODES_PER_WIDTH, NODE_STEP, MOST_NODES = 2.0, 24, 360
 """Nodes of the quadrature per standard deviation of one value's effect on the chart, the step in which nodes are added, and

@@ -5,69 +5,68 @@ terms as p / scale; excitations in units of their own scale, real and imaginary 
 gains of channels as real and imaginary part of their error, run-outs in units of their spread.
 """
 
-from dataclasses import dataclass
-from math import log, pi, sqrt
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
-from estimator.machine import SpeedDependence
-from estimator.parameters import Coefficient, Excitation, Quantity
-from estimator.sensitivity import Sensitivity
+from estimator.arrays import Complexes, Floats
+from estimator.bearing_model import CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.coefficient_models import governing_models
+from estimator.condensation import CondensedTrain
+from estimator.parameters import Coefficient, Excitation
+from estimator.quantities import Quantity
+from estimator.response import Sensitivity
 
-KNOWN_SPREAD = log(10.0)
-"""Prior standard deviation of the logarithm of a direct term whose nominal value the document gives: a factor of 10."""
-UNKNOWN_SPREAD = log(1000.0)
-"""Prior standard deviation of the logarithm of a direct term whose nominal value no document gives: a factor of 1000."""
-CROSS_SPREAD = 10.0
-"""Prior standard deviation of a cross-coupled term in units of its element's direct terms."""
 UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
 
 
 @dataclass(frozen=True)
-class FollowsSpeed:
-    """A coefficient that follows the speed: its values at knots are coordinates, mixed by weights at each speed.
+class PlacedModel:
+    """A model whose coefficients follow the speed, with its P parameters at the coordinates from `first` on.
 
-    Attributes:
-        coefficient: Index of the coefficient.
-        first: Index of its first coordinate; one per knot follows.
-        weight: Weights (S, count) of the knots at each speed [-].
-        speeds: Knots (count,) [r/min].
+    coefficients: (c,) which of the K; columns: (c,) which of the model's own each of them is. curves: at the train's speeds.
     """
 
-    coefficient: int
+    model: CoefficientModel
+    coefficients: tuple[int, ...]
+    columns: tuple[int, ...]
     first: int
-    weight: Floats
-    speeds: tuple[float, ...]
+    curves: CoefficientCurves
+
+    @cached_property
+    def places(self) -> range:
+        """Coordinates of the parameters."""
+        return range(self.first, self.first + len(self.model.parameters))
+
+    def own(self, theta: Floats) -> Floats:
+        """Parameters (P,) among all coordinates."""
+        return theta[self.first : self.places.stop]
+
+    def values(self, theta: Floats) -> Floats:
+        """Coefficients (S, c) [SI]."""
+        return self.curves.values(self.own(theta))[:, self.columns]
+
+    def derivatives(self, theta: Floats, block: slice) -> Floats:
+        """Derivatives (s, c, P) of the coefficients by the coordinates, at some of the speeds."""
+        return self.curves.derivatives(self.own(theta), block)[:, self.columns]
 
 
 @dataclass(frozen=True)
 class Coordinates:
     """Map between physical parameters and fit coordinates θ (n,).
 
-    The train has K coefficients, E excitations and m channels.
-
-    Attributes:
-        names: Names of the n coordinates.
-        centre: Mean (n,) of the prior on θ [-].
-        spread: Standard deviation (n,) of the prior on θ [-].
-        origin: Offset (n,) [SI, logarithms of positive ones]: origin + unit·θ is the physical value.
-        unit: Unit (n,) of θ [SI, 1 for logarithms].
-        logarithmic: True for direct terms (K,).
-        expected: Expected value of each coefficient (K,) [SI].
-        scale: Scale of each coefficient (K,) [SI].
-        place: Coordinate of each coefficient (K,); -1 where it is fixed or follows the speed.
-        follows: Coefficients that follow the speed.
-        excitation_place: First coordinate of each excitation (E,); -1 where it is fixed.
-        excitation_scale: Scale of each excitation (E,) [SI].
-        held: Value of each fixed excitation (E,), 0 for the others [SI].
-        scale_place: Coordinate of each scale factor (F,).
-        gain_place: First coordinate of each channel's gain (m,); -1 where it is taken as exact.
-        run_out_place: First coordinate of each channel's run-out (m,); -1 where it is taken as exact.
-        quantities: Physical quantity of each of the K coefficients.
-        guessed: True for direct terms whose expected value no document gave (K,).
+    names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. origin, unit: origin + unit·θ
+    is the value in SI, of positive ones its logarithm. Of the coefficients (K,): logarithmic, True for direct terms;
+    expected, scale in SI; place, the coordinate of each constant one, -1 where it is fixed; models, of those that follow the
+    speed. parameters: of all models, which are the first coordinates.
+    Of the excitations (E,): excitation_place, -1 where fixed; excitation_scale; held, the value of those that are fixed.
+    scale_place (F,), gain_place and run_out_place (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,)
+    what each coefficient is; guessed: (K,) True for direct terms whose expected value no document gave.
     """
 
     names: tuple[str, ...]
@@ -79,7 +78,8 @@ class Coordinates:
     expected: Floats
     scale: Floats
     place: NDArray[np.intp]
-    follows: tuple[FollowsSpeed, ...]
+    models: tuple[PlacedModel, ...]
+    parameters: tuple[ModelParameter, ...]
     excitation_place: NDArray[np.intp]
     excitation_scale: Floats
     held: Complexes
@@ -134,37 +134,32 @@ class Coordinates:
         """
         return (point - self.origin) / self.unit
 
+    def at_speeds(self, speed: Floats) -> "Coordinates":
+        """The same coordinates at other speeds (S,) [rad/s, without sign]."""
+        curves = {one.first: one.model.at(speed) for one in self.models}
+        return replace(self, models=tuple(replace(one, curves=curves[one.first]) for one in self.models))
+
     def places(self, coefficient: int) -> range:
-        """Return the coordinates of a coefficient.
-
-        Args:
-            coefficient: Index of the coefficient.
-
-        Returns:
-            Indices of its coordinates: one, or one per knot, or none where it is fixed.
-        """
-        for one in self.follows:
-            if one.coefficient == coefficient:
-                return range(one.first, one.first + one.weight.shape[1])
+        """Coordinates of a coefficient: one, or those of the model that gives it, or none where it is fixed."""
+        for one in self.models:
+            if coefficient in one.coefficients:
+                return one.places
         place = int(self.place[coefficient])
         return range(place, place + 1) if place >= 0 else range(0)
 
     def coefficients(self, theta: Floats) -> Floats:
-        """Compute the physical coefficients.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Coefficients (K,), or (S, K) when one of them follows the speed [SI].
-        """
-        at = np.where(self.place >= 0, theta[self.place], self._fixed) if theta.size else self._fixed
-        if self.follows:
-            at = np.repeat(at[None, :], len(self.follows[0].weight), axis=0)
-            for one in self.follows:
-                at[:, one.coefficient] = one.weight @ theta[one.first : one.first + one.weight.shape[1]]
+        """Physical coefficients [SI]: (K,), or (S, K) when one of them follows the speed."""
+        fixed = np.where(self.logarithmic, 0.0, self.expected / self.scale)
+        at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
         exponent = np.where(self.logarithmic, at, 0.0)
-        return np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
+        constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
+        if not self.models:
+            return constant
+        following = [one.values(theta) for one in self.models]
+        whole = np.repeat(constant[None, :], len(following[0]), axis=0)
+        for one, values in zip(self.models, following, strict=True):
+            whole[:, one.coefficients] = values
+        return whole
 
     def excitations(self, theta: Floats) -> Complexes:
         """Compute the complex excitations.
@@ -193,39 +188,17 @@ class Coordinates:
         return np.exp(theta[self.scale_place])
 
     def gains(self, theta: Floats) -> Complexes:
-        """Compute the gain of each channel: measured over true.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Gains (m,) [-].
-        """
-        return np.asarray(1.0 + self._pairs(theta, self.gain_place))
+        """Gain (m,) of each channel [-]: measured over true."""
+        return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
 
     def run_outs(self, theta: Floats) -> Complexes:
-        """Compute the run-out of each channel in rotation from +x to +y.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Run-outs (m,) [m].
-        """
-        return self._pairs(theta, self.run_out_place)
+        """Run-out (m,) of each channel in rotation from +x to +y [m]."""
+        return _pairs(self.unit, theta, self.run_out_place)
 
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
-        """Return θ with the coordinates of other coefficients, constant over speed.
+        """θ with the coordinates of coefficients (K,), constant over speed.
 
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            coefficients: Coefficients (K,) [SI].
-
-        Returns:
-            Fit coordinates θ (n,) [-].
-
-        Raises:
-            ValueError: A direct term is not positive.
+        Raises ValueError for a direct term <= 0, and for a model whose coefficients cannot be constant.
         """
         if np.any(coefficients[self.logarithmic] <= 0):
             raise ValueError("direct terms must be positive")
@@ -233,8 +206,9 @@ class Coordinates:
         value = np.where(self.logarithmic, np.log(positive), coefficients / self.scale)
         result = theta.copy()
         result[self.place[self.place >= 0]] = value[self.place >= 0]
-        for one in self.follows:
-            result[one.first : one.first + one.weight.shape[1]] = value[one.coefficient]
+        for one in self.models:
+            if len(one.coefficients) == len(one.model.coefficients):  # a tied one of several has no say
+                result[one.first : one.places.stop] = one.model.level(value[list(one.coefficients)])
         return result
 
     def jacobian(self, theta: Floats, found: Sensitivity, coefficients: Floats, direction: Floats, block: slice) -> Complexes:
@@ -251,15 +225,17 @@ class Coordinates:
             Derivatives (n, S, m) [m].
         """
         whole = np.zeros((self.size, *found.phasor.shape), dtype=complex)
+        constant = self.place >= 0
         slope = np.where(self.logarithmic, coefficients, self.scale)
         slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
         by_coefficient = found.by_coefficient * slope
-        free = self.place >= 0
-        for k in np.flatnonzero(free):
+        for k in np.flatnonzero(constant).tolist():
             whole[self.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
-        for one in self.follows:
-            for knot in range(one.weight.shape[1]):
-                whole[one.first + knot] += one.weight[block, knot, None] * by_coefficient[one.coefficient]
+        for one in self.models:
+            slopes = one.derivatives(theta, block)
+            for c, k in enumerate(one.coefficients):
+                for p, place in enumerate(one.places):
+                    whole[place] += slopes[:, c, p, None] * found.by_coefficient[k]
         for column in np.flatnonzero(self.excitation_place >= 0):
             first = self.excitation_place[column]
             whole[first : first + 2] = self.excitation_scale[column] * found.by_excitation[2 * column : 2 * column + 2]
@@ -274,17 +250,6 @@ class Coordinates:
             whole[first, :, channel] = self.unit[first]
             whole[first + 1, :, channel] = 1j * self.unit[first] * direction
         return whole
-
-    @property
-    def _fixed(self) -> Floats:
-        """Return the coordinate of each coefficient (K,) at its expected value."""
-        return np.where(self.logarithmic, 0.0, self.expected / self.scale)
-
-    def _pairs(self, theta: Floats, place: NDArray[np.intp]) -> Complexes:
-        found = np.zeros(place.size, dtype=complex)
-        first = place[place >= 0]
-        found[place >= 0] = self.unit[first] * (theta[first] + 1j * theta[first + 1])
-        return found
 
 
 class _Builder:
@@ -315,7 +280,7 @@ class _Builder:
     def build(self) -> Coordinates:
         train = self.train
         coefficients, excitations = train.unknowns.coefficients, train.unknowns.excitations
-        place, follows = self._coefficients(coefficients)
+        parameters, place, models = self._coefficients(coefficients)
         excitation_scale = np.array([e.spread if e.spread is not None else self.unbalance_scale for e in excitations])
         excitation_place = [
             -1 if one.fixed else self._excitation(one, float(scale))
@@ -334,7 +299,8 @@ class _Builder:
             expected=np.array([c.expected for c in coefficients], dtype=float),
             scale=np.array([c.scale for c in coefficients], dtype=float),
             place=place,
-            follows=follows,
+            models=models,
+            parameters=parameters,
             excitation_place=np.array(excitation_place, dtype=np.intp),
             excitation_scale=excitation_scale,
             held=np.array([(e.nominal or 0j) if e.fixed else 0j for e in excitations], dtype=complex),
@@ -350,37 +316,23 @@ class _Builder:
             return self.add_pair(one.name, UNBALANCE_SPREAD, scale)
         return self.add_pair(one.name, sqrt(0.5), scale, centre=(one.nominal or 0j) / scale)
 
-    def _coefficients(self, coefficients: tuple[Coefficient, ...]) -> tuple[NDArray[np.intp], tuple[FollowsSpeed, ...]]:
+    def _coefficients(
+        self, coefficients: tuple[Coefficient, ...]
+    ) -> tuple[tuple[ModelParameter, ...], NDArray[np.intp], tuple[PlacedModel, ...]]:
         place = np.full(len(coefficients), -1, dtype=np.intp)
-        follows: list[FollowsSpeed] = []
-        for k, one in enumerate(coefficients):
-            if one.fixed or one.tied_to is not None:
-                continue
-            unit, origin = (1.0, log(one.expected)) if one.direct else (one.scale, 0.0)
-            centre = 0.0 if one.direct else one.expected / one.scale
-            if one.speed_dependence is None:
-                place[k] = self.add(one.name, centre, _spread(one), unit, origin)
-                continue
-            knots = one.speed_dependence.knots_rpm
-            first = min([self.add(f"{one.name}@{knot:g}rpm", centre, _spread(one), unit, origin) for knot in knots])
-            follows.append(FollowsSpeed(k, first, knot_weights(one.speed_dependence, self.train.speed), knots))
-        return self._tied(coefficients, place, follows)
-
-    @staticmethod
-    def _tied(
-        coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], follows: list[FollowsSpeed]
-    ) -> tuple[NDArray[np.intp], tuple[FollowsSpeed, ...]]:
-        index = {one.name: k for k, one in enumerate(coefficients)}
-        leaders = {one.coefficient: one for one in follows}
-        for k, one in enumerate(coefficients):
-            if one.tied_to is None:
-                continue
-            leader = index[one.tied_to]
-            place[k] = place[leader]
-            if leader in leaders:
-                of = leaders[leader]
-                follows.append(FollowsSpeed(k, of.first, of.weight, of.speeds))
-        return place, tuple(follows)
+        parameters: list[ModelParameter] = []
+        models: list[PlacedModel] = []
+        for one in governing_models(coefficients):
+            first = len(self.names)
+            for parameter in one.model.parameters:
+                self.add(parameter.name, parameter.centre, parameter.spread, parameter.step, parameter.origin)
+                parameters.append(parameter)
+            if one.model.constant:
+                place[one.coefficients[0]] = first
+            else:
+                columns = tuple(range(len(one.coefficients)))
+                models.append(PlacedModel(one.model, one.coefficients, columns, first, one.model.at(self.train.speed)))
+        return tuple(parameters), place, (*models, *_tied(coefficients, place, models))
 
     def _channels(self, what: str, spread: Floats) -> NDArray[np.intp]:
         if spread.size == 0:
@@ -394,32 +346,22 @@ class _Builder:
         )
 
 
-def knot_weights(dependence: SpeedDependence, speed: Floats) -> Floats:
-    """Compute the weights with which the values at the knots make the value at each speed.
-
-    Args:
-        dependence: Form of the dependence and its knots.
-        speed: Speeds (S,) [rad/s].
-
-    Returns:
-        Weights (S, knots) [-]: linear interpolation or Lagrange's polynomials.
-    """
-    knots = np.array(dependence.knots_rpm) * pi / 30.0
-    unit = np.eye(knots.size)
-    if dependence.form == "piecewise":
-        return np.stack([np.interp(speed, knots, row) for row in unit], axis=1)
-    # Lagrange's polynomials, one per knot.
-    return np.stack(
-        [np.prod([(speed - other) / (own - other) for other in knots if other != own], axis=0) for own in knots],
-        axis=1,
-    )
+def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models: list[PlacedModel]) -> Iterator[PlacedModel]:
+    """Give tied coefficients the coordinates of those that they are tied to: a place, or the model from which both follow."""
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    for k, one in enumerate(coefficients):
+        if one.tied_to is None:
+            continue
+        leader = index[one.tied_to]
+        place[k] = place[leader]
+        for of in models:
+            if leader in of.coefficients:
+                yield replace(of, coefficients=(k,), columns=(of.columns[of.coefficients.index(leader)],))
 
 
-def _spread(coefficient: Coefficient) -> float:
-    if coefficient.spread is not None:
-        # A part of nothing is no spread: a cross-coupled term of zero is measured by the direct terms beside it.
-        part = 1.0 if coefficient.direct else abs(coefficient.expected) / coefficient.scale or 1.0
-        return coefficient.spread * part
-    if not coefficient.direct:
-        return CROSS_SPREAD
-    return UNKNOWN_SPREAD if coefficient.nominal is None else KNOWN_SPREAD
+def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
+    """Complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
+    found = np.zeros(place.size, dtype=complex)
+    first = place[place >= 0]
+    found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])
+    return found

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
-from estimator.machine import Condition
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import is_direct
 from estimator.point import Point
+from estimator.rules import Condition
 
 PRIOR_SCATTER = 0.02
 """Run-to-run standard deviation of a logarithm beside the fits' errors [-]."""

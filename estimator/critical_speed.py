@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.crossing_correction import corrected, mode_of
 from estimator.machine import Machine
 from estimator.modal_reduction import SMALL, modal_basis

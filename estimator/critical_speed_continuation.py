@@ -13,8 +13,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.campbell import assurance
-from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
 from estimator.crossing_correction import corrected
 from estimator.machine import Machine

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes
+from estimator.arrays import Complexes
 from estimator.modes import Modes
 from estimator.system_matrices import SystemMatrices
 

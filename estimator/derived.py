@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.amplification import SurePeak, sure_peaks
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed_continuation import HIGHEST_ABOVE_TRIP, FollowedCrossings, followed_crossings
 from estimator.error_propagation import standard_errors
 from estimator.estimates import CONFIDENCE_95

@@ -12,14 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import CondensedTrain, Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
-from estimator.machine import Machine, Probe
+from estimator.machine import Machine
 from estimator.measurement import Measurement
+from estimator.mesh import node_stations
 from estimator.noise import error_size
-from estimator.rotor import node_stations
-from estimator.sensitivity import sensitivity
+from estimator.parts import Probe
+from estimator.response import sensitivity
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from itertools import groupby
 import numpy as np
 import scipy.special
 
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import describe, is_direct
 from estimator.point import Point
 
 LARGEST_FREEDOM = 1e6
@@ -227,27 +227,14 @@ def comparable(baseline: Sequence[Point], now: Point) -> tuple[str, ...]:
 
 
 def parameter_of(coordinate: str) -> str:
-    """Return the parameter of a coordinate: `disc.D1.unbalance` of `disc.D1.unbalance.real`.
-
-    Args:
-        coordinate: Name of the coordinate.
-
-    Returns:
-        Name of the parameter.
-    """
-    return coordinate.rsplit(".", 1)[0] if coordinate.endswith(COMPONENTS) else coordinate
+    """`disc.D1.unbalance` of `disc.D1.unbalance.real`."""
+    said = describe(coordinate)
+    return coordinate if said.component is None else said.whole
 
 
 def element_of(name: str) -> str:
-    """Return the element of a parameter: `bearing.B1` of `bearing.B1.kxx`.
-
-    Args:
-        name: Name of the parameter or coordinate.
-
-    Returns:
-        Name of the element.
-    """
-    return ".".join(name.split(".", 2)[:2])
+    """`bearing.B1` of `bearing.B1.kxx`."""
+    return describe(name).element
 
 
 def element_distance(white: Whitening, now: Point) -> ElementDistance:

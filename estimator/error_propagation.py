@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.estimates import CONFIDENCE_95
 from estimator.updated_model import UpdatedModel
 

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import CondensedTrain, Floats
+from estimator.arrays import Floats
+from estimator.bearing_model import ModelParameter
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
-from estimator.parameters import UNITS, Coefficient, Excitation, Quantity
+from estimator.parameters import Coefficient, Excitation
+from estimator.quantities import UNITS, Quantity
 
 CONFIDENCE_95 = 1.959964
 """Half width of a 95 % interval in standard errors."""
@@ -20,6 +23,8 @@ LARGEST_DIRECT_ERROR = 0.4
 sound interval.
 """
 
+Common = tuple[str, str, str, str]
+"""Name, element, quantity and unit of an estimate."""
 Reason = Callable[[str], str] | None
 """Function that says why the data leave the coordinate of that name open; None where nothing can say it."""
 
@@ -46,7 +51,7 @@ class Estimate:
 
     name: str
     element: str
-    quantity: Quantity
+    quantity: str
     unit: str
     value: float | None
     standard_error: float | None
@@ -63,17 +68,9 @@ class Estimate:
 
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
-    """List the coordinates of coefficients whose standard error alone does not rule an estimate out.
-
-    Args:
-        coordinates: Coordinates of the fit.
-        error: Standard errors (n,) of the coordinates [-].
-
-    Returns:
-        Indices of the coordinates.
-    """
-    limit = np.where(coordinates.logarithmic, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR)
-    return tuple(p for k in range(coordinates.logarithmic.size) for p in coordinates.places(k) if error[p] <= limit[k])
+    """Coordinates of coefficients whose standard error alone does not rule an estimate out."""
+    limits = [LARGEST_DIRECT_ERROR if one.positive else LARGEST_RELATIVE_ERROR for one in coordinates.parameters]
+    return tuple(place for place, limit in enumerate(limits) if error[place] <= limit)
 
 
 def estimates(
@@ -116,6 +113,7 @@ def _coefficients(
     values = coordinates.coefficients(theta)
     typical = values if values.ndim == 1 else np.exp(np.mean(np.log(np.abs(values) + 1e-300), axis=0))
     size = dict(zip((c.name for c in train.unknowns.coefficients), typical, strict=True))
+    told: set[int] = set()
     for k, coefficient in enumerate(train.unknowns.coefficients):
         if coefficient.fixed:
             yield _without(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
@@ -123,12 +121,17 @@ def _coefficients(
             yield _without(coefficient, f"tied to {coefficient.tied_to}")
         else:
             for place in coordinates.places(k):
+                if place in told:
+                    continue  # a parameter of several coefficients is told once
+                told.add(place)
+                parameter = coordinates.parameters[place]
+                common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
                 if place in doubtful:
-                    name = coordinates.names[place]
-                    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
-                    yield _open(common, f"the data leave it open far beyond its standard error{_because(reason, name)}")
+                    why = _because(reason, parameter.name)
+                    yield _open(common, f"the data leave it open far beyond its standard error{why}")
                     continue
-                yield _coefficient(coefficient, coordinates, place, theta, error, beside(coefficient, size), reason)
+                judged_by = parameter.scale if parameter.coefficient is None else beside(coefficient, size)
+                yield _parameter(parameter, common, float(theta[place]), float(error[place]), judged_by, reason)
 
 
 def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
@@ -145,39 +148,27 @@ def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
     """
     if coefficient.direct:
         return size[coefficient.name]
-    stem, name = coefficient.name.rsplit(".", 1)
-    if name.startswith("k_phi"):
-        pair = ("k_phix", "k_phiy")
-    elif "_phi" in name:
-        pair = (f"k{name[1]}{name[1]}", f"k_phi{name[-1]}")
-    else:
-        pair = (f"{name[0]}xx", f"{name[0]}yy")
-    return math.sqrt(size[f"{stem}.{pair[0]}"] * size[f"{stem}.{pair[1]}"])
+    first, second = (size[f"{coefficient.element}.{name}"] for name in coefficient.term.beside)
+    return math.sqrt(first * second)
 
 
-def _coefficient(
-    coefficient: Coefficient,
-    coordinates: Coordinates,
-    place: int,
-    theta: Floats,
-    error: Floats,
-    judged_by: float,
-    reason: Reason,
+def _parameter(
+    parameter: ModelParameter, common: Common, fitted: float, error: float, judged_by: float, reason: Reason
 ) -> Estimate:
-    name = coordinates.names[place]
-    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
-    spread = float(coordinates.unit[place] * error[place])
-    if coefficient.direct:
+    """fitted, error: fitted number and its standard error."""
+    spread = parameter.step * error
+    if parameter.positive:
         if spread > LARGEST_DIRECT_ERROR:
             limit = f"its standard error; {100 * LARGEST_DIRECT_ERROR:.0f} % at most"
             words = f"the data leave it uncertain by {100 * spread:.0f} % of its value ({limit})"
-            return _open(common, words + _because(reason, name))
-        return _positive(common, coefficient.expected * math.exp(float(theta[place])), spread)
+            return _open(common, words + _because(reason, parameter.name))
+        return _positive(common, parameter.expected * math.exp(fitted), spread)
     if spread > LARGEST_RELATIVE_ERROR * judged_by:
-        part, why = 100 * spread / judged_by, _because(reason, name)
+        part, why = 100 * spread / judged_by, _because(reason, parameter.name)
         limit = f"its standard error; {100 * LARGEST_RELATIVE_ERROR:.0f} % at most"
-        return _open(common, f"the data leave it uncertain by {part:.0f} % of the direct terms of its element ({limit}){why}")
-    value, half = float(coordinates.unit[place] * theta[place]), CONFIDENCE_95 * spread
+        whole = "what is expected of it" if parameter.coefficient is None else "the direct terms of its element"
+        return _open(common, f"the data leave it uncertain by {part:.0f} % of {whole} ({limit}){why}")
+    value, half = parameter.step * fitted, CONFIDENCE_95 * spread
     return Estimate(*common, value, spread, value - half, value + half)
 
 
@@ -204,8 +195,8 @@ def _excitations(
 
 
 def _scale_factors(train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats) -> Iterator[Estimate]:
-    for name, place in zip(train.scale_names, coordinates.scale_place, strict=True):
-        common: tuple[str, str, Quantity, str] = (name, name.rsplit(".", 1)[0], "scale factor", UNITS["scale factor"])
+    for one, place in zip(train.scale_factors, coordinates.scale_place, strict=True):
+        common: Common = (one.name, one.element, "scale factor", UNITS["scale factor"])
         yield _positive(common, math.exp(float(theta[place])), float(error[place]))
 
 
@@ -223,13 +214,13 @@ def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, er
                 yield _complex(common, complex(value), coordinates.unit[place] * error[place : place + 2])
 
 
-def _positive(common: tuple[str, str, Quantity, str], value: float, error: float) -> Estimate:
-    """Build the estimate of a direct term; `error` is of its logarithm, which makes the interval lopsided."""
+def _positive(common: Common, value: float, error: float) -> Estimate:
+    """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*common, value, value * error, lower, upper)
 
 
-def _complex(common: tuple[str, str, Quantity, str], value: complex, error: Floats) -> Estimate:
+def _complex(common: Common, value: complex, error: Floats) -> Estimate:
     half = CONFIDENCE_95 * float(np.max(error))
     return Estimate(
         *common,
@@ -250,5 +241,5 @@ def _without(item: Coefficient | Excitation, reason: str) -> Estimate:
     return _open((item.name, item.element, item.quantity, item.unit), reason)
 
 
-def _open(common: tuple[str, str, Quantity, str], reason: str) -> Estimate:
+def _open(common: Common, reason: str) -> Estimate:
     return Estimate(*common, None, None, None, None, reason=reason)

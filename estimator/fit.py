@@ -15,14 +15,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
 from estimator.elimination import SingularCondensation
-from estimator.machine import Noise
 from estimator.measurement import Measurement
 from estimator.noise import channel_noise, error_size, estimated_noise, outlier_limit, outliers
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
+from estimator.rules import Noise
 
 STAGE_MISFITS = (0.5, 0.05, 0.0)
 """Relative misfit allowed beside the noise in each stage [-]."""

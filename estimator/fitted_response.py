@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.machine import Machine
-from estimator.sensitivity import sensitivity
-
-CHANNEL = "probe."
-"""Beginning of the names of a measuring chain's coordinates."""
+from estimator.parameter_description import describe
+from estimator.response import sensitivity
 
 
 def fitted_response(
@@ -35,7 +34,7 @@ def fitted_response(
     """
     train = condense(machine, speed=speed, direction=direction)
     own = Coordinates.of(train, unbalance_scale=1.0)
-    missing = [name for name in own.names if name not in coordinates and not name.startswith(CHANNEL)]
+    missing = [name for name in own.names if name not in coordinates and describe(name).element_kind != "probe"]
     if missing:
         raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
     known = np.array([name in coordinates for name in own.names], dtype=bool)

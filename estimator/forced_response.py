@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
-from estimator.sensitivity import sensitivity
+from estimator.response import sensitivity
 from estimator.updated_model import UpdatedModel
 
 
@@ -65,7 +66,7 @@ def forced_response(
     found = sensitivity(train.scaled(coordinates.scales(theta)), coefficients=coefficients, excitations=excitations)
     slope = np.zeros((coordinates.size, *found.phasor.shape), dtype=complex)
     # The probes' gains, which the coordinates' own slopes deal with, are none of the shaft's motion.
-    for k, places in coefficient_slopes(coordinates, coefficients).items():
+    for k, places in coefficient_slopes(coordinates, theta, coefficients).items():
         for place, by_coordinate in places.items():
             slope[place] += found.by_coefficient[k] * by_coordinate[:, None]
     for number, first in enumerate(coordinates.excitation_place):
@@ -80,23 +81,17 @@ def forced_response(
     )
 
 
-def coefficient_slopes(coordinates: Coordinates, coefficients: Floats) -> dict[int, dict[int, Floats]]:
-    """Compute the derivatives of the coefficients by the coordinates.
+def coefficient_slopes(coordinates: Coordinates, theta: Floats, coefficients: Floats) -> dict[int, dict[int, Floats]]:
+    """Return per coefficient and coordinate the derivative (S,) of the one by the other's value, see `Coordinates.point`.
 
-    Args:
-        coordinates: Coordinates of the fit.
-        coefficients: Coefficients (S, K) [SI].
-
-    Returns:
-        By index of coefficient and of coordinate, the derivative (S,) of the one by the other [SI].
+    theta: (n,) fit coordinates. coefficients: (S, K) there [SI].
     """
     slopes: dict[int, dict[int, Floats]] = {}
-    following = {one.coefficient: one for one in coordinates.follows}
     for k, logarithmic in enumerate(coordinates.logarithmic):
-        own = coefficients[:, k] if logarithmic else np.ones(len(coefficients))
-        if k in following:
-            one = following[k]
-            slopes[k] = {one.first + knot: own * one.weight[:, knot] for knot in range(one.weight.shape[1])}
-        elif coordinates.place[k] >= 0:
-            slopes[k] = {int(coordinates.place[k]): own}
+        if coordinates.place[k] >= 0:
+            slopes[k] = {int(coordinates.place[k]): coefficients[:, k] if logarithmic else np.ones(len(coefficients))}
+    for one in coordinates.models:
+        by_coordinate = one.derivatives(theta, slice(None)) / coordinates.unit[one.first : one.places.stop]
+        for c, k in enumerate(one.coefficients):
+            slopes[k] = {place: by_coordinate[:, c, p] for p, place in enumerate(one.places)}
     return slopes

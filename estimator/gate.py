@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.identification import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
 from estimator.quality import Flag, Quality, assess, own_noise, too_few
 from estimator.recorded import Recorded
+from estimator.rules import QualityRules
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 

@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.estimates import Estimate
 from estimator.identification import Identification
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 
 
 def combined(results: Sequence[Identification]) -> Identification:

@@ -10,10 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.between_run_scatter import between_run_scatter
-from estimator.condensation import Floats
 from estimator.observation import Observation
-from estimator.parameters import SCALE_FACTORS, Coefficient, Quantity, Unknowns
+from estimator.parameter_description import SCALE_FACTORS, describe
+from estimator.parameters import Coefficient, Unknowns
+from estimator.quantities import Quantity
 
 SHARED: dict[Quantity, float] = {
     "stiffness": 0.012,
@@ -45,7 +47,7 @@ def run_variation(baseline: Sequence[Observation]) -> Floats:
     points = [one.point for one in baseline]
     unit = np.array([_of_channel(name, baseline) for name in baseline[0].names])
     own = np.sqrt(between_run_scatter(points).variance)
-    steel = [name.rpartition(".")[2] in SCALE_FACTORS for name in points[0].names]
+    steel = [describe(name).quantity in SCALE_FACTORS for name in points[0].names]
     unit[: own.size] = np.where(steel, SCALE_FACTOR, own)
     return unit
 
@@ -64,11 +66,11 @@ def slow_variation(unknowns: Unknowns, names: Sequence[str], typical: Floats) ->
         Covariance (N, N) [SI², 1 for logarithms].
     """
     by_name = {one.name: one for one in unknowns.coefficients}
-    known = [by_name.get(name.partition("@")[0]) for name in names]
+    known = [by_name.get(describe(name).whole) for name in names]
     growth = np.array([_growth(one, float(value)) for one, value in zip(known, typical, strict=True)])
     shared = growth * np.array([0.0 if one is None else SHARED.get(one.quantity, 0.0) for one in known])
-    groups = [None if one is None else (one.element, "damping" in one.quantity) for one in known]
-    stiff = SEASON * growth * np.array([one is not None and "stiffness" in one.quantity for one in known])
+    groups = [None if one is None else (one.element, one.order == 1) for one in known]
+    stiff = SEASON * growth * np.array([one is not None and one.order == 0 for one in known])
     covariance = np.outer(stiff, stiff)
     for group in dict.fromkeys(one for one in groups if one is not None):
         column = shared * np.array([one == group for one in groups])
@@ -98,7 +100,7 @@ def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:
 
 
 def _of_channel(name: str, baseline: Sequence[Observation]) -> float:
-    parts = name.split(".")
-    if parts[0] != "probe":
+    said = describe(name)
+    if said.element_kind != "probe":
         return 0.0
-    return GAIN if parts[2] == "gain" else RUN_OUT * typical_amplitude(parts[1], baseline)
+    return GAIN if said.quantity == "gain" else RUN_OUT * typical_amplitude(said.element_id, baseline)

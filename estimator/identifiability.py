@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem
 from estimator.machine import Machine

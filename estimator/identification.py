@@ -4,16 +4,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.channel_effects import ChannelEffects, channel_effects
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
 from estimator.identifiability import Reasons, reasons_for
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.profile import flat
+from estimator.rules import Noise
 from estimator.starts import BestFit, best_fit
 from estimator.verdict import Remark, judge, remark
 

@@ -8,12 +8,12 @@ from typing import Literal
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.critical_speed import HEAVILY_DAMPED
-from estimator.machine import ImpactTest
 from estimator.modal_uncertainty import modes_at, natural_frequency_errors
 from estimator.modes import Modes
 from estimator.rotor import assemble_rotor
+from estimator.rules import ImpactTest
 from estimator.shaft import NODE_DOFS
 from estimator.updated_model import UpdatedModel
 

@@ -1,6 +1,7 @@
 """Place where a misalignment shows: at its coupling, and at the bearings on either side of it (thesis §5.7-5.8)."""
 
-from estimator.machine import Bearing, Coupling, Machine
+from estimator.machine import Machine
+from estimator.parts import Bearing, Coupling
 
 
 def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ...]:

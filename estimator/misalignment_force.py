@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.forced_response import coefficient_slopes, forced_response
 from estimator.parameters import dense, unknowns
@@ -70,7 +70,8 @@ def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> Coupli
     terms = [(k, one, pair) for k, one in numbered if one.element == f"coupling.{coupling}" for pair in one.pairs]
     rows = dense([right for _, _, (_, right) in terms], rotor.size).T
     found = forced_response(model, speed=speed, output=rows)
-    slopes = coefficient_slopes(model.coordinates_at(speed), found.coefficients)
+    coordinates = model.coordinates_at(speed)
+    slopes = coefficient_slopes(coordinates, coordinates.theta(model.values), found.coefficients)
     load = np.zeros((speed.size, NODE_DOFS), dtype=complex)
     load_slope = np.zeros((*load.shape, model.values.size), dtype=complex)
     for i, (k, one, (left, _)) in enumerate(terms):

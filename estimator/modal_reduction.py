@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
 from estimator.remembered import remembered

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import CriticalSpeed
 from estimator.crossing_correction import mode_of
 from estimator.error_propagation import standard_errors
@@ -45,10 +45,11 @@ def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed:
     """
     speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
     coordinates = model.coordinates_at(speeds)
-    coefficients = coordinates.coefficients(coordinates.theta(model.values))
+    theta = coordinates.theta(model.values)
+    coefficients = coordinates.coefficients(theta)
     by_coefficient = eigenvalue_slopes(model.machine, found, model.basis)
     slopes = np.zeros((found.eigenvalue.size, model.values.size), dtype=complex)
-    for k, places in coefficient_slopes(coordinates, np.broadcast_to(coefficients, by_coefficient.shape)).items():
+    for k, places in coefficient_slopes(coordinates, theta, np.broadcast_to(coefficients, by_coefficient.shape)).items():
         for place, by_coordinate in places.items():
             slopes[:, place] += by_coefficient[:, k] * by_coordinate
     for place in map(int, coordinates.scale_place):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis

@@ -12,12 +12,17 @@ from typing import Any
 
 import numpy as np
 
+from estimator.coefficient_models import governing_models
 from estimator.identification import Identification, Options, identify
-from estimator.machine import Coupling, EquivalentLoad, Machine, ParameterRule, Unbalance
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.misalignment import neighbouring_bearings
 from estimator.noise import OUTLIER_CHANCE
-from estimator.parameters import is_direct
+from estimator.parameter_description import describe, is_direct
+from estimator.parameters import unknowns
+from estimator.parts import Coupling, EquivalentLoad, Unbalance
+from estimator.rotor import assemble_rotor
+from estimator.rules import ParameterRule
 from estimator.units import rpm_to_rad_per_s
 
 CLEAR = 10.0
@@ -95,7 +100,7 @@ def compare_misalignment(
         NotEnoughData: There are fewer measured numbers than unknowns.
         FitFailed: No start of a fit leads anywhere.
     """
-    following = sorted({name.split("@")[0] for name in baseline.coordinates if "@" in name})
+    following = _following(machine)
     if following:
         raise ValueError(
             f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
@@ -116,6 +121,13 @@ def compare_misalignment(
     return Comparison(
         coupling, frozenset(suspects), tuple(views), preferred, verdict + _unbalances_moved(views[0].identification, baseline)
     )
+
+
+def _following(machine: Machine) -> list[str]:
+    """Names of the free coefficients that follow the speed."""
+    coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
+    models = (one for one in governing_models(coefficients) if not one.model.constant)
+    return sorted(coefficients[k].name for one in models for k in one.coefficients)
 
 
 def _unbalances_moved(found: Identification, baseline: Identification) -> str:
@@ -183,14 +195,9 @@ def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine
 
 
 def _holdable(baseline: Identification, free: set[str]) -> list[str]:
-    return [
-        name
-        for name in baseline.coordinates
-        if name.split(".")[0] in ("bearing", "coupling", "seal")
-        and "@" not in name
-        and not name.endswith((".real", ".imaginary"))
-        and name.rsplit(".", 1)[0] not in free
-    ]
+    """Names of constant coefficients, but for those of the free elements."""
+    said = {name: describe(name) for name in baseline.coordinates}
+    return [name for name, one in said.items() if one.term is not None and one.knot is None and one.element not in free]
 
 
 def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:

@@ -6,8 +6,8 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
-from estimator.machine import Noise
+from estimator.arrays import Floats
+from estimator.rules import Noise
 
 SMALLEST_RELATIVE, LARGEST_RELATIVE = 1e-6, 1.0
 """Bounds of an estimated relative error [-]."""

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.critical_speed import undamped_critical_speeds
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis

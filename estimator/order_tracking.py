@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.keyphasor import ShaftAngle
 from estimator.phasor_scatter import local_variance, quantisation_error
 from estimator.waveform_fault import UNUSABLE, WaveformFault, waveform_fault

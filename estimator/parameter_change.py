@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import describe, is_direct
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def element_changes(first: Values, second: Values) -> tuple[ElementChange, ...]:
     elements: dict[str, list[str]] = {}
     for name in first.coordinates:
         if name in second.coordinates:
-            elements.setdefault(".".join(name.split(".")[:2]), []).append(name)
+            elements.setdefault(describe(name).element, []).append(name)
     found = []
     for element, names in elements.items():
         rows, others = ([one.coordinates.index(name) for name in names] for one in (first, second))

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import scipy.fft
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 BINS = 16
 """Number of frequencies on each side of the order, 1/T apart for blocks of length T, that make its neighbourhood."""

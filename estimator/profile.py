@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.fit import Fit, Problem, descend, settled
 
 ENDS = 2.0

@@ -10,14 +10,14 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.beating import Beat, find_beats
 from estimator.channel_status import ChannelStatus
-from estimator.condensation import Complexes, Floats
 from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
-from estimator.machine import Noise, QualityRules
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
 from estimator.recorded import Recorded
+from estimator.rules import Noise, QualityRules
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from estimator import slow_drift
 from estimator.between_run_scatter import sizes
 from estimator.deviation import element_of
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.trend_tests import Reading
 
 WINDOW = 16

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 LARGEST_STEP = 3.0
 """Largest distance of two earlier samples, over the usual step, between which is interpolated [-]."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 NEAR = 0.1
 """Part of the running speed within which samples count [-]."""

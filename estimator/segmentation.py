@@ -12,7 +12,7 @@ from typing import Any, Literal
 import msgspec
 from msgspec.structs import replace
 
-from estimator.machine import Operation, SpeedRange
+from estimator.rules import Operation, SpeedRange
 from estimator.speed_reading import NO_READINGS, SpeedReadings, take
 from estimator.units import rpm_to_rad_per_s
 

@@ -5,13 +5,17 @@ from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.covariates import usual_change
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.misalignment import neighbouring_bearings
-from estimator.parameters import Quantity, Unknowns, unknowns
+from estimator.parameter_description import describe
+from estimator.parameters import Unknowns, unknowns
+from estimator.quantities import Quantity
 from estimator.response import response
 from estimator.rotor import assemble_rotor
+from estimator.rules import Noise
 from estimator.segmentation import RunKind
 from estimator.units import rpm_to_rad_per_s
 
@@ -163,7 +167,7 @@ def under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Trut
     """
     size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
     change = float(np.sum(conditions / size - CONDITION_LEVEL))
-    of_bearing = np.array([c.element.startswith("bearing.") for c in truth.unknowns.coefficients])
+    of_bearing = np.array([describe(c.name).element_kind == "bearing" for c in truth.unknowns.coefficients])
     return replace(truth, coefficients=truth.coefficients * np.where(of_bearing, np.exp(CONDITION_EFFECT * change), 1.0))
 
 

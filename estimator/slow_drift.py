@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 FEWEST = 4
 """Least number of values: fewer show no drift."""

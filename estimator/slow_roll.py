@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
-from estimator.machine import Machine, Noise
+from estimator.arrays import Complexes, Floats
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
+from estimator.rules import Noise
 from estimator.units import rad_per_s_to_rpm
 
 FEWEST_SAMPLES = 5

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.modal_reduction import Basis, in_planes
 from estimator.modes import Modes, modes
 from estimator.remembered import remembered

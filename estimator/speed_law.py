@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 SAMPLES_PER_KNOT = 8
 """Number of samples that a piece of a smooth curve through noisy speeds stands for."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import STAGE_MISFITS, Fit, Problem, fit
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.error_propagation import PhasorBand
 from estimator.forced_response import forced_response
-from estimator.machine import Machine, Probe, Section
-from estimator.references import STATION_TOLERANCE
+from estimator.machine import Machine
+from estimator.parts import STATION_TOLERANCE, Probe, Section
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS, shear_coefficient
 from estimator.updated_model import UpdatedModel

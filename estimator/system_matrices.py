@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.modal_reduction import EVERYTHING, Basis
 from estimator.parameters import dense, unknowns

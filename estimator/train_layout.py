@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from estimator.machine import Disc, Machine
+from estimator.machine import Machine
+from estimator.parts import Disc
 
 STEEL = 7850.0
 """Density for the size of a disc of which only mass and inertia are known [kg/m³]."""

@@ -16,7 +16,7 @@ import scipy.optimize
 import scipy.special
 
 from estimator import control_charts, slow_drift
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.deviation import Whitening, comparable, element_distance, element_of
 from estimator.point import Point
 from estimator.slow_drift import Drift, TimeToLimit

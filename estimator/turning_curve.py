@@ -6,7 +6,7 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 SAME = 1e-9
 """Distance of two turns, in units of the points' distance, up to which they are one that rounding has doubled [-]."""

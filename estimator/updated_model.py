@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
@@ -71,18 +72,8 @@ class UpdatedModel:
         return cls(exact, coordinates.names, coordinates.point(theta), covariance)
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
-        """Return the map from coordinates to physical parameters at some speeds.
-
-        Args:
-            speed: Speeds (S,) [rad/s].
-
-        Returns:
-            The map.
-        """
-        known = _coordinates(self.machine)
-        if not known.follows:
-            return known
-        return Coordinates.of(replace(_reference(self.machine), speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+        """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
+        return _coordinates(self.machine).at_speeds(np.asarray(speed, dtype=float))
 
     def coefficients(self, speed: float) -> Floats:
         """Compute the coefficients at a spin speed.
@@ -137,8 +128,8 @@ class UpdatedModel:
 
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
-        """Return the function that gives the train's matrices over `basis` at a spin speed [rad/s, without sign]."""
-        constant = not _coordinates(self.machine).follows
+        """What gives the matrices of the whole train over the coordinates of `basis` at a spin speed [rad/s, without sign]."""
+        constant = not _coordinates(self.machine).models
         return system_matrices_over_speed(
             self.scaled_machine,
             coefficients=self.coefficients(1.0) if constant else self.coefficients,

@@ -7,7 +7,7 @@ estimates, and the interval's half width is arcsin(1.96 s / |z|); from |z| = 1.9
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 
 def angle_deg(value: Complexes) -> Floats:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.fit import Fit, Problem, settled
 
 CHI_SQUARE_LIMIT = 5.0

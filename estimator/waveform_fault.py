@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 WaveformFault = Literal["not finite", "rail", "flat line", "clipped"]
 

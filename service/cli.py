@@ -16,10 +16,11 @@ from pydantic import ValidationError
 
 from estimator.gate import Gated, identify_gated
 from estimator.identification import Identification
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
 from estimator.recorded import Recorded
+from estimator.rules import QualityRules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule

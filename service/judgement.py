@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from estimator.machine import Condition, Machine
+from estimator.machine import Machine
 from estimator.observation import Fit
 from estimator.point import Point
+from estimator.rules import Condition
 from service.alert_life import Severity
 from service.limits import Limits
 

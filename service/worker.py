@@ -20,13 +20,14 @@ from estimator.derived import Derived, derived_quantities
 from estimator.gate import Gated, identify_gated
 from estimator.gathering import combined
 from estimator.identification import Identification, Options
-from estimator.machine import Machine, QualityRules, parse_machine
+from estimator.machine import Machine, parse_machine
 from estimator.noise import error_size
 from estimator.nominal_critical_speeds import crossed_critical_speeds
 from estimator.orbit import orbit_findings
 from estimator.quality import Quality
 from estimator.recorded import Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
+from estimator.rules import QualityRules
 from estimator.second_order import Orders
 from estimator.slow_roll import SlowRoll, corrected
 from service.judgement import Judgement, Question

@@ -17,11 +17,11 @@ from sqlalchemy.orm import Session, sessionmaker
 from storage import database_version, file_lock, postgresql_archive, private_files
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import Damage, marker_of
-from storage.json_text import written
 from storage.longest import Longest
 from storage.looking import damages
 from storage.schema import known_revisions, revision_of
 from storage.sqlite_files import SqliteFiles
+from storage.text import json_text
 
 BUSY_TIMEOUT_MS = 15_000
 """How long a writer waits for its turn."""
@@ -51,7 +51,7 @@ class Database:
         """Open and migrate. Raises DatabaseUnusable."""
         self.engine = engine_of(url)
         try:
-            self._migrate()
+            _migrate(self.engine)
         except (DBAPIError, DatabaseUnusable, OSError) as error:
             self.engine.dispose()
             cause = error.orig if isinstance(error, DBAPIError) else error
@@ -197,7 +197,7 @@ class Database:
             yield
         elif self._turn.acquire(timeout=BUSY_TIMEOUT_MS / 1000):
             try:
-                with self._durably():
+                with _durably(self._files):
                     yield
             finally:
                 self._turn.release()
@@ -205,40 +205,43 @@ class Database:
             waited = TimeoutError(f"database is locked: another thread has written for {BUSY_TIMEOUT_MS / 1000:.0f} s")
             raise OperationalError(None, None, waited)
 
-    @contextmanager
-    def _durably(self) -> Iterator[None]:
-        """What is committed to a log that is gone is saved before anybody counts on it. Raises OperationalError."""
-        if self._files is None:
-            yield
-            return
-        self._files.require()
+
+@contextmanager
+def _durably(files: SqliteFiles | None) -> Iterator[None]:
+    """Save what is committed to a log that is gone before anybody counts on it. Raises OperationalError."""
+    if files is None:
         yield
-        if not self._files.look() and not self._files.save():
-            self._files.require()
+        return
+    files.require()
+    yield
+    if not files.look() and not files.save():
+        files.require()
 
-    def _migrate(self) -> None:
-        # Under the writer's lock: several processes may open a new database at once.
-        with self.engine.execution_options(writing="alone").begin() as connection:
-            if postgresql_archive.interrupted(connection):
-                raise DatabaseUnusable("a restore into it was interrupted: run `rundown restore FILE --overwrite` again")
-            found = revision_of(connection)
-            if found == known_revisions()[0]:
-                return
-            with self._for_ourselves(older=found is not None):
-                from storage.migrating import upgrade
 
-                upgrade(connection)
+def _migrate(engine: Engine) -> None:
+    """Bring the schema up to date, under the writer's lock: several processes may open a new database at once."""
+    with engine.execution_options(writing="alone").begin() as connection:
+        if postgresql_archive.interrupted(connection):
+            raise DatabaseUnusable("a restore into it was interrupted: run `rundown restore FILE --overwrite` again")
+        found = revision_of(connection)
+        if found == known_revisions()[0]:
+            return
+        with _alone(engine, older=found is not None):
+            from storage.migrating import upgrade
 
-    @contextmanager
-    def _for_ourselves(self, *, older: bool) -> Iterator[None]:
-        """A schema that others work with is not changed under them. Raises DatabaseUnusable where somebody does."""
-        claim = Claim(self.engine)
-        try:
-            if older:
-                claim.take()
-            yield
-        finally:
-            claim.release()
+            upgrade(connection)
+
+
+@contextmanager
+def _alone(engine: Engine, *, older: bool) -> Iterator[None]:
+    """Keep others out while their schema is changed under them. Raises DatabaseUnusable where somebody works with it."""
+    claim = Claim(engine)
+    try:
+        if older:
+            claim.take()
+        yield
+    finally:
+        claim.release()
 
 
 def _kept_files(engine: Engine) -> SqliteFiles | None:
@@ -329,7 +332,7 @@ def _engine(url: str | URL) -> Engine:
             f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
-        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=written
+        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
     )
     if dialect == "postgresql":
         event.listen(engine, "begin", _begin_postgresql)

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.identification import Identification
 from estimator.observation import Fit
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.point import Point
 from storage import channel_effects
 from storage.clock import TOLERANCE, now

@@ -12,7 +12,8 @@ import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine, Probe
+from estimator.machine import Machine
+from estimator.parts import Probe
 from estimator.slow_roll import SlowRoll
 from storage import machines
 from storage.clock import now

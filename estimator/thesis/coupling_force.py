@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.shaft import NODE_DOFS
-from estimator.thesis.flexible_train import Complexes, FlexibleTrain, Floats
+from estimator.thesis.flexible_train import FlexibleTrain
 
 
 def coupling_force(

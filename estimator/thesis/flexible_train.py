@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
 from estimator.rayleigh import RayleighDamping
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS
-from estimator.thesis.flexible_train import Complexes, flexible_train
+from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import high_frequency_condensed
 from estimator.thesis.regression import Scaling, Solution, solve

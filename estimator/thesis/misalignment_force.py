@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.thesis.rigid_train import Y
 
 COUPLING = "coupling.C"

@@ -7,9 +7,9 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complexes = NDArray[np.complex128]
+from estimator.arrays import Complexes
+
 Sharing = Literal["none", "channel", "speed", "all"]
 """Phasors that share one random number: none of them, all speeds of a channel, all channels of a speed, or all."""
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.thesis.flexible_train import Complexes, Floats, parts
+from estimator.arrays import Complexes, Floats
+from estimator.thesis.flexible_train import parts
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.thesis.tikhonov import Rule, SpectralProblem, choose_parameter, filter_factors
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Scaling = Literal["none", "thesis", "norm"]
 Method = Literal["orthogonal", "inverse", "pseudo-inverse"]
 

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.modes import eigenvalues
 from estimator.parameters import Unknowns, unknowns

@@ -8,7 +8,8 @@ Noise in q stands in the matrix too, so that the estimate is biased by it.
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain
+from estimator.arrays import Complexes
+from estimator.condensation import CondensedTrain
 from estimator.thesis.regression import Regression, real_rows
 
 

@@ -13,15 +13,14 @@ printed natural frequencies come out.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigvals
 
+from estimator.arrays import Complexes, Floats
 from estimator.condensation import CondensedTrain
 from estimator.elimination import GivenShafts
-from estimator.parameters import DIRECT, Coefficient, Excitation, Quantity, Unknowns, dense
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from estimator.parameters import Coefficient, Excitation, Unknowns, dense
+from estimator.quantities import Quantity
+from estimator.terms import LATERAL, TERMS, Term
 
 SIZE = 8
 """Number of degrees of freedom."""
@@ -223,29 +222,30 @@ def _coefficients(train: RigidTrain) -> tuple[Coefficient, ...]:
     journals = [(f"bearing.B{bearing + 1}", {bearing: 1.0}) for bearing in range(BEARINGS)]
     coupling = ("coupling.C", dict(enumerate(COUPLING_WEIGHTS)))
     bending = {0: 1 / train.span[0], 1: -1 / train.span[0], 2: 1 / train.span[1], 3: -1 / train.span[1]}
-    places: list[tuple[str, str, Quantity, dict[int, float], dict[int, float]]] = []
-    kinds: tuple[tuple[str, Quantity], ...] = (("k", "stiffness"), ("c", "damping"))
-    for letter, quantity in kinds:
+    places: list[tuple[str, Term, dict[int, float], dict[int, float]]] = []
+    quantities: tuple[Quantity, ...] = ("stiffness", "damping")
+    for quantity in quantities:
         for element, weights in (*journals, coupling):
-            for axes in ("xx", "xy", "yx", "yy"):
-                left, right = (_in_plane(weights, axis) for axis in axes)
-                places.append((element, letter + axes, quantity, left, right))
+            places += [
+                (element, term, _in_plane(weights, term.force), _in_plane(weights, term.motion))
+                for term in LATERAL
+                if term.quantity == quantity
+            ]
         if quantity == "stiffness":
             # [K] and [kʳ] put k_phix into the x-plane, Eq. 2.4 into the other; [K] is followed.
             for name, axis in (("k_phix", "x"), ("k_phiy", "y")):
                 vector = _in_plane(bending, axis)
-                places.append((coupling[0], name, "angular stiffness", vector, vector))
+                places.append((coupling[0], TERMS[name], vector, vector))
     return tuple(
         Coefficient(
-            name=f"{element}.{name}",
+            name=f"{element}.{term.name}",
             element=element,
-            quantity=quantity,
+            term=term,
             pairs=((left, right),),
-            direct=name in DIRECT,
             nominal=float(value),
             scale=abs(float(value)),
         )
-        for (element, name, quantity, left, right), value in zip(places, train.coefficients, strict=True)
+        for (element, term, left, right), value in zip(places, train.coefficients, strict=True)
     )
 
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 
 def decibels(percent: float) -> float:

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-Floats = NDArray[np.float64]
+from estimator.arrays import Floats
+
 Rule = Literal["generalised cross-validation", "L-curve"]
 
 GRID = 200

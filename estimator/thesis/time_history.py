@@ -8,7 +8,7 @@ import math
 import numpy as np
 import scipy.signal
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 FILTER_ORDER = 2
 """Order of the Butterworth filter, which the thesis does not print."""

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.channel_status import ChannelStatus
-from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from estimator.vector_angle import angle_deg, angle_half_width_deg

@@ -17,7 +17,8 @@ import psutil
 import pytest
 from sqlalchemy.exc import IntegrityError, OperationalError
 
-from estimator.machine import Condition, Machine, Operation
+from estimator.machine import Machine
+from estimator.rules import Condition, Operation
 from service import engines, requesting, worker
 from service.identifying import Identifying
 from service.job_task import task

@@ -10,8 +10,9 @@ from sqlalchemy.orm import Session
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.quality import Flag
+from estimator.rules import QualityRules
 from service import worker
 from service.documents import read_machine
 from service.recording import read_recording

@@ -9,7 +9,8 @@ from sqlalchemy import event
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, QualityRules, parse_machine
+from estimator.machine import Machine, parse_machine
+from estimator.rules import QualityRules
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
 from service import requesting, watching, worker

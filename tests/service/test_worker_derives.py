@@ -9,7 +9,8 @@ import pytest
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
+from estimator.rules import Noise
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service import worker
 from service.documents import read_machine
