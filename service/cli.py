@@ -5,7 +5,6 @@ import logging
 import signal
 import threading
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -40,6 +39,7 @@ from service.printing import (
     slow_roll_text,
 )
 from service.recording import read_recording, split, write_recording
+from service.release import VERSION
 from service.retention_command import retention_app
 from service.roles import Role
 from service.security.command import audit_app, key_app
@@ -71,7 +71,7 @@ Method = Literal["likelihood", "regression"]
 
 def _say_version(asked: bool) -> None:
     if asked:
-        say(f"rundown {version('rundown')}")
+        say(f"rundown {VERSION}")
         raise typer.Exit
 
 

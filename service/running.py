@@ -26,7 +26,7 @@ from service.delivery.network import LastStates
 from service.delivery.secret_upkeep import opened as opened_secrets
 from service.forwarding import Forwarding
 from service.housekeeping import Housekeeping
-from service.identifying import Identifying
+from service.identifying import JobScheduler
 from service.ingest import Ingest
 from service.job_quota import JobQuota
 from service.journal import Journal
@@ -102,7 +102,7 @@ def serve(settings: Settings) -> None:
         collector = Collector(late_s=settings.late_s)
         journal = Journal(database, collector, leasing)
         ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=submissions, share=leasing)
-        identifying = Identifying(database, settings, leasing)
+        identifying = JobScheduler(database, settings, leasing)
         dispatcher = Dispatcher(database, session, settings, leasing, secrets)
         housekeeping = Housekeeping(database, settings, leasing)
         backup_watch = BackupWatch(settings.backups)
