@@ -99,7 +99,7 @@ def serve(
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
     # The web server and the database take a second to import, which no other command should pay.
-    from service.running import PortUnusable
+    from service.listening_socket import PortUnusable
     from service.running import serve as run_service
     from service.security.exposure import Exposed
     from storage.claim import DatabaseUnusable
