@@ -10,7 +10,7 @@ from estimator.point import Point
 from service.alert_life import Severity
 from service.comparing import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
 from service.diagnosis_rules import RULES
-from service.judgement import AssessedRun, AssessmentContext, BaselineHistory, Basis, Conditions
+from service.judgement import AssessedRun, AssessmentContext, BaselineHistory, AssessmentBasis, Conditions
 from service.limits import RATE_OF_CHANGE
 from service.setting_limits import limits_of
 from storage import alerts, baselines, identifications, jobs, limits, machines
@@ -22,7 +22,7 @@ LOOKED_BACK = 60
 
 
 @dataclass(frozen=True)
-class MachineState:
+class MonitoringState:
     """A machine as an identification of one of its runs finds it.
 
     terms: on which terms the run is compared. current: whether the run shows the machine as it is: the newest of its kind,
@@ -35,16 +35,16 @@ class MachineState:
     open_alerts: Sequence[AlertRow]
 
     @property
-    def basis(self) -> Basis:
+    def basis(self) -> AssessmentBasis:
         """The baseline that a person began, and the limits that one set, as they are in force."""
         began, chosen = self.terms.began, self.limits
-        return Basis(None if began is None else began.id, None if chosen is None else chosen.version)
+        return AssessmentBasis(None if began is None else began.id, None if chosen is None else chosen.version)
 
 
-def load_state(session: Session, stored: IdentificationRow) -> MachineState:
+def load_state(session: Session, stored: IdentificationRow) -> MonitoringState:
     """Read the state of an identification's machine. Raises MachineUnknown."""
     terms = terms_of(session, stored)
-    return MachineState(
+    return MonitoringState(
         terms=terms,
         limits=limits.in_force(session, stored.machine_id),
         current=_is_current(session, terms),
@@ -115,7 +115,7 @@ def _assessed_runs(rows: Sequence[IdentificationRow]) -> tuple[AssessedRun, ...]
 
 
 def _history(
-    session: Session, machine: Machine, state: MachineState, baseline: Sequence[IdentificationRow], wanted: int
+    session: Session, machine: Machine, state: MonitoringState, baseline: Sequence[IdentificationRow], wanted: int
 ) -> BaselineHistory | None:
     """Read what rates of change are assessed from; None where the run is refused, or does not show the machine as it is."""
     if not state.terms.identification.accepted or not state.current:

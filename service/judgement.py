@@ -43,7 +43,7 @@ class BaselineHistory:
 
 
 @dataclass(frozen=True)
-class Basis:
+class AssessmentBasis:
     """What a person may change while an assessment is made: the baseline and the limits in force, by number."""
 
     baseline_id: int | None
@@ -61,7 +61,7 @@ class AssessmentContext:
 
     machine: Machine
     limits: Limits
-    basis: Basis
+    basis: AssessmentBasis
     baseline: tuple[AssessedRun, ...]
     after: tuple[AssessedRun, ...]
     open_causes: tuple[tuple[str, str], ...]

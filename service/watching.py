@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 from service import alerting
 from service.alert_life import Severity
 from service.alerting import Finding
-from service.assessment_context import MachineState, diagnosed_kind
+from service.assessment_context import MonitoringState, diagnosed_kind
 from service.diagnosis_rules import DATA_RULES, RULES, cause_severity, rule_of
 from service.judgement import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
 from service.limits import RATE_OF_CHANGE, Limits
@@ -51,7 +51,7 @@ def apply(
     stored: IdentificationRow,
     context: AssessmentContext,
     assessment: Assessment,
-    state: MachineState,
+    state: MonitoringState,
 ) -> None:
     """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: as it is now."""
     forces = _forces(session, stored, assessment.diagnosis)
@@ -72,7 +72,7 @@ def apply(
 
 
 def conclusions(
-    context: AssessmentContext, assessment: Assessment, state: MachineState, forces: Mapping[str, float | None]
+    context: AssessmentContext, assessment: Assessment, state: MonitoringState, forces: Mapping[str, float | None]
 ) -> Conclusions:
     """Conclude what an assessment changes. forces: misalignment force by coupling [N].
 
@@ -124,7 +124,7 @@ def _cause_changes(
     limits: Limits,
     diagnosis: MachineDiagnosis,
     statements: Sequence[Statement],
-    state: MachineState,
+    state: MonitoringState,
     opened: _Opened,
 ) -> list[RaisedAlert | AlertRow]:
     stored, baseline = state.terms.identification, list(diagnosis.baseline)
@@ -174,7 +174,7 @@ def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
     return alert.evidence.get("run_kind") == stored.run_kind
 
 
-def _rate_changes(limits: Limits, rates: RateAssessment, state: MachineState) -> list[RaisedAlert | AlertRow]:
+def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState) -> list[RaisedAlert | AlertRow]:
     """Return the alerts of elements that change too fast, whatever the size of the change so far, and those to be cleared."""
     stored = state.terms.identification
     raised = [_raised_rate(one, stored, latching=limits.rule(RATE_OF_CHANGE, one.element).latching) for one in rates.findings]
