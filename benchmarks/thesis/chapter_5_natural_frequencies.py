@@ -11,7 +11,7 @@ from benchmarks.thesis.rig import Floats, Rig
 from benchmarks.thesis.tables import table
 from estimator.modes import eigenvalues
 from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
-from estimator.thesis.rig import ALIGNED_HZ, CASES, plane_frequencies
+from estimator.thesis.rig import ALIGNED_HZ, CASES, MisalignmentCase, plane_frequencies
 
 
 def natural_frequencies_section(rig: Rig) -> str:
@@ -27,28 +27,9 @@ def natural_frequencies_section(rig: Rig) -> str:
     ]
     shares = []
     for case in CASES:
-        if case.frequencies_hz is None:
-            continue
-        values = {
-            label: plane_frequencies(rig.machine, coefficients=rig.coefficients * factors)
-            for label, factors in imposed_factors(rig, case)
-        }
-        growth = bearing_growth(rig, case.frequencies_hz)
-        model = "157, 207, 360" if case.name == "C₁" else "-"
-        rows.append(
-            [
-                case.name,
-                three_frequencies(np.array(case.frequencies_hz)),
-                model,
-                three_frequencies(values["print"]),
-                three_frequencies(values["frequencies"]),
-            ]
-        )
-        share = ((case.frequencies_hz[0] / ALIGNED_HZ[0]) ** 2 - 1.0) / case.growth
-        shares.append(
-            f"{case.name} {100 * growth.driver:.0f} % and {100 * growth.driven:.0f} % (printed largest change "
-            f"{100 * case.growth:.0f} %, least share {100 * share:.0f} %)"
-        )
+        if case.frequencies_hz is not None:
+            rows.append(_frequency_row(rig, case, case.frequencies_hz))
+            shares.append(_share(rig, case, case.frequencies_hz))
     own = _energy_share(rig)
     worst = max(float(np.abs(bearing_growth(rig, case.frequencies_hz).misfit).max()) for case in CASES if case.frequencies_hz)
     return (
@@ -75,6 +56,26 @@ def natural_frequencies_section(rig: Rig) -> str:
         "has no more than 155.7 Hz there; the 156 Hz measured (157 Hz updated model) in Case C₁ lie above this limit, unless "
         "the "
         "coupling stiffened as well.\n\n" + _splitting(rig)
+    )
+
+
+def _frequency_row(rig: Rig, case: MisalignmentCase, printed_hz: tuple[float, float, float]) -> list[str]:
+    values = {
+        label: plane_frequencies(rig.machine, coefficients=rig.coefficients * factors)
+        for label, factors in imposed_factors(rig, case)
+    }
+    model = "157, 207, 360" if case.name == "C₁" else "-"
+    found = (three_frequencies(values[label]) for label in ("print", "frequencies"))
+    return [case.name, three_frequencies(np.array(printed_hz)), model, *found]
+
+
+def _share(rig: Rig, case: MisalignmentCase, printed_hz: tuple[float, float, float]) -> str:
+    """Write the growth of the bearings that a case needs, and the least share of energy that any rig needs in them."""
+    growth = bearing_growth(rig, printed_hz)
+    share = ((printed_hz[0] / ALIGNED_HZ[0]) ** 2 - 1.0) / case.growth
+    return (
+        f"{case.name} {100 * growth.driver:.0f} % and {100 * growth.driven:.0f} % (printed largest change "
+        f"{100 * case.growth:.0f} %, least share {100 * share:.0f} %)"
     )
 
 
