@@ -3,7 +3,6 @@
 import functools
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
-from importlib.metadata import version
 
 from anyio.to_thread import current_default_thread_limiter
 from fastapi import APIRouter, Depends, FastAPI
@@ -62,6 +61,7 @@ from service.api.unchanged import Unchanged
 from service.api.unheeded import refuse_unheeded
 from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
+from service.release import VERSION
 from service.security import login
 from service.security.answer_headers import AnswerHeaders
 from service.security.authentication import Authentication
@@ -137,7 +137,7 @@ def _bare() -> FastAPI:
     """All routes, with nothing behind them."""
     app = FastAPIOffline(
         title="Rundown",
-        version=version("rundown"),
+        version=VERSION,
         description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
         docs_url=None,
         redoc_url=None,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis.__main__ import main
-from benchmarks.thesis.chapter_5 import diagnosed, stiffnesses
+from benchmarks.thesis.chapter_5_misalignment import diagnosed, stiffnesses
 from benchmarks.thesis.rig import (
     BOTH_WAYS,
     DENSE,

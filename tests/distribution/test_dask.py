@@ -11,7 +11,7 @@ import psutil
 import pytest
 
 from estimator.machine import Machine
-from service.identifying import Identifying
+from service.identifying import JobScheduler
 from service.settings import Settings
 from storage import identifications, jobs, machines
 from storage.database import Database
@@ -59,9 +59,9 @@ def train() -> Machine:
 
 
 @contextlib.contextmanager
-def identifying(database: Database, cluster: Cluster, *, timeout_s: float = 300.0) -> Iterator[Identifying]:
+def identifying(database: Database, cluster: Cluster, *, timeout_s: float = 300.0) -> Iterator[JobScheduler]:
     """The identification thread with the cluster."""
-    work = Identifying(database, Settings(dask_scheduler=cluster.address, identification_timeout_s=timeout_s))
+    work = JobScheduler(database, Settings(dask_scheduler=cluster.address, identification_timeout_s=timeout_s))
     work.start()
     try:
         yield work
