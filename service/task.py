@@ -9,8 +9,8 @@ from typing import Any
 
 from estimator.derived import Derived
 from estimator.identification import Identification, Options
-from estimator.machine import QualityRules
 from estimator.quality import Quality
+from estimator.rules import QualityRules
 from estimator.slow_roll import SlowRoll
 
 

@@ -16,7 +16,6 @@ from estimator.orbit import orbit_findings
 from estimator.quality import Quality
 from estimator.recorded import Recorded
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
-from estimator.rules import QualityRules
 from estimator.second_order import Orders
 from estimator.slow_roll import corrected
 from service.task import IdentificationOutcome, IdentificationTask

@@ -20,6 +20,7 @@ from storage.longest import Longest
 from storage.looking import damages
 from storage.schema_upgrade import bring_up_to_date
 from storage.sqlite_files import SqliteFiles
+from storage.text import json_text
 from storage.writer_turn import WriterTurn
 
 LARGEST_LOG = 64 * 2**20
