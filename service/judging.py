@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from estimator.change_size import change_size, misalignment_form
+from estimator.change_size import change_form, change_size
 from estimator.covariates import Adjustment, adjustment
 from estimator.diagnosis import Diagnosis
 from estimator.healthy_variation import typical_amplitude
@@ -13,8 +13,9 @@ from estimator.trend_tests import Reading
 from estimator.watch import Watch
 from service.alert_life import Severity
 from service.diagnosis_rules import delays
+from service.finding_rules import RATE_OF_CHANGE
 from service.judgement import Found, FoundCause, History, JudgedRun, Judgement, Question, Rates
-from service.limits import RATE_OF_CHANGE, Limits
+from service.limits import Limits
 from service.rate_of_change import RateFinding, rate_findings
 
 
@@ -78,10 +79,9 @@ def _diagnosis(question: Question) -> Found | None:
     causes = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
         size = change_size(cause, found.watch.reference, amplitude=amplitude)
-        form = misalignment_form(cause) if cause.kind == "misalignment" else None
         began = found.after[found.watch.began(cause, found.observations)]
         of_names = {name: change_unit(name, units) for name in cause.names}
-        causes.append(FoundCause(cause, runners_up, size, form, of_names, began.measured_at, began.id))
+        causes.append(FoundCause(cause, runners_up, size, change_form(cause), of_names, began.measured_at, began.id))
     return Found(tuple(run.id for run in question.baseline), tuple(causes), _gone(question, found, diagnosis))
 
 
@@ -100,7 +100,7 @@ def _rates(limits: Limits, history: History, drifting: Mapping[str, Severity]) -
     told = readings(history)
 
     def longest_delay(element: str) -> int:
-        rule = limits.rule(RATE_OF_CHANGE, element)
+        rule = limits.rule(RATE_OF_CHANGE.name, element)
         return max(rule.on_delay, rule.off_delay)
 
     def found(runs: Sequence[Reading]) -> dict[str, RateFinding]:
@@ -112,10 +112,10 @@ def _rates(limits: Limits, history: History, drifting: Mapping[str, Severity]) -
     then = [newest, *(found(told[:-back]) for back in range(1, longest))]
 
     def lasts(element: str) -> bool:
-        return all(element in one for one in then[: limits.rule(RATE_OF_CHANGE, element).on_delay])
+        return all(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).on_delay])
 
     def is_gone(element: str) -> bool:
-        return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE, element).off_delay])
+        return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).off_delay])
 
     findings = tuple(one for element, one in newest.items() if element in drifting or lasts(element))
     return Rates(findings, frozenset(filter(is_gone, drifting)))

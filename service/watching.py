@@ -14,9 +14,10 @@ from service import alerting
 from service.alert_life import Severity
 from service.alerting import Finding
 from service.comparing import WEEK, compared
-from service.diagnosis_rules import DATA_RULES, RULES, cause_severity, rule_of
+from service.diagnosis_rules import cause_severity
+from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule, is_finding
 from service.judgement import Conditions, FoundCause, History, JudgedRun, Judgement, Question, Rates
-from service.limits import RATE_OF_CHANGE, Limits
+from service.limits import Limits
 from service.setting_limits import limits_in_force
 from service.statements import Statement
 from storage import alerts, baselines, derived, diagnoses, identifications, jobs, limits, machines
@@ -42,9 +43,9 @@ def question(session: Session, stored: IdentificationRow, *, baseline_runs: int)
         basis=_basis(session, stored),
         baseline=baseline,
         after=after,
-        speaking=tuple((_kind(one), one.element) for one in opened if one.rule in RULES),
+        speaking=tuple((_kind(one), one.element) for one in opened if one.rule in DIAGNOSIS_RULES and is_finding(_kind(one))),
         rates=_history(session, stored, baseline_runs=baseline_runs),
-        drifting={one.element: Severity(one.severity) for one in opened if one.rule == RATE_OF_CHANGE},
+        drifting={one.element: Severity(one.severity) for one in opened if one.rule == RATE_OF_CHANGE.name},
     )
 
 
@@ -76,7 +77,7 @@ def carry_out(session: Session, stored: IdentificationRow, asked: Question, answ
     }
     for alert in alerts.open_alerts(session, stored.machine_id):
         gone = (_kind(alert), alert.element) in found.gone
-        if alert.rule in RULES and alert.id not in raised and gone and _may_clear(alert, stored):
+        if alert.rule in DIAGNOSIS_RULES and alert.id not in raised and gone and _may_clear(alert, stored):
             alerting.clear_alert(session, alert)
 
 
@@ -151,9 +152,8 @@ def _kind(alert: AlertRow) -> str:
 def _statement(session: Session, stored: IdentificationRow, found: FoundCause) -> Statement:
     cause = found.cause
     since, first = _since(session, stored.machine_id, found)
-    force = None
-    if cause.kind == "misalignment":
-        force = derived.value(session, stored.id, f"{cause.element}.misalignment_force")
+    of_force = finding_rule(cause.kind).force
+    force = None if of_force is None else derived.value(session, stored.id, f"{cause.element}.{of_force}")
     return Statement(cause, found.runners_up, found.size, since, first, force, found.form, found.units)
 
 
@@ -163,7 +163,7 @@ def _since(session: Session, machine_id: str, found: FoundCause) -> tuple[int, i
     Never later than its open alert says: against a change that has grown, the runs with which it began look like healthy ones.
     """
     cause = found.cause
-    known = alerts.open_alert(session, machine_id, rule=rule_of(cause.kind), element=cause.element)
+    known = alerts.open_alert(session, machine_id, rule=finding_rule(cause.kind).rule.name, element=cause.element)
     if known is None or known.evidence.get("kind") != cause.kind:
         return found.began_at, found.began
     said = from_datetime(datetime.fromisoformat(known.evidence["since"]))
@@ -174,8 +174,8 @@ def _raise(
     session: Session, one: Statement, stored: IdentificationRow, chosen: Limits, baseline: list[int]
 ) -> AlertRow | None:
     """Open an alert or bring it up to date, where a limit is reached. baseline: ids of what it was compared with."""
-    rule, element = rule_of(one.cause.kind), one.cause.element
-    present = alerts.open_alert(session, stored.machine_id, rule=rule, element=element)
+    rule, element = finding_rule(one.cause.kind).rule, one.cause.element
+    present = alerts.open_alert(session, stored.machine_id, rule=rule.name, element=element)
     severity = cause_severity(
         chosen,
         kind=one.cause.kind,
@@ -193,9 +193,9 @@ def _raise(
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=severity,
-        latching=rule not in DATA_RULES and chosen.rule(rule, element).latching,
+        latching=rule.limits is not None and chosen.rule(rule.name, element).latching,
     )
-    return alerting.raise_alert(session, stored.machine_id, rule=rule, element=element, finding=finding)
+    return alerting.raise_alert(session, stored.machine_id, rule=rule.name, element=element, finding=finding)
 
 
 def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
@@ -206,15 +206,15 @@ def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
 def _carry_out_rates(session: Session, stored: IdentificationRow, chosen: Limits, found: Rates) -> None:
     """Open, update or clear the alerts of elements that change too fast, whatever the size of the change so far."""
     for one in found.findings:
-        latching = chosen.rule(RATE_OF_CHANGE, one.element).latching
+        latching = chosen.rule(RATE_OF_CHANGE.name, one.element).latching
         _raise_rate(session, stored, one, latching=latching)
     for alert in alerts.open_alerts(session, stored.machine_id):
-        if alert.rule == RATE_OF_CHANGE and alert.element in found.gone and _may_clear(alert, stored):
+        if alert.rule == RATE_OF_CHANGE.name and alert.element in found.gone and _may_clear(alert, stored):
             alerting.clear_alert(session, alert)
 
 
 def _raise_rate(session: Session, stored: IdentificationRow, one: "RateFinding", *, latching: bool) -> None:
-    evidence = {"kind": RATE_OF_CHANGE, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
+    evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{what}_per_cent": 100.0 * getattr(one.rate, what) for what in ("per_week", "lower", "upper")}
     finding = Finding(
         message=one.message,
@@ -224,4 +224,4 @@ def _raise_rate(session: Session, stored: IdentificationRow, one: "RateFinding",
         severity=one.severity,
         latching=latching,
     )
-    alerting.raise_alert(session, stored.machine_id, rule=RATE_OF_CHANGE, element=one.element, finding=finding)
+    alerting.raise_alert(session, stored.machine_id, rule=RATE_OF_CHANGE.name, element=one.element, finding=finding)

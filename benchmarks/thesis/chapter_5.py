@@ -48,7 +48,7 @@ from benchmarks.thesis.simple_supports import LARGEST, PRINTED_HZ, SMALLEST, fit
 from benchmarks.thesis.tables import percent, power, table
 from estimator.change_size import change_size
 from estimator.condensation import condense
-from estimator.diagnosis import Cause
+from estimator.finding_kind import Cause
 from estimator.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
 from estimator.identification import Identification
 from estimator.machine import Machine, parse_machine
