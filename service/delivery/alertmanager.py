@@ -10,12 +10,10 @@ from aiohttp import ClientSession
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent
 from service.delivery.addresses import Network
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import FIRING, Message, Outcome
+from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.webhook import post
-
-RESEND_S = 60.0
-"""Alertmanager takes an alert that it has not heard of for `resolve_timeout` (5 minutes) for resolved."""
-FIRING = frozenset({"unacknowledged", "acknowledged"})
+from storage.tables import SubscriptionRow
 
 
 @dataclass(frozen=True)
@@ -63,3 +61,19 @@ class Alertmanager:
             "generatorURL": f"{self.public_url}/api/v1/alerts/{event.alert}",
         }
         return alert if ended is None else alert | {"endsAt": ended.isoformat()}
+
+
+def _open(row: SubscriptionRow, connections: Connections) -> Alertmanager:
+    settings = connections.settings
+    return Alertmanager(connections.client, row.target, tuple(settings.delivery_networks), settings.public_url)
+
+
+ALERTMANAGER = ChannelKind(
+    "alertmanager",
+    title="Prometheus Alertmanager",
+    description="the URL of a Prometheus Alertmanager",
+    address="a URL",
+    open=_open,
+    url_target=True,
+    reminded=True,
+)

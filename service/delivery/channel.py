@@ -1,11 +1,14 @@
-"""What every way of delivery has in common."""
+"""What every way of delivery has in common: messages, outcomes, and the channel that sends."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 from service.alert_messages import AlertEvent
 
 Result = Literal["delivered", "failed", "gone"]
+FIRING = frozenset({"unacknowledged", "acknowledged"})
+"""States of alerts that last and call somebody."""
 
 
 @dataclass(frozen=True)
@@ -31,3 +34,23 @@ class Channel(Protocol):
     async def send(self, message: Message) -> Outcome:
         """Deliver an event; errors on the way are an outcome, not an exception."""
         ...
+
+
+@runtime_checkable
+class RemindingChannel(Protocol):
+    """A channel whose receiver is told again and again of alerts that last."""
+
+    async def push(self, messages: Sequence[Message]) -> Outcome:
+        """Tell how alerts stand after their events; errors on the way are an outcome."""
+        ...
+
+
+@dataclass(frozen=True)
+class Undeliverable:
+    """Channel of a subscription to which nothing can be sent."""
+
+    reason: str
+
+    async def send(self, message: Message) -> Outcome:  # noqa: ARG002 - whatever it is
+        """Fail with the reason."""
+        return Outcome("failed", self.reason)

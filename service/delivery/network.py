@@ -9,9 +9,11 @@ import zenoh
 
 from service.alert_messages import AlertEvent, alert_event
 from service.delivery.channel import Message, Outcome
+from service.delivery.channel_kind import ChannelKind, Connections
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, machines
 from storage.database import Database
+from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)
 
@@ -25,8 +27,8 @@ def alert_key(plant: str, event: AlertEvent) -> str:
 
 
 @dataclass(frozen=True)
-class Network:
-    """The plant's network."""
+class PlantNetwork:
+    """The plant's own zenoh network."""
 
     session: zenoh.Session
 
@@ -38,6 +40,19 @@ class Network:
         except zenoh.ZError as error:
             return Outcome("failed", str(error))
         return Outcome("delivered", f"published on {key}")
+
+
+def _open(_row: SubscriptionRow, connections: Connections) -> PlantNetwork:
+    return PlantNetwork(connections.session)
+
+
+ZENOH = ChannelKind(
+    "zenoh",
+    title="the plant's own network (zenoh)",
+    description="the plant's own network, no target",
+    address=None,
+    open=_open,
+)
 
 
 class LastStates:

@@ -8,8 +8,10 @@ from aiohttp import ClientError, ClientResponse, ClientSession
 
 from service.delivery.addresses import Network, TargetRefused, checked
 from service.delivery.channel import Message, Outcome
+from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import CONTENT_TYPE, cloud_event, event_id
 from service.delivery.signing import signed_headers
+from storage.tables import SubscriptionRow
 
 TIMEOUT_S = 15.0
 """Standard Webhooks recommends 15 to 30 s."""
@@ -33,15 +35,21 @@ class Webhook:
         return await post(self.client, self.target, body, headers | {"content-type": CONTENT_TYPE}, self.allowed)
 
 
-@dataclass(frozen=True)
-class Unsigned:
-    """A receiver for whom nothing can be signed: it is sent nothing."""
+def _open(row: SubscriptionRow, connections: Connections) -> Webhook:
+    networks = tuple(connections.settings.delivery_networks)
+    return Webhook(connections.client, row.target, connections.secrets.reveal(row), networks)
 
-    reason: str
 
-    async def send(self, message: Message) -> Outcome:  # noqa: ARG002 - whatever it is
-        """Say why not."""
-        return Outcome("failed", self.reason)
+WEBHOOK = ChannelKind(
+    "webhook",
+    title="webhook",
+    description="target is an http or https URL; "
+    "the answer gives its secret, once, unless secret_file or secret_env says where one is",
+    address="a URL",
+    open=_open,
+    url_target=True,
+    signed=True,
+)
 
 
 async def post(
