@@ -37,7 +37,7 @@ def test_limits_that_contradict_their_rule_are_refused() -> None:
         AlertRule("rub", limits=limits)
     with pytest.raises(ValueError, match="'rub' needs both limits and quantities"):
         AlertRule("rub", quantities=("sigma",))
-    with pytest.raises(ValueError, match="alert.per_cent is no limit of rub: it has sigma"):
+    with pytest.raises(ValueError, match=r"alert\.per_cent is no limit of rub: it has sigma"):
         AlertRule("rub", limits=limits, quantities=("sigma",))
 
 

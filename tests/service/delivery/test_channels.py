@@ -18,7 +18,7 @@ DOCS = Path(__file__).parents[3] / "docs"
 
 def test_an_unknown_kind_is_an_error_that_names_the_known_ones() -> None:
     assert not is_channel("telex")
-    with pytest.raises(ChannelUnknown, match="'telex' is no kind .*: webhook, alertmanager, email, zenoh"):
+    with pytest.raises(ChannelUnknown, match=r"'telex' is no kind .*: webhook, alertmanager, email, zenoh"):
         channel_kind("telex")
 
 
