@@ -12,7 +12,7 @@ FIRING = frozenset({"unacknowledged", "acknowledged"})
 
 
 @dataclass(frozen=True)
-class Message:
+class EventMessage:
     """An event and the plant of its machine."""
 
     event: AlertEvent
@@ -20,7 +20,7 @@ class Message:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DeliveryOutcome:
     """How a try went. gone: the receiver wants nothing more, ever. retry_after: the receiver's own wish [s]."""
 
     result: Result
@@ -31,7 +31,7 @@ class Outcome:
 class Channel(Protocol):
     """One way of delivery to one receiver."""
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Deliver an event; errors on the way are an outcome, not an exception."""
         ...
 
@@ -40,7 +40,7 @@ class Channel(Protocol):
 class RemindingChannel(Protocol):
     """A channel whose receiver is told again and again of alerts that last."""
 
-    async def push(self, messages: Sequence[Message]) -> Outcome:
+    async def push(self, messages: Sequence[EventMessage]) -> DeliveryOutcome:
         """Tell how alerts stand after their events; errors on the way are an outcome."""
         ...
 
@@ -51,6 +51,6 @@ class Undeliverable:
 
     reason: str
 
-    async def send(self, message: Message) -> Outcome:  # noqa: ARG002 - whatever it is
+    async def send(self, message: EventMessage) -> DeliveryOutcome:  # noqa: ARG002 - whatever it is
         """Fail with the reason."""
-        return Outcome("failed", self.reason)
+        return DeliveryOutcome("failed", self.reason)

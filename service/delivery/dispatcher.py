@@ -12,7 +12,7 @@ import zenoh
 from sqlalchemy.exc import DBAPIError
 
 from service import alerting
-from service.delivery.channel import Outcome
+from service.delivery.channel import DeliveryOutcome
 from service.delivery.channel_kind import Connections
 from service.delivery.channels import new_client, open_channel
 from service.delivery.messages import trial_message
@@ -63,7 +63,7 @@ class Dispatcher:
         self._settings = settings
         self._stop = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="delivery", daemon=True)
-        self._under_way: dict[int, asyncio.Task[Outcome]] = {}
+        self._under_way: dict[int, asyncio.Task[DeliveryOutcome]] = {}
         self._deliveries: dict[int, Delivery] = {}
         self._resending: asyncio.Task[None] | None = None
         self._expire_at = 0.0
@@ -147,7 +147,7 @@ class Dispatcher:
         with self._database.transaction() as session:
             alerting.release_over(session)
 
-    async def try_out(self, subscription_id: int) -> Outcome:
+    async def try_out(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from whatever loop. Raises SubscriptionUnknown."""
 
         def found() -> SubscriptionRow:
@@ -160,5 +160,5 @@ class Dispatcher:
             return await within_deadline(channel.send(trial_message()))
 
 
-async def _sent(one: Delivery) -> Outcome:
+async def _sent(one: Delivery) -> DeliveryOutcome:
     return await within_deadline(one.channel.send(one.message))

@@ -5,18 +5,18 @@ from sqlalchemy.orm import Session
 from service import alerting
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent, alert_event
-from service.delivery.channel import Message
+from service.delivery.channel import EventMessage
 from storage import machines
 from storage.clock import now, to_datetime
 from storage.tables import AlertEventRow
 
 
-def message_of(session: Session, event: AlertEventRow) -> Message:
+def message_of(session: Session, event: AlertEventRow) -> EventMessage:
     """Return the message of an event."""
-    return Message(alert_event(event), machines.get(session, event.machine_id).plant)
+    return EventMessage(alert_event(event), machines.get(session, event.machine_id).plant)
 
 
-def trial_message() -> Message:
+def trial_message() -> EventMessage:
     """Return a message that says that it is a test."""
     moment = to_datetime(now())
     event = AlertEvent(
@@ -37,4 +37,4 @@ def trial_message() -> Message:
         opened_at=moment,
         identification=0,
     )
-    return Message(event, "test")
+    return EventMessage(event, "test")

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
-from service.delivery.channel import Channel, Message, Outcome
+from service.delivery.channel import Channel, DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import Connections
 from service.delivery.channels import open_channel
 from service.delivery.messages import message_of
@@ -34,7 +34,7 @@ class Delivery:
 
     id: int
     subscription_id: int
-    message: Message
+    message: EventMessage
     channel: Channel
 
 
@@ -75,7 +75,7 @@ class Outbox:
             for number, reason in reasons.items():
                 give_up(session, number, reason)
 
-    def record(self, finished: Mapping[int, Outcome]) -> list[int]:
+    def record(self, finished: Mapping[int, DeliveryOutcome]) -> list[int]:
         """Store how deliveries ended; return which need no more of it. One that cannot be stored stops no other."""
         try:
             return self._record_together(finished)
@@ -92,7 +92,7 @@ class Outbox:
                 logger.error("how delivery %d ended cannot be recorded: %s", number, error.orig)
         return done
 
-    def _record_together(self, finished: Mapping[int, Outcome]) -> list[int]:
+    def _record_together(self, finished: Mapping[int, DeliveryOutcome]) -> list[int]:
         """Store in one transaction. Raises DBAPIError, also of damage: behind that, SQLite writes nothing more in one."""
         done = []
         with self._database.transaction() as session:

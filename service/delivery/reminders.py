@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from sqlalchemy.exc import DBAPIError
 
-from service.delivery.channel import FIRING, Channel, Message, RemindingChannel
+from service.delivery.channel import FIRING, Channel, EventMessage, RemindingChannel
 from service.delivery.channel_kind import Connections
 from service.delivery.channels import channel_kind, is_channel, open_channel
 from service.delivery.messages import message_of
@@ -36,7 +36,7 @@ async def remind(database: Database, connections: Connections) -> None:
     await asyncio.gather(*(_remind_one(row, open_channel(row, connections), messages) for row in targets))
 
 
-def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[Message]]:
+def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
     """Return who is reminded, and the last event of each alert that lasts."""
     with database.reading() as session:
         rows = [row for row in deliveries.every(session) if _is_reminded(row)]
@@ -61,7 +61,7 @@ def _is_reminded(row: SubscriptionRow) -> bool:
     return row.state == deliveries.ACTIVE and is_channel(row.kind) and channel_kind(row.kind).reminded
 
 
-async def _remind_one(row: SubscriptionRow, channel: Channel, messages: Sequence[Message]) -> None:
+async def _remind_one(row: SubscriptionRow, channel: Channel, messages: Sequence[EventMessage]) -> None:
     own = [one for one in messages if deliveries.tells(row, one.plant)]
     if own and isinstance(channel, RemindingChannel):
         outcome = await within_deadline(channel.push(own))

@@ -4,7 +4,7 @@ import logging
 
 from sqlalchemy.orm import Session
 
-from service.delivery.channel import Outcome
+from service.delivery.channel import DeliveryOutcome
 from storage import deliveries
 from storage.clock import now
 from storage.plain_text import plain_text
@@ -20,7 +20,7 @@ LONGEST_ANSWER = 2000
 SECOND = 1_000_000_000
 
 
-def record_outcome(session: Session, number: int, outcome: Outcome) -> None:
+def record_outcome(session: Session, number: int, outcome: DeliveryOutcome) -> None:
     """Store how a delivery ended, and when it is tried again. Raises DeliveryUnknown."""
     row = deliveries.delivery(session, number)
     row.attempts += 1

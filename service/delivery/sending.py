@@ -4,23 +4,23 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any
 
-from service.delivery.channel import Outcome
+from service.delivery.channel import DeliveryOutcome
 
 DEADLINE_S = 30.0
 """After so long a try has failed, whatever it waits for: a name server, a turn, a server that says a word now and then."""
 
 
-async def within_deadline(sending: Coroutine[Any, Any, Outcome]) -> Outcome:
+async def within_deadline(sending: Coroutine[Any, Any, DeliveryOutcome]) -> DeliveryOutcome:
     """Return how sending ended; it has failed where it takes longer than the deadline or raises."""
     try:
         return await asyncio.wait_for(sending, DEADLINE_S)
     except TimeoutError:
-        return Outcome("failed", f"it was not done within {DEADLINE_S:g} s")
+        return DeliveryOutcome("failed", f"it was not done within {DEADLINE_S:g} s")
     except Exception as error:  # noqa: BLE001 - whatever a channel meets becomes the delivery's recorded failure
-        return Outcome("failed", f"{type(error).__name__}: {error}")
+        return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
 
 
-def outcome_of(ended: asyncio.Task[Outcome]) -> Outcome:
+def outcome_of(ended: asyncio.Task[DeliveryOutcome]) -> DeliveryOutcome:
     """Return how a task ended, also where it broke off in a way that no channel should."""
     error = asyncio.CancelledError() if ended.cancelled() else ended.exception()
-    return ended.result() if error is None else Outcome("failed", f"{type(error).__name__}: {error}")
+    return ended.result() if error is None else DeliveryOutcome("failed", f"{type(error).__name__}: {error}")

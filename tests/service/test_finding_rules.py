@@ -54,3 +54,13 @@ def test_the_documentation_has_every_kind_and_every_rule() -> None:
         name for line in alerts.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line.split("|")[1])
     }
     assert {one.rule.name for one in FINDING_RULES} | set(LIMITED_RULES) <= rules
+
+
+@pytest.mark.parametrize("rule", LIMITED_RULES.values(), ids=lambda rule: rule.name)
+def test_the_documentation_has_the_limits(rule: AlertRule) -> None:
+    rows = [line.split("|") for line in (DOCS / "alerts.md").read_text().splitlines() if line.startswith("| `")]
+    (row,) = [cells for cells in rows if f"`{rule.name}`" in cells[1] and len(cells) == 6]
+    assert rule.limits is not None
+    for level, shown in ((rule.limits.alert, row[2]), (rule.limits.danger, row[3])):
+        sizes = [] if level is None else [f"{getattr(level, name):g}" for name in level.named]
+        assert re.findall(r"[\d.]+", shown) == sizes
