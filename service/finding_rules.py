@@ -234,7 +234,7 @@ def is_finding(kind: str) -> bool:
     return kind in _BY_KIND
 
 
-DIAGNOSIS_RULES: Mapping[str, AlertRule] = {one.rule.name: one.rule for one in FINDING_RULES}
+DIAGNOSIS_RULES = {one.rule.name: one.rule for one in FINDING_RULES}
 """Alert rules by which a diagnosis speaks, by name."""
 LIMITED_RULES: Mapping[str, AlertRule] = {
     name: rule for name, rule in (DIAGNOSIS_RULES | {RATE_OF_CHANGE.name: RATE_OF_CHANGE}).items() if rule.limits is not None

@@ -45,13 +45,12 @@ class LimitsRefused(ValueError):
         self.problems = problems
 
 
-_RuleFields: Any = create_model(
-    "_RuleFields", __base__=Written, **{name: (Rule, Field(default=rule)) for name, rule in DEFAULTS.items()}
-)
-"""One field for each alert rule that has limits."""
+_FIELDS: dict[str, Any] = {name: (Rule, Field(default=rule)) for name, rule in DEFAULTS.items()}
+_RuleFields: Any = create_model("_RuleFields", __base__=Written, **_FIELDS)
+"""Model with one field for each alert rule that has limits."""
 
 
-class Limits(_RuleFields, Written):  # type: ignore[misc]
+class Limits(_RuleFields, Written):
     """All limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
 
     model_config = ConfigDict(frozen=True)

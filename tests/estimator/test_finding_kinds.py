@@ -7,8 +7,7 @@ import pytest
 
 from estimator.change_columns import ChangeColumns
 from estimator.data_faults import lost_channels
-from estimator.diagnosis import Cause
-from estimator.finding_kind import BaselineValues, Change, ChangeSize, FindingKind
+from estimator.finding_kind import BaselineValues, Cause, Change, ChangeSize, FindingKind
 from estimator.finding_kinds import FINDING_KINDS, finding_kind
 
 
