@@ -43,7 +43,8 @@ audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so
 benchmarks: $(VENV)/.installed
 	$(BIN)/python -m benchmarks
 
-dashboard: ## build the page anew into service/dashboard/, where it is committed; needs Node.js 20
+dashboard: $(VENV)/.installed ## build the page anew into service/dashboard/, where it is committed; needs Node.js 20
+	$(BIN)/python -m service.page_declarations dashboard/src
 	cd dashboard && npm ci --no-audit --no-fund && npm run build
 
 clean:

@@ -1,11 +1,11 @@
 """What is wrong with the data of some runs, not with the machine: lost channels, outliers, a model that fits no more."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.diagnosis import Cause, Diagnosis
 from estimator.observation import Observation
 from estimator.verdict import LARGEST_OUTLIER_PART, accepted
 
@@ -19,47 +19,40 @@ REFUSED = 1.0
 """Least evidence of a run that no fit explains, whose χ² need not be what it was refused for."""
 MOSTLY_LEFT_OUT = 0.3
 """A channel of which more than this part was left out does not count there: it is a cause by itself."""
-CHANNEL_KINDS = frozenset({"sensor", "run_out", "bow"})
-"""Causes that lie in channels, not in the machine's coefficients; a bow is seen by those of a shaft."""
 
 
-def lost_channels(baseline: Sequence[Observation], window: Sequence[Observation]) -> tuple[Cause, ...]:
-    """A sensor fault for each channel that the baseline had and no run of the window has.
+@dataclass(frozen=True)
+class DataFault:
+    """Fault of the data of some runs. agreement: per run ln of the factor by which it makes the run more probable."""
+
+    element: str
+    agreement: tuple[float, ...]
+
+
+def lost_channels(baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Yield a fault for each channel that the baseline had and no run of the window has.
 
     Evidence: of the number of phasors that are missing, if each had been there as often as in the baseline.
     """
-    found = []
     for channel in window[-1].phasors:
         before = float(np.mean([_part(one, channel) for one in baseline]))
         if before <= PRESENT or any(_part(one, channel) >= LOST for one in window):
             continue
         missing = math.log(1.0 / (1.0 - min(before, 0.99)))
-        agreement = tuple(one.samples * missing for one in window)
-        found.append(_cause("sensor", f"probe.{channel}", agreement))
-    return tuple(found)
+        yield DataFault(f"probe.{channel}", tuple(one.samples * missing for one in window))
 
 
-def many_outliers(window: Sequence[Observation]) -> tuple[Cause, ...]:
-    """Outliers spread over the channels, in each run of the window. Evidence: against a share of half of MANY_OUTLIERS."""
+def many_outliers(_baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Yield a fault where outliers are spread over the channels in each run. Evidence: against half of MANY_OUTLIERS."""
     shares = [_outlying(one) for one in window]
-    if any(left_out <= MANY_OUTLIERS * count for left_out, count in shares):
-        return ()
-    return (_cause("outliers", "machine", tuple(_surprise(*share) for share in shares)),)
+    if all(left_out > MANY_OUTLIERS * count for left_out, count in shares):
+        yield DataFault("machine", tuple(_surprise(*share) for share in shares))
 
 
-def misfit(window: Sequence[Observation], explained: Diagnosis) -> tuple[Cause, ...]:
-    """That no fit explains the runs of the window, nor what the diagnosis says of their channels."""
-    channels = explained_channels(explained)
-    if any(fits(one, channels) for one in window):
-        return ()
-    agreement = tuple(max(REFUSED, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window)
-    return (_cause("misfit", "machine", agreement),)
-
-
-def explained_channels(diagnosis: Diagnosis) -> frozenset[str]:
-    """Channels of which a diagnosis says that something is wrong with them."""
-    names = (name for cause in diagnosis.causes if cause.kind in CHANNEL_KINDS for name in cause.names)
-    return frozenset(name.split(".")[1] for name in names)
+def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> Iterator[DataFault]:
+    """Yield a fault where no fit explains any of the runs, with the errors of these channels allowed for."""
+    if not any(fits(one, faulty_channels) for one in window):
+        yield DataFault("machine", tuple(max(REFUSED, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window))
 
 
 def fits(one: Observation, channels: frozenset[str]) -> bool:
@@ -111,9 +104,3 @@ def _outlying(one: Observation) -> tuple[int, int]:
 def _surprise(left_out: int, count: int) -> float:
     usual, share = MANY_OUTLIERS / 2.0, left_out / count
     return left_out * math.log(share / usual) + (count - left_out) * math.log((1.0 - share) / (1.0 - usual))
-
-
-def _cause(kind: str, element: str, agreement: tuple[float, ...]) -> Cause:
-    none = np.zeros(0)
-    evidence = math.fsum(agreement)
-    return Cause(kind, element, evidence, (), none, np.zeros((0, 0)), math.sqrt(2.0 * evidence), agreement)

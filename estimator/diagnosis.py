@@ -17,6 +17,7 @@ import scipy.special
 
 from estimator.arrays import Floats
 from estimator.causes import Hypothesis, hypotheses
+from estimator.finding_kind import Cause
 from estimator.healthy_variation import run_variation, slow_variation, typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation
@@ -26,11 +27,10 @@ from estimator.rotor import assemble_rotor
 STRONG = 4.0
 """Evidence from which on something is said to have happened: a factor of 55, in runs that each speak for it."""
 BESIDE = 0.05
-"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact …"""
-EXACT = frozenset({"unbalance"})
-"""… but for these, which enter the response linearly …"""
-BESIDE_EXACT = 6.0
-"""… and however large ask for this evidence at most: what stands for months must not hide a misalignment."""
+"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact."""
+BESIDE_LINEAR = 6.0
+"""Most evidence that a cause which enters the response linearly asks of a further one: however large it is, what stands for
+months must not hide a misalignment."""
 MOST_CAUSES = 4
 """More causes at once are not told apart."""
 LARGEST_STEPS = 10
@@ -43,31 +43,6 @@ RUN_OUT_TOLERANCE = 0.5
 """… and of its run-out, in units of its median amplitude."""
 OPEN = 1e-6
 """Precision, in units of the healthy variation, of what is believed of everything else before the baseline: nothing."""
-
-
-@dataclass(frozen=True)
-class Cause:
-    """Something that has happened.
-
-        evidence: log of the factor by which it makes the runs more probable, beside the other causes. names: of the quantities
-    that it moves; change: by how much, logarithms or SI; covariance: of the change. distance: of the change, in standard
-    deviations. agreement: per run of the window the logarithm of the factor by which the change makes this run by itself
-    more probable.
-    """
-
-    kind: str
-    element: str
-    evidence: float
-    names: tuple[str, ...]
-    change: Floats
-    covariance: Floats
-    distance: float
-    agreement: tuple[float, ...]
-
-    @property
-    def error(self) -> Floats:
-        """Standard errors of the change."""
-        return np.sqrt(np.diag(self.covariance))
 
 
 @dataclass(frozen=True)
@@ -179,7 +154,7 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
 
 def _asked_beside(one: Hypothesis, evidence: float) -> float:
     """Evidence that a further cause needs beside one with so much."""
-    return min(BESIDE * evidence, BESIDE_EXACT if one.kind in EXACT else math.inf)
+    return min(BESIDE * evidence, BESIDE_LINEAR if one.linear else math.inf)
 
 
 def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:

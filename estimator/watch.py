@@ -5,13 +5,16 @@ averages out. So windows of different lengths end at the newest run, and the sho
 one adds to it only where what was found lasts through all of its runs: what stands for months must not hide what creeps.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from estimator.data_faults import CHANNEL_KINDS, explained_channels, fits, lost_channels, many_outliers, misfit
-from estimator.diagnosis import STRONG, Cause, Diagnosis, Reference, agreement, diagnose, reference
+from estimator.data_faults import DataFault, fits
+from estimator.diagnosis import STRONG, Diagnosis, Reference, agreement, diagnose, reference
+from estimator.finding_kind import Cause, FindingKind
+from estimator.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.machine import Machine
 from estimator.observation import Observation
 
@@ -98,9 +101,10 @@ class Watch:
         whole = self._diagnosis(window)
         if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
             return False
-        channels = explained_channels(whole)
-        if not all(fits(one, channels) for one in window) and kind not in CHANNEL_KINDS:
-            return kind in ("misfit", "outliers") and all(one.accepted for one in window)
+        channels = faulty_channels(whole)
+        place = finding_kind(kind).place
+        if not all(fits(one, channels) for one in window) and place != "channels":
+            return place == "data" and all(one.accepted for one in window)
         return self._explanation(window).evidence.get((kind, element), 0.0) < GONE * STRONG
 
     def began(self, cause: Cause, after: Sequence[Observation]) -> int:
@@ -120,9 +124,11 @@ class Watch:
         return int(np.argmax(sums))
 
     def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
-        """Check whether the data of a single run have this fault: one that comes and goes has not gone."""
-        faults = (*lost_channels(self.baseline, [one]), *many_outliers([one]))
-        return any((fault.kind, fault.element) == (kind, element) for fault in faults)
+        """Whether the data of a single run have this fault: one that comes and goes has not gone."""
+        declared = finding_kind(kind)
+        declared.require_element(element)
+        faults = () if declared.data_fault is None else declared.data_fault(self.baseline, [one])
+        return any(fault.element == element for fault in faults)
 
     def _window_lengths(self, on_delay: Delay) -> list[int]:
         delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}
@@ -138,9 +144,44 @@ class Watch:
     def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
         """Find causes in the machine, in its channels and in the data; none of the machine where no fit explains the runs."""
         found = self._explanation(window)
-        channels = explained_channels(found)
+        channels = faulty_channels(found)
         if not all(fits(one, channels) for one in window):
-            kept = [i for i, cause in enumerate(found.causes) if cause.kind in CHANNEL_KINDS]
+            kept = [i for i, cause in enumerate(found.causes) if _lies_in_channels(cause)]
             found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
-        beside = (*lost_channels(self.baseline, window), *misfit(window, found), *many_outliers(window))
+        beside = tuple(self._data_causes(window, faulty_channels(found)))
         return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
+
+    def _data_causes(self, window: Sequence[Observation], channels: frozenset[str]) -> Iterator[Cause]:
+        """Yield what is wrong with the data of a window, where these channels are known to be faulty."""
+        for kind in FINDING_KINDS:
+            for fault in () if kind.data_fault is None else kind.data_fault(self.baseline, window):
+                yield _data_cause(kind, fault)
+            for fault in () if kind.fit_fault is None else kind.fit_fault(window, channels):
+                yield _data_cause(kind, fault)
+
+
+def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
+    """Return the channels of which a diagnosis says that something is wrong with them."""
+    names = (name for cause in diagnosis.causes if _lies_in_channels(cause) for name in cause.names)
+    return frozenset(name.split(".")[1] for name in names)
+
+
+def _lies_in_channels(cause: Cause) -> bool:
+    return finding_kind(cause.kind).place == "channels"
+
+
+def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:
+    """Return a fault of the data as a cause without quantities."""
+    kind.require_element(fault.element)
+    evidence = math.fsum(fault.agreement)
+    nothing = np.zeros(0)
+    return Cause(
+        kind=kind.kind,
+        element=fault.element,
+        evidence=evidence,
+        names=(),
+        change=nothing,
+        covariance=np.zeros((0, 0)),
+        distance=math.sqrt(2.0 * evidence),
+        agreement=fault.agreement,
+    )

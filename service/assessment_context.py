@@ -9,9 +9,8 @@ from estimator.machine import Machine
 from estimator.point import Point
 from service.alert_life import Severity
 from service.comparing import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
-from service.diagnosis_rules import RULES
+from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
 from service.judgement import AssessedRun, AssessmentBasis, AssessmentContext, BaselineHistory, Conditions
-from service.limits import RATE_OF_CHANGE
 from service.setting_limits import limits_of
 from storage import alerts, baselines, identifications, jobs, limits, machines
 from storage.clock import now
@@ -67,9 +66,13 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         basis=state.basis,
         baseline=before,
         after=after,
-        open_causes=tuple((diagnosed_kind(one), one.element) for one in state.open_alerts if one.rule in RULES),
+        open_causes=tuple(
+            (kind, one.element)
+            for one in state.open_alerts
+            if one.rule in DIAGNOSIS_RULES and is_finding(kind := diagnosed_kind(one))
+        ),
         history=_history(session, machine, state, baseline, wanted),
-        open_rates={one.element: Severity(one.severity) for one in state.open_alerts if one.rule == RATE_OF_CHANGE},
+        open_rates={one.element: Severity(one.severity) for one in state.open_alerts if one.rule == RATE_OF_CHANGE.name},
     )
 
 

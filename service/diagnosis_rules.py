@@ -1,30 +1,19 @@
-"""The rules that a diagnosis speaks by: which rule speaks of a kind of cause, how patient it is, and how severe a cause is."""
-
-from typing import Any, Literal, get_args
+"""How patient the alerts of a diagnosis are, and how severe a cause is: by the limits of the rule that speaks of it."""
 
 from service.alert_life import Severity
-from service.limits import Limits, RuleName, severity_of
+from service.finding_rules import finding_rule
+from service.limits import Limits, severity_of
 
-DataRule = Literal["misfit", "outliers"]
-RULES = frozenset({*get_args(RuleName), *get_args(DataRule)}) - {"rate_of_change"}
-"""Rules that a diagnosis speaks by."""
-DATA_RULES: tuple[DataRule, ...] = get_args(DataRule)
-"""What is wrong with the data has no size and no limits …"""
-DATA_DELAY = 2
-"""… and is an alert after so many runs in a row, and none after so many good ones."""
-
-
-def rule_of(kind: str) -> Any:
-    """The rule that speaks of a kind of causes: a bow is a run-out of a whole shaft."""
-    return "run_out" if kind == "bow" else kind
+UNLIMITED_DELAY = 2
+"""Runs in a row after which a finding without limits is an alert, and good ones after which it is none."""
 
 
 def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
-    """How many runs in a row open and clear an alert."""
-    rule = rule_of(kind)
-    if rule in DATA_RULES:
-        return DATA_DELAY, DATA_DELAY
-    chosen = limits.rule(rule, element)
+    """Return how many runs in a row open and clear an alert of a kind of finding."""
+    rule = finding_rule(kind).rule
+    if rule.limits is None:
+        return UNLIMITED_DELAY, UNLIMITED_DELAY
+    chosen = limits.rule(rule.name, element)
     return chosen.on_delay, chosen.off_delay
 
 
@@ -38,11 +27,11 @@ def cause_severity(
     force: float | None,
     present: Severity | None,
 ) -> Severity | None:
-    """How severe a cause is; None while it reaches no limit. sigma: standard deviations of its change.
+    """Return how severe a cause is; None while it reaches no limit. sigma: standard deviations of its change.
 
     per_cent: its size, None where it has none. force: in the coupling [N]. present: severity that its alert has so far.
     """
-    rule = rule_of(kind)
-    if rule in DATA_RULES or per_cent is None:
+    rule = finding_rule(kind).rule
+    if rule.limits is None or per_cent is None:
         return Severity.ALERT
-    return severity_of(limits, rule, sigma=sigma, per_cent=per_cent, force=force, present=present, element=element)
+    return severity_of(limits, rule.name, sigma=sigma, per_cent=per_cent, force=force, present=present, element=element)

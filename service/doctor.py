@@ -20,6 +20,7 @@ from sqlalchemy import Connection, Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
+from service.delivery.channels import is_channel
 from service.delivery.secret_upkeep import Look
 from service.delivery.signing_secrets import SigningSecrets
 from service.own_addresses import api_trust, api_url, endpoint_here
@@ -110,6 +111,7 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
         yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
     if revision is not None:
         yield from _webhook_secrets(settings, engine)
+        yield from _subscription_kinds(engine)
     engine.dispose()
     if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
         yield _room(settings, lambda budget: _used(settings, budget))
@@ -139,6 +141,7 @@ def _file(settings: Settings, path: Path) -> Iterator[Finding]:
         yield _schema(revision)
         if revision is not None:
             yield from _webhook_secrets(settings, engine)
+            yield from _subscription_kinds(engine)
         yield from _keys(connection)
         yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
@@ -207,6 +210,19 @@ def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Finding:
         return Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
     level: Level = "ok" if use.part < FULL else "warning"
     return Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
+
+
+def _subscription_kinds(engine: Engine) -> Iterator[Finding]:
+    """Yield what is wrong with subscriptions that another release made: of kinds that this one does not know."""
+    what = "subscriptions"
+    try:
+        with Session(engine) as session:
+            unknown = [(row.name, row.kind) for row in deliveries.every(session) if not is_channel(row.kind)]
+    except SQLAlchemyError as error:
+        yield Finding("warning", what, f"cannot be looked at: {words_of(error)}")
+        return
+    for name, kind in unknown:
+        yield Finding("wrong", what, f"'{name}' is told nothing: this release knows no subscriptions of kind '{kind}'")
 
 
 def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[Finding]:

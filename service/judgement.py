@@ -12,8 +12,7 @@ from service.alert_life import Severity
 from service.limits import Limits
 
 if TYPE_CHECKING:
-    from estimator.change_size import ChangeSize
-    from estimator.diagnosis import Cause
+    from estimator.finding_kind import Cause, ChangeSize
     from service.rate_of_change import RateFinding
 
 Conditions = Mapping[str, float | None]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from estimator.change_size import change_size, misalignment_form
+from estimator.change_size import change_form, change_size
 from estimator.covariates import Adjustment, adjustment
 from estimator.diagnosis import Diagnosis
 from estimator.healthy_variation import typical_amplitude
@@ -14,6 +14,7 @@ from estimator.trend_tests import Reading
 from estimator.watch import Watch
 from service.alert_life import Severity
 from service.diagnosis_rules import delays
+from service.finding_rules import RATE_OF_CHANGE
 from service.judgement import (
     AssessedRun,
     Assessment,
@@ -23,7 +24,7 @@ from service.judgement import (
     MachineDiagnosis,
     RateAssessment,
 )
-from service.limits import RATE_OF_CHANGE, Limits
+from service.limits import Limits
 from service.rate_of_change import RateFinding, rate_findings
 
 
@@ -95,10 +96,9 @@ def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis
     causes = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
         size = change_size(cause, compared.watch.reference, amplitude=amplitude)
-        form = misalignment_form(cause) if cause.kind == "misalignment" else None
         began = compared.after[compared.watch.began(cause, compared.observations)]
         of_names = {name: change_unit(name, units) for name in cause.names}
-        causes.append(DiagnosedCause(cause, runners_up, size, form, of_names, began.measured_at, began.id))
+        causes.append(DiagnosedCause(cause, runners_up, size, change_form(cause), of_names, began.measured_at, began.id))
     return tuple(causes)
 
 
@@ -117,7 +117,7 @@ def _rates(limits: Limits, history: BaselineHistory, drifting: Mapping[str, Seve
     adjusted = readings(history)
 
     def longest_delay(element: str) -> int:
-        rule = limits.rule(RATE_OF_CHANGE, element)
+        rule = limits.rule(RATE_OF_CHANGE.name, element)
         return max(rule.on_delay, rule.off_delay)
 
     def found(runs: Sequence[Reading]) -> dict[str, RateFinding]:
@@ -129,10 +129,10 @@ def _rates(limits: Limits, history: BaselineHistory, drifting: Mapping[str, Seve
     then = [newest, *(found(adjusted[:-back]) for back in range(1, longest))]
 
     def lasts(element: str) -> bool:
-        return all(element in one for one in then[: limits.rule(RATE_OF_CHANGE, element).on_delay])
+        return all(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).on_delay])
 
     def is_gone(element: str) -> bool:
-        return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE, element).off_delay])
+        return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).off_delay])
 
     findings = tuple(one for element, one in newest.items() if element in drifting or lasts(element))
     return RateAssessment(findings, frozenset(filter(is_gone, drifting)))

@@ -7,7 +7,8 @@ from estimator.deviation import parameter_of
 from estimator.rate_of_change import Rate, rates_of_change
 from estimator.trend_tests import Reading
 from service.alert_life import Severity
-from service.limits import ELEMENTS, RATE_OF_CHANGE, Limits, severity_of
+from service.finding_rules import RATE_OF_CHANGE
+from service.limits import Limits, severity_of
 
 
 @dataclass(frozen=True)
@@ -20,7 +21,7 @@ class RateFinding:
 
     @property
     def message(self) -> str:
-        """What the alert says."""
+        """Return the alert's sentence."""
         one = self.rate
         return (
             f"{parameter_of(one.name)} drifts by {100 * one.per_week:+.2g} % a week "
@@ -31,21 +32,21 @@ class RateFinding:
 def rate_findings(
     limits: Limits, readings: Sequence[Reading], present: Mapping[str, Severity] | None = None
 ) -> tuple[RateFinding, ...]:
-    """Elements that drift too fast as the newest of the readings has it.
+    """Return the elements that drift too fast as the newest of the readings has it.
 
     readings: alike, in ascending order of time. present: severity of the open alert of this rule, by element. The delays of
     the rule are for the caller to count, with the readings up to each identification. Raises as `rates_of_change`.
     """
     fastest: dict[str, Rate] = {}
     for rate in rates_of_change(readings):
-        if not rate.certain or rate.element.split(".", 1)[0] not in ELEMENTS[RATE_OF_CHANGE]:
+        if not rate.certain or rate.element.split(".", 1)[0] not in RATE_OF_CHANGE.elements:
             continue
         if rate.element not in fastest or abs(rate.per_week) > abs(fastest[rate.element].per_week):
             fastest[rate.element] = rate
     found = []
     for element, rate in fastest.items():
         held = (present or {}).get(element)
-        severity = severity_of(limits, RATE_OF_CHANGE, rate=100 * rate.per_week, present=held, element=element)
+        severity = severity_of(limits, RATE_OF_CHANGE.name, rate=100 * rate.per_week, present=held, element=element)
         if severity is not None:
             found.append(RateFinding(element, rate, severity))
     return tuple(found)

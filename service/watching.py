@@ -14,9 +14,10 @@ from service import alerting
 from service.alert_life import Severity
 from service.alerting import Finding
 from service.assessment_context import MonitoringState, diagnosed_kind
-from service.diagnosis_rules import DATA_RULES, RULES, cause_severity, rule_of
+from service.diagnosis_rules import cause_severity
+from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule
 from service.judgement import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
-from service.limits import RATE_OF_CHANGE, Limits
+from service.limits import Limits
 from service.statements import Statement
 from storage import derived, diagnoses
 from storage.clock import from_datetime
@@ -74,7 +75,7 @@ def apply(
 def conclusions(
     context: AssessmentContext, assessment: Assessment, state: MonitoringState, forces: Mapping[str, float | None]
 ) -> Conclusions:
-    """Conclude what an assessment changes. forces: misalignment force by coupling [N].
+    """Conclude what an assessment changes. forces: force by element [N], of those whose finding has one.
 
     Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
     """
@@ -91,9 +92,9 @@ def conclusions(
 
 
 def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagnosis | None) -> Mapping[str, float | None]:
-    causes = () if diagnosis is None else diagnosis.causes
-    couplings = [one.cause.element for one in causes if one.cause.kind == "misalignment"]
-    return {element: derived.value(session, stored.id, f"{element}.misalignment_force") for element in couplings}
+    causes = [] if diagnosis is None else [one.cause for one in diagnosis.causes]
+    named = {one.element: force for one in causes if (force := finding_rule(one.kind).force) is not None}
+    return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
 
 
 _Opened = Mapping[tuple[str, str], AlertRow]
@@ -103,7 +104,7 @@ _Opened = Mapping[tuple[str, str], AlertRow]
 def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened: _Opened) -> Statement:
     cause = found.cause
     since, first = _since(found, opened)
-    force = forces[cause.element] if cause.kind == "misalignment" else None
+    force = None if finding_rule(cause.kind).force is None else forces[cause.element]
     return Statement(cause, found.runners_up, found.size, since, first, force, found.form, found.units)
 
 
@@ -113,7 +114,7 @@ def _since(found: DiagnosedCause, opened: _Opened) -> tuple[int, int]:
     Never later than its open alert says: against a change that has grown, the runs with which it began look like healthy ones.
     """
     cause = found.cause
-    known = opened.get((rule_of(cause.kind), cause.element))
+    known = opened.get((finding_rule(cause.kind).rule.name, cause.element))
     if known is None or known.evidence.get("kind") != cause.kind:
         return found.began_at, found.began
     since = from_datetime(datetime.fromisoformat(known.evidence["since"]))
@@ -133,7 +134,7 @@ def _cause_changes(
     cleared = [
         alert
         for alert in state.open_alerts
-        if alert.rule in RULES
+        if alert.rule in DIAGNOSIS_RULES
         and (alert.rule, alert.element) not in updated
         and (diagnosed_kind(alert), alert.element) in diagnosis.gone
         and _may_clear(alert, stored)
@@ -145,8 +146,8 @@ def _raised(
     one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int], opened: _Opened
 ) -> RaisedAlert | None:
     """Return the alert of a cause that reaches a limit. baseline: ids of what it was compared with."""
-    rule, element = rule_of(one.cause.kind), one.cause.element
-    present = opened.get((rule, element))
+    rule, element = finding_rule(one.cause.kind).rule, one.cause.element
+    present = opened.get((rule.name, element))
     severity = cause_severity(
         limits,
         kind=one.cause.kind,
@@ -164,9 +165,9 @@ def _raised(
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=severity,
-        latching=rule not in DATA_RULES and limits.rule(rule, element).latching,
+        latching=rule.limits is not None and limits.rule(rule.name, element).latching,
     )
-    return RaisedAlert(rule, element, finding)
+    return RaisedAlert(rule.name, element, finding)
 
 
 def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
@@ -177,17 +178,18 @@ def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
 def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState) -> list[RaisedAlert | AlertRow]:
     """Return the alerts of elements that change too fast, whatever the size of the change so far, and those to be cleared."""
     stored = state.terms.identification
-    raised = [_raised_rate(one, stored, latching=limits.rule(RATE_OF_CHANGE, one.element).latching) for one in rates.findings]
+    rule = RATE_OF_CHANGE.name
+    raised = [_raised_rate(one, stored, latching=limits.rule(rule, one.element).latching) for one in rates.findings]
     cleared = [
         alert
         for alert in state.open_alerts
-        if alert.rule == RATE_OF_CHANGE and alert.element in rates.gone and _may_clear(alert, stored)
+        if alert.rule == rule and alert.element in rates.gone and _may_clear(alert, stored)
     ]
     return [*raised, *cleared]
 
 
 def _raised_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
-    evidence = {"kind": RATE_OF_CHANGE, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
+    evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
     finding = Finding(
         message=one.message,
@@ -197,4 +199,4 @@ def _raised_rate(one: "RateFinding", stored: IdentificationRow, *, latching: boo
         severity=one.severity,
         latching=latching,
     )
-    return RaisedAlert(RATE_OF_CHANGE, one.element, finding)
+    return RaisedAlert(RATE_OF_CHANGE.name, one.element, finding)

@@ -11,7 +11,8 @@ from estimator.observation import Observation, observed
 from estimator.watch import Watch
 from service.alert_life import Severity
 from service.assessment_context import LOOKED_BACK
-from service.diagnosis_rules import cause_severity, delays, rule_of
+from service.diagnosis_rules import cause_severity, delays
+from service.finding_rules import finding_rule
 from service.limits import Limits
 
 Named = tuple[str, str]
@@ -98,7 +99,7 @@ def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
         after = [observations[one] for one in range(week + 1) if one not in baseline][-LOOKED_BACK:]
         if week >= baseline[-1] and after:
             standing = _updated(watch, after, standing, limits, amplitude)
-        found.append(frozenset((rule_of(kind), element) for kind, element in standing))
+        found.append(frozenset((finding_rule(kind).rule.name, element) for kind, element in standing))
     return tuple(found)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from benchmarks.thesis.rig import LARGEST_GROWTH, PRINTED, RUN_UP, SETS, Floats, Rig, fitted, logarithmic_point
 from benchmarks.thesis.tables import percent, table
 from estimator.change_size import change_size
-from estimator.diagnosis import Cause
+from estimator.finding_kind import Cause
 from estimator.identification import Identification
 from estimator.misalignment import neighbouring_bearings
 from estimator.observation import observed

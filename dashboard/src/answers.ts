@@ -1,5 +1,5 @@
 // What the service answers, as far as the page reads it. The API's document (/api/v1/docs) says what each field means.
-import type { RuleName } from "./rules";
+import type { RuleName } from "./generated-findings";
 
 export interface MachineSummary {
   id: string;

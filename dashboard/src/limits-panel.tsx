@@ -4,15 +4,15 @@ import type { Document, Level, Limits, LimitsVersion, Rule } from "./answers";
 import { getToChange, put } from "./api";
 import { AskDialog, Comment } from "./ask-dialog";
 import { elementName } from "./format";
+import { QUANTITIES, RULES, type RuleName } from "./generated-findings";
 import { Panel, Shown, Time } from "./parts";
 import { refresh, useResource } from "./resource";
-import { RULES, type RuleName } from "./rules";
 
-const SIZES: { name: keyof Level; words: string; unit: string; only?: RuleName }[] = [
+const SIZES: { name: keyof Level; words: string; unit: string }[] = [
   { name: "sigma", words: "certainty", unit: "σ" },
   { name: "per_cent", words: "change", unit: "%" },
-  { name: "force", words: "force in the coupling", unit: "N", only: "misalignment" },
-  { name: "rate_per_cent_per_week", words: "rate", unit: "% a week", only: "rate_of_change" },
+  { name: "force", words: "force in the coupling", unit: "N" },
+  { name: "rate_per_cent_per_week", words: "rate", unit: "% a week" },
 ];
 const LEVELS = ["alert", "danger"] as const;
 
@@ -151,7 +151,7 @@ function Change(props: { machine: string; name: RuleName; shown: LimitsVersion; 
 }
 
 function sizesOf(rule: RuleName) {
-  return SIZES.filter(({ only }) => only === undefined || only === rule);
+  return SIZES.filter(({ name }) => QUANTITIES[rule].includes(name));
 }
 
 function asked(name: RuleName, before: Rule, form: FormData): Rule {

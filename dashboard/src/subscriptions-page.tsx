@@ -3,6 +3,7 @@ import { useState } from "preact/hooks";
 import type { Delivery, NewSubscription, Subscription, TestOutcome } from "./answers";
 import { Failure, getToChange, post, type Attempt } from "./api";
 import { AskDialog } from "./ask-dialog";
+import { ADDRESS_FORMS, CHANNELS } from "./generated-channels";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { refresh, useResource } from "./resource";
 
@@ -156,10 +157,11 @@ function Add({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; on
       <label>
         How
         <select name="kind">
-          <option value="webhook">webhook</option>
-          <option value="alertmanager">Prometheus Alertmanager</option>
-          <option value="email">e-mail</option>
-          <option value="zenoh">the plant's own network (zenoh)</option>
+          {CHANNELS.map((one) => (
+            <option key={one.kind} value={one.kind}>
+              {one.title}
+            </option>
+          ))}
         </select>
       </label>
       <label>
@@ -167,7 +169,7 @@ function Add({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; on
         <input name="name" required maxLength={120} />
       </label>
       <label>
-        Address: a URL, or e-mail addresses with commas between; none for zenoh
+        Address: {ADDRESS_FORMS}
         <input name="target" maxLength={2000} />
       </label>
     </AskDialog>

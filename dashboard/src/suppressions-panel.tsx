@@ -6,7 +6,7 @@ import { AskDialog, Comment } from "./ask-dialog";
 import { elementName, elementsOfDocument } from "./format";
 import { Cut, Empty, Panel, Shown, Time } from "./parts";
 import { refresh, useResource } from "./resource";
-import { RULES } from "./rules";
+import { RULES } from "./generated-findings";
 
 const SHOWN = 200;
 

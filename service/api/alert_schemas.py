@@ -1,14 +1,14 @@
 """What the API is asked and answers about alerts, suppressions, timelines and subscriptions."""
 
-import re
 from datetime import UTC, datetime
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from estimator.written import Written
 from service.api.evidence import AlertEvidence
 from service.api.times import Time
+from service.delivery.channels import CHANNEL_KINDS, channel_kind
 from service.delivery.signing_secrets import FILE_NAME, VARIABLE
 from service.security.principal import Author
 
@@ -146,18 +146,24 @@ class BaselineOut(BaseModel):
     created_at: datetime
 
 
-_ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
+if TYPE_CHECKING:
+    ChannelName = str
+else:
+    ChannelName = Literal[tuple(one.kind for one in CHANNEL_KINDS)]
+SIGNED_CHANNELS = " or ".join(one.kind for one in CHANNEL_KINDS if one.signed)
 
 
 class SubscriptionIn(Written):
-    """Who is told of every alert event.
+    """Who is told of every alert event."""
 
-    webhook: target is an http or https URL; the answer gives its secret, once, unless secret_file or secret_env says where
-    one is. alertmanager: the URL of a Prometheus
-    Alertmanager. email: one address, or several with commas between. zenoh: the plant's own network, no target.
-    """
+    model_config = ConfigDict(
+        json_schema_extra={
+            "description": "Who is told of every alert event.\n\n"
+            + " ".join(f"{one.kind}: {one.description}." for one in CHANNEL_KINDS)
+        }
+    )
 
-    kind: Literal["webhook", "alertmanager", "email", "zenoh"]
+    kind: ChannelName
     name: Name
     target: Annotated[str, Field(max_length=2000, pattern=r"^[^\x00-\x1f]*$")] = ""
     plants: Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=100)] | None = (
@@ -172,17 +178,22 @@ class SubscriptionIn(Written):
 
     @model_validator(mode="after")
     def _target(self) -> "SubscriptionIn":
-        if (self.kind == "zenoh") == bool(self.target):
-            raise ValueError("target: zenoh needs none, every other kind needs one")
-        if self.kind == "email" and not all(_ADDRESS.fullmatch(one.strip(" ")) for one in self.target.split(",")):
-            raise ValueError("target: an e-mail address such as anna@plant.example, or several with commas between")
+        declared = channel_kind(self.kind)
+        if declared.address is None and self.target:
+            raise ValueError(f"target: {self.kind} needs none")
+        if declared.address is not None and not self.target:
+            raise ValueError(f"target: {self.kind} needs one: {declared.address}")
+        try:
+            declared.check_target(self.target)
+        except ValueError as error:
+            raise ValueError(f"target: {error}") from error
         return self
 
     @model_validator(mode="after")
     def _secret(self) -> "SubscriptionIn":
         given = [one for one in (self.secret_file, self.secret_env) if one is not None]
-        if len(given) > (self.kind == "webhook"):
-            raise ValueError("secret_file, secret_env: at most one of them, and for a webhook only")
+        if len(given) > channel_kind(self.kind).signed:
+            raise ValueError(f"secret_file, secret_env: at most one of them, and for a {SIGNED_CHANNELS} only")
         return self
 
 

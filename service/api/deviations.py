@@ -21,7 +21,8 @@ from service.api.problems import RESPONSES, Unsuitable
 from service.api.rendering import time_or_none
 from service.comparing import WEEK, Compared, compared
 from service.like_conditions import like_conditions, points, readings
-from service.limits import Level, Limits, rule_of, severity_of
+from service.limit_rule import Level
+from service.limits import Limits, deviation_rule, severity_of
 from service.security.requirement import VIEWER
 from service.setting_limits import limits_in_force
 from storage import identifications, machines
@@ -167,7 +168,7 @@ def _about(session: Session, found: Compared, left_out: dict[str, str]) -> dict[
 
 
 def _parameter(one: ParameterDeviation, limits: Limits) -> schemas.ParameterDeviationOut:
-    rule = rule_of(one.element)
+    rule = deviation_rule(one.element)
     reached = None
     if rule is not None:
         reached = severity_of(limits, rule, sigma=one.sigma, per_cent=100 * one.change, element=one.element)
@@ -202,7 +203,7 @@ def _coordinate_test(one: TrendTest, limits: Limits) -> schemas.TrendTestOut:
     def per_cent(change: float) -> float:
         return 100 * (math.expm1(change) if direct else change)
 
-    rule = rule_of(one.element)
+    rule = deviation_rule(one.element)
     chosen = None if rule is None else limits.rule(rule, one.element)
     # A component of a vector does not tell when the vector's length reaches a limit.
     reaches = chosen is not None and parameter_of(one.name) == one.name

@@ -1,9 +1,18 @@
 """What diagnoses and alerts rest on."""
 
 from datetime import datetime
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
+
+from estimator.finding_kinds import FINDING_KINDS
+from service.finding_rules import RATE_OF_CHANGE
+
+if TYPE_CHECKING:
+    RateKind = str
+else:
+    RateKind = Literal[RATE_OF_CHANGE.name]
+*_FIRST, _LAST = [one.kind for one in FINDING_KINDS]
 
 
 class Moved(BaseModel):
@@ -26,7 +35,7 @@ class RunnerUp(BaseModel):
 class CauseOut(BaseModel):
     """Something that has happened to the machine."""
 
-    kind: str = Field(description="misalignment, coupling, bearing, unbalance, bow, run_out, sensor, misfit or outliers")
+    kind: str = Field(description=f"{', '.join(_FIRST)} or {_LAST}")
     element: str
     evidence: float = Field(description="logarithm of the factor by which it makes the runs more probable")
     sigma: float = Field(description="the whole change in its standard errors")
@@ -54,7 +63,7 @@ class AlertedCause(CauseOut):
 class AlertedRate(BaseModel):
     """A parameter that changes too fast."""
 
-    kind: Literal["rate_of_change"]
+    kind: RateKind
     element: str
     parameter: str = Field(description="the element's parameter that changes fastest")
     runs: int = Field(description="newest runs that the rate was taken from")

@@ -13,13 +13,14 @@ from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
-from service.delivery.channel import Outcome
+from service.delivery.channel import DeliveryOutcome
+from service.delivery.channels import channel_kind
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SigningSecrets
 from service.security.requirement import ADMIN, OPERATOR
 from storage import deliveries
 
-TryOut = Callable[[int], Awaitable[Outcome]]
+TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
 """Sends a test message to a subscription."""
 
 router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
@@ -35,7 +36,8 @@ def list_subscriptions(request: Request, session: Reading, paging: ById) -> list
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
 def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     """Be told of every event from now on. A webhook's secret is shown here, once."""
-    if said.kind in ("webhook", "alertmanager"):
+    declared = channel_kind(said.kind)
+    if declared.url_target:
         parsed(said.target)
     who = principal(request)
     plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
@@ -43,7 +45,7 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
         if not who.sees(plant):
             raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{plant}' is not one of those of {who.name}")
     kept, secrets = _reference(request, said), _secrets(request)
-    secret = new_secret() if said.kind == "webhook" and kept is None else None
+    secret = new_secret() if declared.signed and kept is None else None
     with database(request).transaction() as session:
         row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=kept, plants=plants)
         if secret is not None:

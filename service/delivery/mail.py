@@ -1,18 +1,22 @@
 """E-mail over SMTP."""
 
 import asyncio
+import re
 import smtplib
 import ssl
 from dataclasses import dataclass
 from email.message import EmailMessage
 
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
+from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
 from service.settings import Settings
+from storage.tables import SubscriptionRow
 
 TIMEOUT_S = 15.0
 """For each step of the conversation with the server."""
+ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 MAILING = DaemonThreads(8, name="mail")
 """Threads of their own: a server that hangs takes up all of them."""
 
@@ -28,14 +32,14 @@ class Mail:
     settings: Settings
     target: str
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Send a mail."""
         try:
             mail = letter(self.settings, self.target, message)
             await asyncio.get_running_loop().run_in_executor(MAILING, self._send, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
-            return Outcome("failed", f"{type(error).__name__}: {error}")
-        return Outcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
+            return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
+        return DeliveryOutcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
 
     def _send(self, mail: EmailMessage) -> None:
         settings = self.settings
@@ -54,7 +58,7 @@ class Mail:
             server.send_message(mail)
 
 
-def letter(settings: Settings, target: str, message: Message) -> EmailMessage:
+def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessage:
     """The mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]
@@ -79,3 +83,23 @@ def letter(settings: Settings, target: str, message: Message) -> EmailMessage:
         lines += ["", f"{settings.public_url}/api/v1/alerts/{event.alert}"]
     mail.set_content("\n".join(lines) + "\n")
     return mail
+
+
+def _open(row: SubscriptionRow, connections: Connections) -> Mail:
+    return Mail(connections.settings, row.target)
+
+
+def _check_target(target: str) -> None:
+    """Raise ValueError for what is no list of addresses."""
+    if not all(ADDRESS.fullmatch(one.strip(" ")) for one in target.split(",")):
+        raise ValueError("an e-mail address such as anna@plant.example, or several with commas between")
+
+
+EMAIL = ChannelKind(
+    "email",
+    title="e-mail",
+    description="one address, or several with commas between",
+    address="e-mail addresses with commas between",
+    open=_open,
+    check_target=_check_target,
+)

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import zenoh
 
 from service.alert_messages import AlertEvent, alert_event
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
+from service.delivery.channel_kind import ChannelKind, Connections
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, machines
 from storage.database import Database
+from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)
 
@@ -25,19 +27,32 @@ def alert_key(plant: str, event: AlertEvent) -> str:
 
 
 @dataclass(frozen=True)
-class Network:
-    """The plant's network."""
+class PlantNetwork:
+    """The plant's own zenoh network."""
 
     session: zenoh.Session
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
         key = alert_key(message.plant, message.event)
         try:
             await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
         except zenoh.ZError as error:
-            return Outcome("failed", str(error))
-        return Outcome("delivered", f"published on {key}")
+            return DeliveryOutcome("failed", str(error))
+        return DeliveryOutcome("delivered", f"published on {key}")
+
+
+def _open(_row: SubscriptionRow, connections: Connections) -> PlantNetwork:
+    return PlantNetwork(connections.session)
+
+
+ZENOH = ChannelKind(
+    "zenoh",
+    title="the plant's own network (zenoh)",
+    description="the plant's own network, no target",
+    address=None,
+    open=_open,
+)
 
 
 class LastStates:

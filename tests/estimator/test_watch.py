@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.change_size import change_size, misalignment_form
+from estimator.change_size import change_form, change_size
 from estimator.data_faults import fits
 from estimator.healthy_variation import typical_amplitude
 from estimator.observation import Observation
@@ -134,14 +134,14 @@ def test_sizes_are_those_that_were_put_in() -> None:
 
 def test_the_form_of_a_misalignment_is_told_only_where_the_data_tell_it() -> None:
     (cause,) = plant.watch().found(plant.after(plant.misaligned(0.2), count=3), on_delay=plant.delay(2)).causes
-    assert misalignment_form(cause) in (None, "combined")
+    assert change_form(cause) in (None, "combined")
     names = ("coupling.C1.kxx", "coupling.C1.kyy", "coupling.C1.k_phix", "coupling.C1.k_phiy")
 
     def form(*change: float, error: float = 0.01) -> str | None:
-        return misalignment_form(replace(cause, names=names, change=np.array(change), covariance=error**2 * np.eye(4)))
+        return change_form(replace(cause, names=names, change=np.array(change), covariance=error**2 * np.eye(4)))
 
     assert form(0.3, 0.3, 0.05, 0.05) == "parallel"
     assert form(0.05, 0.05, 0.3, 0.3) == "angular"
     assert form(0.2, 0.21, 0.2, 0.2) == "combined"
     assert form(0.3, 0.3, 0.05, 0.05, error=0.5) is None
-    assert misalignment_form(replace(cause, names=names[:2], change=np.ones(2), covariance=np.eye(2))) is None
+    assert change_form(replace(cause, names=names[:2], change=np.ones(2), covariance=np.eye(2))) is None

@@ -69,7 +69,7 @@ def test_an_element_may_have_limits_of_its_own() -> None:
     of = limits(elements={"bearing.B2": {"bearing": {"alert": {"per_cent": 50}}}})
     assert severity_of(of, "bearing", sigma=9.0, per_cent=30.0, element="bearing.B2") is None
     assert severity_of(of, "bearing", sigma=9.0, per_cent=30.0, element="bearing.B3") is Severity.DANGER
-    assert of.rule("coupling", "bearing.B2") == of.coupling
+    assert of.rule("coupling", "bearing.B2") == of.rule("coupling")
 
 
 @few_examples
@@ -98,8 +98,8 @@ def test_what_was_reached_before_is_held_at_least(sigma: float | None, per_cent:
 
 def test_defaults_name_what_a_person_leaves_out() -> None:
     of = limits(misalignment={"on_delay": 3})
-    assert of.misalignment == DEFAULTS["misalignment"].model_copy(update={"on_delay": 3})
-    assert of.bearing == DEFAULTS["bearing"]
+    assert of.rule("misalignment") == DEFAULTS["misalignment"].model_copy(update={"on_delay": 3})
+    assert of.rule("bearing") == DEFAULTS["bearing"]
     assert Limits.model_validate(of.model_dump(mode="json")) == of
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.statements import rounded
+from service.finding_rules import rounded
 
 
 @pytest.mark.parametrize(

@@ -18,10 +18,11 @@ from standardwebhooks.webhooks import Webhook
 
 from service import alerting
 from service.alerting import Person
-from service.delivery import addresses
+from service.delivery import addresses, retry_policy, sending
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from service.delivery.network import LastStates
+from service.delivery.outbox import AT_ONCE
 from service.security.sealing import Sealing
 from service.sharing import Whole
 from service.stream import open_session
@@ -78,7 +79,7 @@ def test_a_webhook_gets_signed_cloud_events(
 def test_events_of_an_alert_arrive_in_order_while_another_alert_waits(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dispatcher_module, "RETRIES_S", (0.1,) * 40)
+    monkeypatch.setattr(retry_policy, "RETRIES_S", (0.1,) * 40)
     subscription = subscribe(plant, http.url("/flaky"), name="historian")
     first = raise_one(plant, found, machine())
     second = raise_one(plant, found, machine(), element="coupling.C2")
@@ -112,13 +113,13 @@ def test_receivers_that_hang_or_fail_delay_no_other(
         wait_until(lambda: states(plant, healthy) == ["delivered"] * 20, seconds=10.0)
         assert time.monotonic() - begun < 5.0
         # A receiver that hangs holds up a few deliveries, not all of them.
-        assert max(len(http.at(f"/hang/{number}")) for number in range(10)) <= dispatcher_module.AT_ONCE
+        assert max(len(http.at(f"/hang/{number}")) for number in range(10)) <= AT_ONCE
 
 
 def test_a_mail_server_that_says_nothing_delays_no_other(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dispatcher_module, "DEADLINE_S", 1.0)
+    monkeypatch.setattr(sending, "DEADLINE_S", 1.0)
     with socket.create_server(("127.0.0.1", 0), backlog=64) as silent:
         people = [subscribe(plant, "anna@plant.example", name=f"people {number}", kind="email") for number in range(3)]
         for number in range(4):
@@ -137,7 +138,7 @@ def test_a_mail_server_that_says_nothing_delays_no_other(
 def test_name_servers_that_do_not_answer_delay_nobody_who_is_given_by_address(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dispatcher_module, "DEADLINE_S", 0.3)
+    monkeypatch.setattr(sending, "DEADLINE_S", 0.3)
     named = subscribe(plant, f"http://localhost:{http.port}/ok", name="named")
     addressed = subscribe(plant, http.url("/ok"), name="addressed")
     answered = threading.Event()
@@ -295,7 +296,7 @@ def test_a_failure_is_kept_with_what_was_answered_and_tried_again_later(
 def test_a_delivery_is_given_up_when_the_schedule_is_over_and_can_be_asked_for_again(
     plant: Database, found: IdentificationRow, network: Router, http: Receiver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dispatcher_module, "RETRIES_S", (0.01, 0.01))
+    monkeypatch.setattr(retry_policy, "RETRIES_S", (0.01, 0.01))
     subscription = subscribe(plant, http.url("/flaky"), name="flaky")
     with delivering(plant, network):
         raise_one(plant, found, machine())
@@ -339,6 +340,22 @@ def test_a_test_message_says_that_it_is_one(plant: Database, network: Router, ht
     assert (outcome.result, outcome.answer) == ("delivered", "204")
     assert http.received[0].json["type"] == "rundown.alert.test"
     assert rows(plant, subscription) == []
+
+
+def test_a_subscription_of_an_unknown_kind_is_an_error_and_holds_up_no_other(
+    plant: Database, found: IdentificationRow, network: Router, http: Receiver
+) -> None:
+    """As another release left it: it is not sent by the way of some other kind."""
+    unknown = subscribe(plant, http.url("/ok/unknown"), name="telex", kind="telex")
+    subscribe(plant, http.url("/ok/webhook"), name="historian")
+    with delivering(plant, network) as one:
+        raise_one(plant, found, machine())
+        wait_until(lambda: bool(http.at("/ok/webhook")) and rows(plant, unknown)[0].attempts == 1)
+        assert asyncio.run(one.try_out(unknown)).result == "failed"
+    (row,) = rows(plant, unknown)
+    assert row.state == "pending"
+    assert row.answer == "'telex' is no kind of subscription that this release knows: webhook, alertmanager, email, zenoh"
+    assert http.at("/ok/unknown") == []
 
 
 # --- zenoh ----------------------------------------------------------------------------------------------------------

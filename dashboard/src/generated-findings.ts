@@ -1,0 +1,17 @@
+// Written by `python -m service.page_declarations` from service/finding_rules.py; not to be changed here.
+
+/** Kinds of findings that have limits of their own. */
+export const RULES = ["misalignment", "bearing", "coupling", "unbalance", "run_out", "sensor", "rate_of_change"] as const;
+
+export type RuleName = (typeof RULES)[number];
+
+/** Quantities that the limits of each kind may name. */
+export const QUANTITIES: Record<RuleName, readonly string[]> = {
+  misalignment: ["sigma", "per_cent", "force"],
+  bearing: ["sigma", "per_cent"],
+  coupling: ["sigma", "per_cent"],
+  unbalance: ["sigma", "per_cent"],
+  run_out: ["sigma", "per_cent"],
+  sensor: ["sigma", "per_cent"],
+  rate_of_change: ["rate_per_cent_per_week"],
+};

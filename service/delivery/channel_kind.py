@@ -1,0 +1,52 @@
+"""The parts of which a kind of delivery channel consists."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import zenoh
+from aiohttp import ClientSession
+
+from service.delivery.channel import Channel
+from service.delivery.signing_secrets import SigningSecrets
+from service.settings import Settings
+from storage.tables import SubscriptionRow
+
+
+@dataclass(frozen=True)
+class Connections:
+    """What channels send with."""
+
+    client: ClientSession
+    session: zenoh.Session
+    settings: Settings
+    secrets: SigningSecrets
+
+
+def _accept(_target: str) -> None:
+    """Take any target."""
+
+
+@dataclass(frozen=True)
+class ChannelKind:
+    """Declaration of one kind of channel. Raises ValueError where its parts contradict each other.
+
+    kind: its name in the API. title: its name on the page. description: of what a subscription's target is, for the API.
+    address: form of the target in a few words; None where there is no target. open: makes the channel of a subscription; may
+    raise SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether the target is a URL
+    of an address that deliveries may go to. signed: whether messages are signed with a secret of the subscription. reminded:
+    whether its channels are RemindingChannels.
+    """
+
+    kind: str
+    title: str
+    description: str
+    address: str | None
+    open: Callable[[SubscriptionRow, Connections], Channel]
+    check_target: Callable[[str], None] = _accept
+    url_target: bool = False
+    signed: bool = False
+    reminded: bool = False
+
+    def __post_init__(self) -> None:
+        if self.address is None and (self.url_target or self.check_target is not _accept):
+            raise ValueError(f"channel kind '{self.kind}' has no target and checks one")

@@ -1,0 +1,40 @@
+"""Messages of stored alert events, and the one that tries a subscription out."""
+
+from sqlalchemy.orm import Session
+
+from service import alerting
+from service.alert_life import Severity
+from service.alert_messages import AlertEvent, alert_event
+from service.delivery.channel import EventMessage
+from storage import machines
+from storage.clock import now, to_datetime
+from storage.tables import AlertEventRow
+
+
+def message_of(session: Session, event: AlertEventRow) -> EventMessage:
+    """Return the message of an event."""
+    return EventMessage(alert_event(event), machines.get(session, event.machine_id).plant)
+
+
+def trial_message() -> EventMessage:
+    """Return a message that says that it is a test."""
+    moment = to_datetime(now())
+    event = AlertEvent(
+        id=0,
+        alert=0,
+        number=1,
+        machine="test",
+        rule="test",
+        element="test",
+        at=moment,
+        kind="test",
+        state_before="normal",
+        state="normal",
+        severity=Severity.ALERT.label,
+        message="This is a test of Rundown's alert delivery; no machine is meant.",
+        by=alerting.SERVICE,
+        comment="",
+        opened_at=moment,
+        identification=0,
+    )
+    return EventMessage(event, "test")

@@ -1,0 +1,69 @@
+"""Reminders of alerts that last, to the receivers that would otherwise take them for resolved."""
+
+import asyncio
+import logging
+from collections.abc import Sequence
+
+from sqlalchemy.exc import DBAPIError
+
+from service.delivery.channel import FIRING, Channel, EventMessage, RemindingChannel
+from service.delivery.channel_kind import Connections
+from service.delivery.channels import channel_kind, is_channel, open_channel
+from service.delivery.messages import message_of
+from service.delivery.sending import within_deadline
+from storage import alerts, deliveries
+from storage.database import Database
+from storage.errors import concerns_all
+from storage.tables import SubscriptionRow
+
+logger = logging.getLogger(__name__)
+
+RESEND_S = 60.0
+"""Alertmanager takes an alert that it has not heard of for `resolve_timeout` (5 minutes) for resolved."""
+
+
+async def remind(database: Database, connections: Connections) -> None:
+    """Tell every receiver that wants it of all alerts that last."""
+    try:
+        targets, messages = await asyncio.to_thread(_lasting, database)
+    except DBAPIError as error:
+        logger.error("lasting alerts cannot be read: %s", error.orig)
+        return
+    except Exception:
+        logger.exception("unexpected error while lasting alerts are read")
+        return
+    # At the same time: behind some that hang, the others would take the alerts for resolved.
+    await asyncio.gather(*(_remind_one(row, open_channel(row, connections), messages) for row in targets))
+
+
+def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
+    """Return who is reminded, and the last event of each alert that lasts."""
+    with database.reading() as session:
+        rows = [row for row in deliveries.every(session) if _is_reminded(row)]
+        if not rows:
+            return [], []
+        found = []
+        for alert in alerts.find(session, machine_id=None, only_open=True, limit=10_000):
+            if alert.state not in FIRING:
+                continue
+            try:
+                found.append(message_of(session, alerts.history(session, alert.id)[-1]))
+            except MemoryError:
+                raise
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("nobody is reminded that alert %d lasts", alert.id)
+        return rows, found
+
+
+def _is_reminded(row: SubscriptionRow) -> bool:
+    return row.state == deliveries.ACTIVE and is_channel(row.kind) and channel_kind(row.kind).reminded
+
+
+async def _remind_one(row: SubscriptionRow, channel: Channel, messages: Sequence[EventMessage]) -> None:
+    own = [one for one in messages if deliveries.tells(row, one.plant)]
+    if own and isinstance(channel, RemindingChannel):
+        outcome = await within_deadline(channel.push(own))
+        if outcome.result != "delivered":
+            logger.warning("%s '%s' cannot be told of lasting alerts: %s", row.kind, row.name, outcome.answer[:200])
