@@ -73,14 +73,14 @@ def influence_coefficients(
     Args:
         model: The identified model.
         planes: Ids of Q discs.
-        speed: Speeds (S,) [rad/s].
+        speed: Speeds (S,), positive [rad/s].
         channels: Ids of m probes; None for all.
 
     Returns:
         Influence coefficients H (S, m, Q) [m/(kg m)].
 
     Raises:
-        ValueError: A plane or channel is unknown, named twice, or none is named.
+        ValueError: A plane or channel is unknown or named twice, none is named, or a speed is not positive.
     """
     picked, seen = _planes(model, planes), _channels(model, channels)
     found = forced_response(model, speed=speed)
@@ -98,10 +98,12 @@ def balance(
 ) -> Correction:
     """Compute the correction that leaves the least weighted squares of vibration.
 
+    Influence coefficients of the model (Goodman 1964, doi:10.1115/1.3670532).
+
     Args:
         model: The identified model.
         planes: Ids of Q discs to correct in.
-        speed: Speeds (S,) [rad/s].
+        speed: Speeds (S,), positive [rad/s].
         channels: Ids of m probes; None for all.
         weight: Weight (S, m) of each vibration [-]; None for 1 everywhere.
         limit: Largest correction (Q,) in each plane [kg m]; None for no limit.
@@ -110,7 +112,8 @@ def balance(
         The correction, with the vibration before and after it.
 
     Raises:
-        ValueError: A plane or channel is unknown, or weights or limits have another shape or are negative.
+        ValueError: A plane or channel is unknown or named twice, none is named, a speed is not positive, or weights or limits
+            have another shape or are negative.
         BalancingFailed: No best correction was found within the limits.
     """
     speed = np.asarray(speed, dtype=float)

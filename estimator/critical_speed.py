@@ -74,11 +74,14 @@ def critical_speed_table(
 
     Args:
         machine: The machine.
-        highest: Highest speed [rad/s].
+        highest: Highest speed, positive [rad/s].
         coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
 
     Returns:
         Critical speeds [rad/s], ascending.
+
+    Raises:
+        ValueError: The highest speed is not positive.
     """
     matrices = system_matrices_over_speed(machine, coefficients=coefficients, basis=modal_basis(machine, highest))
     return felt_crossings(matrices, direction=machine.direction, highest=highest)
@@ -92,11 +95,14 @@ def critical_speeds(machine: Machine, *, highest: float, coefficients: Coefficie
 
     Args:
         machine: The machine.
-        highest: Highest speed [rad/s].
+        highest: Highest speed, positive [rad/s].
         coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
 
     Returns:
         Critical speeds (c,) [rad/s], ascending.
+
+    Raises:
+        ValueError: The highest speed is not positive.
     """
     found = critical_speed_table(machine, highest=highest, coefficients=coefficients)
     return np.array([one.speed for one in found])
@@ -133,6 +139,9 @@ def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: floa
 
     Returns:
         Critical speeds [rad/s], ascending.
+
+    Raises:
+        ValueError: The highest speed is not positive.
     """
     large = matrices(highest).mass.shape[0] > SMALL
     search = _searched if large else synchronous_crossings

@@ -46,14 +46,15 @@ class Basis:
     A motion is written over 2k coordinates, in the order of a train with k/2 nodes: (x, y, θx, θy) of each.
 
     Attributes:
-        plane: Shapes (N/2, k), k even [-]; None: every degree of freedom is a coordinate.
+        plane: Shapes (N/2, k), k even, of any scale [m, rad per unit of a coordinate]; None: every degree of freedom is a
+            coordinate.
     """
 
     plane: Floats | None
 
     @property
     def shapes(self) -> Floats:
-        """Return the motion (N, 2k) of all degrees of freedom per coordinate [-].
+        """Return the motion (N, 2k) of all degrees of freedom per unit of each coordinate [m, rad].
 
         Raises:
             ValueError: Every degree of freedom is a coordinate of its own.
@@ -69,7 +70,7 @@ class Basis:
             vectors: Forces (N, n) on all degrees of freedom [N, N m].
 
         Returns:
-            Generalised forces (2k, n) on the coordinates [N].
+            Generalised forces (2k, n) on the coordinates [N m per unit of a coordinate].
         """
         if self.plane is None:
             return vectors
@@ -79,7 +80,7 @@ class Basis:
         """Expand motions of the coordinates to all degrees of freedom.
 
         Args:
-            shapes: Motions (2k, n) of the coordinates [-].
+            shapes: Motions (2k, n) of the coordinates [unit of the coordinates].
 
         Returns:
             Motions (N, n) of all degrees of freedom [m, rad].
@@ -95,7 +96,7 @@ class Basis:
             shapes: Motions (N, n) of all degrees of freedom [m, rad].
 
         Returns:
-            Motions (2k, n) of the coordinates [-].
+            Motions (2k, n) of the coordinates [unit of the coordinates].
         """
         if self.plane is None:
             return shapes

@@ -281,7 +281,7 @@ class ExpectedOrbits:
             place: The station.
 
         Returns:
-            Rms, in a unit that is the same for all stations [-].
+            Rms per eccentricity of the discs [s²/rad²], in the same unit for all stations.
         """
         return float(np.linalg.norm(self._axes(place)))
 

@@ -30,8 +30,8 @@ VERBS = (
 )
 """First words of a function's summary; a verb that is missing may be added."""
 NO_OPENING = ("What ", "How ", "Whether ", "Where ", "Which ", "The same ", "…")
-NUMBERS = frozenset({"float", "complex", "Floats", "Complexes"})
-ARRAYS = frozenset({"Floats", "Complexes", "Bools", "Integers", "Indices", "NDArray"})
+NUMBERS = frozenset({"float", "complex", "Floats", "Complexes", "Numbers"})
+ARRAYS = frozenset({"Floats", "Complexes", "Numbers", "Bools", "Integers", "Indices", "NDArray"})
 DATA_BASES = ("Struct", "NamedTuple")
 VALIDATORS = ("field_validator", "model_validator", "field_serializer", "model_serializer")
 
