@@ -39,6 +39,7 @@ from service.api import (
     stages,
     subscriptions,
     suppressions,
+    timeline,
     trends,
 )
 from service.api.body_size import BodySize
@@ -188,6 +189,7 @@ def _routes() -> list[BaseRoute]:
         diagnoses,
         event_stream,
         suppressions,
+        timeline,
         baselines,
         deviations,
         limits,

@@ -3,8 +3,8 @@
 from fastapi import APIRouter, Request, status
 
 from service import baselining
-from service.api import alert_rendering as rendering
-from service.api import alert_schemas as schemas
+from service.api import timeline_rendering as rendering
+from service.api import timeline_schemas as schemas
 from service.api.access import MachineId, Reading, database, instant
 from service.api.paging import ByTime
 from service.api.problems import CHANGES, RESPONSES

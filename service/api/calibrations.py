@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.machine import Identifier
 from service.api.access import MachineId, Period, Reading, database, instant
-from service.api.alert_schemas import Moment, Said
+from service.api.fields import Moment, Said
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.principal import Author

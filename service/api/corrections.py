@@ -10,7 +10,8 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from estimator.slow_roll import SlowRoll
 from service import requesting
-from service.api import rendering, schemas
+from service.api import measurement_rendering as rendering
+from service.api import measurement_schemas as schemas
 from service.api.units import Units
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples

@@ -18,7 +18,7 @@ from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends,
 from service.api import deviation_schemas as schemas
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.comparing import WEEK, Compared, compared
 from service.like_conditions import like_conditions, points, readings
 from service.limits import Level, Limits, rule_of, severity_of

@@ -5,7 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Request, Response, status
 
 from service import requesting
-from service.api import rendering, schemas
+from service.api import identification_rendering as rendering
+from service.api import identification_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading, asker, database
 from service.api.paging import ById, ByTime
 from service.api.problems import RESPONSES, WAIT, Problem

@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from fastapi import APIRouter, HTTPException, Request, status
 
-from service.api import schemas
+from service.api import measurement_schemas as schemas
 from service.api.access import MachineId
 from service.api.problems import RESPONSES, Problem
 from service.security.requirement import SOURCE

@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import BaseModel, ConfigDict
 
-from service.api.alert_schemas import Said
+from service.api.fields import Said
 from service.limits import Limits
 from service.security.principal import Author
 

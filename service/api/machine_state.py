@@ -10,10 +10,10 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from estimator.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
-from service.api import rendering
 from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
+from service.api.values import direction
 from service.collection import Standing, standing
 from service.security.requirement import VIEWER
 from storage import machines, runs
@@ -67,7 +67,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         state=now.operating.mode,
         since=to_datetime(now.operating.since) if now.operating.since else None,
         speed_rpm=rad_per_s_to_rpm(now.operating.sweep.readings.last_speed) if last is not None else None,
-        direction=rendering.direction(now.direction),
+        direction=direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
         late_samples_waiting=sum(count for _, _, _, count in now.late),

@@ -8,7 +8,8 @@ from sqlalchemy.orm import Session
 from estimator.document_size import accepted
 from estimator.machine import DocumentError, Machine
 from service import baselining
-from service.api import rendering, schemas
+from service.api import machine_rendering as rendering
+from service.api import machine_schemas as schemas
 from service.api.access import MachineId, Reading, database, principal
 from service.api.fresh_answers import Fresh
 from service.api.machine_list import MachineList

@@ -6,7 +6,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import BeforeValidator, Field
 
-from service.api import rendering, schemas
+from service.api import measurement_rendering as rendering
+from service.api import measurement_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading
 from service.api.corrections import SlowRollChoice, corrected_phasors, run_samples
 from service.api.paging import ByTime

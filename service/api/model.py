@@ -29,8 +29,8 @@ from service.api.access import Number, database
 from service.api.kept_answers import KeptAnswers
 from service.api.model_process import ModelProcess, is_long
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.rendering import direction
 from service.api.units import UnitChoice, Units, column
+from service.api.values import direction
 from service.identified import Identified, identified
 from service.security.requirement import VIEWER
 

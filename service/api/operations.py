@@ -8,7 +8,8 @@ from typing import Annotated, cast
 from fastapi import APIRouter, Query, Request, Response, status
 from sqlalchemy.exc import DBAPIError
 
-from service.api import rendering, schemas
+from service.api import operation_rendering as rendering
+from service.api import operation_schemas as schemas
 from service.api.access import Reading, database, moment, principal
 from service.api.paging import ById, BySource
 from service.api.times import Time

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from estimator.units import rad_per_s_to_rpm
 from service.alert_life import Severity
 from service.api.machine_state import progress
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.collection import Standing
 from storage import fleet
 from storage.changes import Changes

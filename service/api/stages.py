@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from service.api.access import Reading
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.security.requirement import VIEWER
 from storage.clock import now, to_datetime
 from storage.stages import Figures, figures

@@ -6,8 +6,8 @@ from typing import cast
 from fastapi import APIRouter, HTTPException, Request, Response, status
 
 from service.alert_life import Forbidden
-from service.api import alert_rendering as rendering
-from service.api import alert_schemas as schemas
+from service.api import subscription_rendering as rendering
+from service.api import subscription_schemas as schemas
 from service.api.access import Number, Reading, database, principal
 from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged

@@ -10,7 +10,7 @@ from cryptography.hazmat.primitives.asymmetric import ec, rsa
 from pydantic import BaseModel, create_model
 from sqlalchemy import select
 
-from service.api import alert_schemas, limit_schemas
+from service.api import alert_schemas, limit_schemas, timeline_schemas
 from service.security import api_keys
 from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
@@ -133,7 +133,7 @@ def test_every_body_that_says_who_does_it_is_filled_in() -> None:
     """A new model with `by` in a request must use Author."""
     asked = [
         one
-        for module in (alert_schemas, limit_schemas)
+        for module in (alert_schemas, limit_schemas, timeline_schemas)
         for one in vars(module).values()
         if isinstance(one, type)
         and issubclass(one, BaseModel)
