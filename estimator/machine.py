@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationError, model_validator
 
+from estimator.errors import Invalid
 from estimator.references import reference_problems
 from estimator.written import Written
 
@@ -412,12 +413,22 @@ class Machine(_Part):
         return tuple(probe.id for probe in self.probes)
 
 
-class DocumentError(ValueError):
+class DocumentError(Invalid):
     """A machine document is wrong. `problems` holds (field, what is wrong and what would be right) pairs."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         self.problems = problems
         super().__init__("\n".join(f"{field}: {message}" for field, message in problems))
+
+    @property
+    def detail(self) -> str:
+        """Say what is wrong as a whole; `field_errors` has the rest."""
+        return "the machine document is wrong"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Name each wrong field of the document."""
+        return self.problems
 
 
 def parse_machine(document: Any) -> Machine:

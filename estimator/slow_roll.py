@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.condensation import Complexes, Floats
+from estimator.errors import Invalid
 from estimator.machine import Machine, Noise
 from estimator.measurement import Measurement
 from estimator.noise import error_size
@@ -33,12 +34,17 @@ LARGEST_ALIKENESS = 0.9
 """Correlation of neighbouring samples from which on a larger one widens the error no more."""
 
 
-class NotSlowRoll(ValueError):
+class NotSlowRoll(Invalid):
     """No channel shows a slow-roll vector in the speed band. `reasons` says per channel why."""
 
     def __init__(self, reasons: dict[str, str]) -> None:
         self.reasons = reasons
         super().__init__("; ".join(f"{channel}: {reason}" for channel, reason in reasons.items()))
+
+    @property
+    def detail(self) -> str:
+        """Say of which channels nothing can be captured, and why."""
+        return f"no slow roll: {self}"
 
 
 @dataclass(frozen=True)

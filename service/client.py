@@ -26,7 +26,7 @@ from service.api.machine_schemas import MachineRevision, MachineSummary
 from service.api.machine_state import MachineState
 from service.api.measurement_schemas import Phasors, Run
 from service.api.model_schemas import Bode, CriticalSpeeds
-from service.api.problems import Problem
+from service.api.problem import Problem
 from service.api.timeline_schemas import TimelineOut
 from service.api.trends import Trends
 

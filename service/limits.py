@@ -4,11 +4,12 @@ A level is reached when the change is as certain as its `sigma` and as large as 
 document leaves out is as in the defaults, which are starting points; each says where it comes from.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
 
+from estimator.errors import Invalid
 from estimator.machine import Machine
 from estimator.written import Written
 from service.alert_life import Severity
@@ -54,12 +55,22 @@ CHANGES: Mapping[str, RuleName] = {
 Limit = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
-class LimitsRefused(ValueError):
+class LimitsRefused(Invalid):
     """The limits do not suit the machine. `problems` holds what is wrong as (field, message)."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         super().__init__("; ".join(f"{field}: {message}" for field, message in problems))
         self.problems = problems
+
+    @property
+    def detail(self) -> str:
+        """Say what is wrong as a whole; `field_errors` has the rest."""
+        return "the limits do not suit the machine"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Name each limit that does not suit, as a field of the question."""
+        return [(f"limits.{field}", message) for field, message in self.problems]
 
 
 class Level(Written):

@@ -46,6 +46,7 @@ from service.api.body_size import BodySize
 from service.api.compression import Compression
 from service.api.database_check import DatabaseCheck
 from service.api.documentation import add_documentation
+from service.api.error_handlers import add_handlers
 from service.api.event_stream import Broadcaster
 from service.api.fresh_answers import FreshAnswers
 from service.api.head_requests import HeadRequests
@@ -56,7 +57,6 @@ from service.api.model_process import ModelProcess
 from service.api.openapi import described
 from service.api.operations import Parts
 from service.api.overview import Overview
-from service.api.problems import add_handlers
 from service.api.subscriptions import TryOut
 from service.api.trend_columns import KeptHistories
 from service.api.unchanged import Unchanged

@@ -8,7 +8,7 @@ from http import HTTPStatus
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
-from service.api.problems import problem_response
+from service.api.problem import problem_response
 from service.security.answer_headers import ALWAYS, NO_STORE
 
 LARGEST_HEAD = 64 * 1024

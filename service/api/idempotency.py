@@ -14,7 +14,7 @@ from sqlalchemy.exc import IntegrityError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.problem import problem_response
 from service.security.sealing import SEALED, SealBroken, Sealing
 from storage import idempotency
 from storage.database import Database

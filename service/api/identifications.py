@@ -9,7 +9,8 @@ from service.api import identification_rendering as rendering
 from service.api import identification_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading, asker, database
 from service.api.paging import ById, ByTime
-from service.api.problems import RESPONSES, WAIT, Problem
+from service.api.problem import Problem
+from service.api.problems import RESPONSES, WAIT
 from service.api.trend_units import TrendUnitChoice
 from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines

@@ -15,7 +15,8 @@ from service.api.fresh_answers import Fresh
 from service.api.machine_list import MachineList
 from service.api.paging import ById, ByName
 from service.api.preconditions import IfMatch, require, tagged
-from service.api.problems import RESPONSES, Problem
+from service.api.problem import Problem
+from service.api.problems import RESPONSES
 from service.security.requirement import ADMIN, VIEWER
 from storage import machines
 

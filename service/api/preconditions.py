@@ -9,6 +9,8 @@ from typing import Annotated, TypeVar
 from fastapi import Header, Response
 from pydantic import BaseModel
 
+from estimator.errors import Outdated, Unconditional
+
 IfMatch = Annotated[
     str | None,
     Header(description="ETag of what was read, or * for whatever there is; without it a change is answered with 428"),
@@ -22,11 +24,11 @@ ANYTHING = "*"
 """If-Match for whatever there is."""
 
 
-class PreconditionMissing(Exception):
+class PreconditionMissing(Unconditional):
     """A change without If-Match."""
 
 
-class Stale(Exception):
+class Stale(Outdated):
     """What was read is no longer what is there."""
 
 

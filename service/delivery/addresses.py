@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from yarl import URL
 
+from estimator.errors import Invalid
 from service.delivery.daemon_threads import DaemonThreads
 
 LOOK_UPS = DaemonThreads(8, name="look-up")
@@ -42,7 +43,7 @@ ISATAP = 0x5EFE
 """Upper half of an interface's number whose lower half is an IPv4 address of the site; bit 0x02000000 is free (RFC 5214)."""
 
 
-class TargetRefused(ValueError):
+class TargetRefused(Invalid):
     """Nothing is sent there; the message says why and what would be right."""
 
 

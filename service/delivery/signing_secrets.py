@@ -10,6 +10,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from estimator.errors import Conflict
 from service.delivery.signing import PREFIX, key_of
 from service.security.sealing import SEALED, SealBroken, Sealing, make_key
 from service.settings import Settings
@@ -28,7 +29,7 @@ SHORTEST, LONGEST = 24, 64
 """Of the key in a secret that is referred to, as Standard Webhooks asks [B]."""
 
 
-class SecretUnusable(ValueError):
+class SecretUnusable(Conflict):
     """A secret cannot be kept or had; the message says why and what would be right, never what it is."""
 
 

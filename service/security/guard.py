@@ -10,7 +10,8 @@ from sqlalchemy.exc import DBAPIError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.error_status import status_of
+from service.api.problem import problem_response
 from service.security import browser_origin
 from service.security.authentication import Authentication, Credentials, Unauthenticated, cookie_name
 from service.security.key_set import KeysUnavailable
@@ -89,11 +90,8 @@ class Guard:
             answer = _wait(wait) if wait else _unauthenticated(str(error), headers)
             await answer(scope, receive, send)
             return
-        except NotThere as error:
-            await problem_response(HTTPStatus.NOT_FOUND, str(error))(scope, receive, send)
-            return
-        except KeysUnavailable as error:
-            await problem_response(HTTPStatus.SERVICE_UNAVAILABLE, str(error))(scope, receive, send)
+        except (NotThere, KeysUnavailable) as error:
+            await problem_response(status_of(error), error.detail)(scope, receive, send)
             return
         except DBAPIError as error:
             detail = f"the database does not answer: {error.orig}"

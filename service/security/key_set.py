@@ -12,6 +12,8 @@ import jwt
 from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1, EllipticCurvePublicKey
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPublicKey
 
+from estimator.errors import Unavailable
+
 logger = logging.getLogger(__name__)
 
 KEPT_S = 600.0
@@ -28,7 +30,7 @@ PublicKey = RSAPublicKey | EllipticCurvePublicKey
 ALGORITHM: dict[str, str] = {"RSA": "RS256", "EC": "ES256"}
 
 
-class KeysUnavailable(RuntimeError):
+class KeysUnavailable(Unavailable):
     """The issuer's keys cannot be had; the message says from where and why."""
 
 

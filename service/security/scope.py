@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from estimator.errors import Missing
 from service.security.principal import Principal
 from storage.database import Database
 from storage.plant_scope import PlantScope
@@ -34,8 +35,12 @@ LARGEST = 2**62
 MOST_KEPT = 10_000
 
 
-class NotThere(LookupError):
+class NotThere(Missing):
     """Something that somebody may not see, or that is not there: they are told the same."""
+
+    def __init__(self, subject: str, key: str) -> None:
+        super().__init__(key)
+        self.subject = subject
 
 
 class Visibility:
@@ -61,7 +66,7 @@ class Visibility:
                 if key is None:
                     continue  # the endpoint says what is wrong with it
                 if session.get(row, key) is None:
-                    raise NotThere(f"no {what} {value[:64]}")
+                    raise NotThere(what, value[:64])
                 if len(self._seen) >= MOST_KEPT:
                     self._seen.clear()
                 self._seen.add((who.plants, name, value))
