@@ -22,9 +22,9 @@ from sqlalchemy.orm import Session
 
 from service.delivery.secret_upkeep import Look
 from service.delivery.signing_secrets import SigningSecrets
+from service.hosts import is_loopback
 from service.own_addresses import api_trust, api_url, endpoint_here
 from service.security.certificates import good_until
-from service.security.secret_files import is_loopback
 from service.settings import Settings
 from service.store_watch import WAITING
 from service.stream import StreamUnusable, connected, session

@@ -6,9 +6,15 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
+from service.hosts import encrypted
 from service.logs import LogFormat
-from service.roles import Role
-from service.security.secret_files import encrypted, read_keys, read_secret, require_private
+from service.security.secret_files import read_keys, read_secret, require_private
+
+Role = Literal["all", "ingest", "identify", "api"]
+"""Parts of the service that a process does: everything, or one part beside other processes on one PostgreSQL database.
+
+ingest: zenoh and HTTP samples to the store. identify: computes, judges, delivers alerts. api: the REST API and the page.
+"""
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5

@@ -13,8 +13,8 @@ from service.api import model_schemas as schemas
 from service.api.access import Number, database
 from service.api.model import head, kept
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.trend_columns import texts
 from service.api.units import UnitChoice, Units, column
+from service.api.values import rfc3339_texts
 from service.identified import Identified, UsedRun, used_runs
 from service.security.requirement import VIEWER
 
@@ -94,5 +94,5 @@ def _measured(one: Identified, run: UsedRun, fit: PhasorBand, units: Units) -> s
         for number, channel in enumerate(one.machine.channels)
     ]
     return schemas.MeasuredRun(
-        run=run.id, time=texts(run.time).tolist(), speed=units.speeds(measurement.speed), channels=channels
+        run=run.id, time=rfc3339_texts(run.time).tolist(), speed=units.speeds(measurement.speed), channels=channels
     )

@@ -7,7 +7,7 @@ import numpy as np
 from estimator.units import rad_per_s_to_rpm
 from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api import identification_schemas as schemas
-from service.api.trend_units import TrendUnits, shown_in
+from service.api.parameter_units import ParameterUnits, shown_in
 from service.api.values import time_or_none
 from storage.clock import to_datetime
 from storage.tables import (
@@ -48,7 +48,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
     )
 
 
-def estimate(row: EstimateRow, units: TrendUnits) -> schemas.EstimateOut:
+def estimate(row: EstimateRow, units: ParameterUnits) -> schemas.EstimateOut:
     """In the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
     magnitude, angle, half_width = _polar(row)
@@ -92,7 +92,7 @@ def job(row: JobRow) -> schemas.JobOut:
     )
 
 
-def derived(row: DerivedRow, units: TrendUnits) -> schemas.DerivedOut:
+def derived(row: DerivedRow, units: ParameterUnits) -> schemas.DerivedOut:
     """In the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
     return schemas.DerivedOut(

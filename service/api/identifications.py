@@ -9,9 +9,9 @@ from service.api import identification_rendering as rendering
 from service.api import identification_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading, asker, database
 from service.api.paging import ById, ByTime
+from service.api.parameter_units import ParameterUnitChoice
 from service.api.problem import Problem
 from service.api.problems import RESPONSES, WAIT
-from service.api.trend_units import TrendUnitChoice
 from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines
 
@@ -32,7 +32,7 @@ def list_identifications(
 
 @router.get("/identifications/{identification_id}", operation_id="read_identification")
 def read_identification(
-    session: Reading, identification_id: Number, units: TrendUnitChoice, covariance: bool = False
+    session: Reading, identification_id: Number, units: ParameterUnitChoice, covariance: bool = False
 ) -> schemas.IdentificationDetail:
     """One identification with every estimate, its uncertainty, and the reason where there is none.
 

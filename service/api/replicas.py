@@ -8,8 +8,8 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from service.api.access import Reading
-from service.roles import Role
 from service.security.requirement import ADMIN_OF_ALL
+from service.settings import Role
 from service.sharing import INGEST
 from storage import leases, replicas
 from storage.clock import to_datetime

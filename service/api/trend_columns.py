@@ -10,6 +10,7 @@ import numpy as np
 
 from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api.downsampling import Chosen, min_max
+from service.api.values import rfc3339_texts
 from service.known_parameters import units_of
 from service.trend_baselines import BaselineBand, baseline_bands
 from storage import machines, trends
@@ -181,8 +182,8 @@ def _columns(history: History, bands: list[BaselineBand]) -> Columns:
     quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)
     return Columns(
         history=history,
-        measured_at=texts(history.measured_at),
-        computed_at=texts(history.computed_at),
+        measured_at=rfc3339_texts(history.measured_at),
+        computed_at=rfc3339_texts(history.computed_at),
         value=value,
         standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
         quality=quality.astype(np.object_),
@@ -190,14 +191,3 @@ def _columns(history: History, bands: list[BaselineBand]) -> Columns:
         complex=is_complex,
         baselines=bands,
     )
-
-
-def texts(nanoseconds: trends.Integers) -> Texts:
-    """Times [ns since 1970] as RFC 3339 in UTC, to the microsecond."""
-    moments = (nanoseconds // 1000).astype("datetime64[us]")
-    return np.datetime_as_string(moments, timezone="UTC").astype(np.object_)
-
-
-def text(nanoseconds: int) -> str:
-    """A time [ns since 1970] as RFC 3339 in UTC."""
-    return str(texts(np.array([nanoseconds]))[0])

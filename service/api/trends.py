@@ -11,9 +11,11 @@ from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
 from service.api.fresh_answers import Fresh
+from service.api.parameter_units import ParameterUnitChoice
 from service.api.problems import RESPONSES
-from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table, text
-from service.api.trend_units import TrendUnitChoice, in_units
+from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table
+from service.api.trend_units import in_units
+from service.api.values import rfc3339_text
 from service.security.requirement import VIEWER
 from service.trend_baselines import BaselineBand
 from storage import trends
@@ -118,7 +120,7 @@ async def read_trends(
     machine_id: MachineId,
     period: Period,
     parameter: Parameters,
-    units: TrendUnitChoice,
+    units: ParameterUnitChoice,
     max_points: MaxPoints = 5000,
     scope: Scope = "run",
     chosen: FormatChoice = None,
@@ -164,8 +166,8 @@ def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
 def _baseline(one: BaselineBand) -> dict[str, Any]:
     return {
         "run_kind": one.run_kind,
-        "since": text(one.since),
-        "until": None if one.until is None else text(one.until),
+        "since": rfc3339_text(one.since),
+        "until": None if one.until is None else rfc3339_text(one.until),
         "centre": one.band.centre,
         "lower": one.band.lower,
         "upper": one.band.upper,

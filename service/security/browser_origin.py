@@ -8,8 +8,8 @@ import hmac
 from collections.abc import Mapping
 from urllib.parse import urlsplit
 
+from service.hosts import is_address, is_loopback
 from service.security.principal import Principal
-from service.security.secret_files import is_address, is_loopback
 
 TOKEN_HEADER = "X-Rundown-Token"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
+from service.hosts import is_loopback
 from service.security.key_set import KeySet
 from service.security.open_id import OpenId
-from service.security.secret_files import is_loopback
 from service.security.tokens import Claims, Tokens
 from service.settings import Settings
 

@@ -15,10 +15,10 @@ from sqlalchemy import make_url
 
 from service.api.application import every_operation
 from service.delivery.signing_secrets import key_file
+from service.hosts import is_loopback
 from service.security.browser_origin import SAFE_METHODS
 from service.security.exposure import allowed_twice, beyond, credentials_needed
 from service.security.operations import Operation
-from service.security.secret_files import is_loopback
 from service.settings import Settings
 from service.stream_access import AccessUnusable, read_access
 from storage import keys

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from urllib.parse import urlsplit
 
-from service.security.secret_files import is_loopback
+from service.hosts import is_loopback
 from service.settings import Settings
 
 TWICE = (

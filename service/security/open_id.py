@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlencode
 
+from service.hosts import encrypted
 from service.security.key_set import fetched
-from service.security.secret_files import encrypted
 
 KNOWN_FOR_S = 3600.0
 CALLBACK = "/login/callback"

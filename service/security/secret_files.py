@@ -2,10 +2,8 @@
 
 import base64
 import binascii
-import ipaddress
 import stat
 from pathlib import Path
-from urllib.parse import urlsplit
 
 KEY_BYTES = 32
 """Length of a sealing key."""
@@ -49,26 +47,3 @@ def require_private(path: str) -> None:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
     if mode & (stat.S_IROTH | stat.S_IWOTH):
         raise ValueError(f"{path} can be read or written by others: chmod 640 or 600 it")
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches an address."""
-    try:
-        return ipaddress.ip_address(host.strip("[]").split("%")[0]).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def is_address(host: str) -> bool:
-    """Whether this is an address, not a name."""
-    try:
-        ipaddress.ip_address(host.strip("[]").split("%")[0])
-    except ValueError:
-        return False
-    return True
-
-
-def encrypted(url: str) -> bool:
-    """Whether nobody between can read what is sent to a URL: https, or loopback."""
-    parts = urlsplit(url)
-    return parts.scheme == "https" or (parts.scheme == "http" and is_loopback(parts.hostname or ""))
