@@ -14,7 +14,7 @@ from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Reading, database, instant
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.paging import ById, ByTime, Paging
 from service.api.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.problems import CHANGES, RESPONSES
@@ -32,14 +32,14 @@ After = Annotated[int, Query(ge=0, le=2**62, description="only events behind thi
 
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
-async def list_alerts(request: Request, fresh: Fresh, paging: ByTime, only_open: OnlyOpen = False) -> Response:
+async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open: OnlyOpen = False) -> Response:
     """Alerts of all machines, newest first."""
 
     def read() -> Response:
         with database(request).reading() as session:
             return _listed(session, paging, machine_id=None, only_open=only_open)
 
-    return await fresh.answer(request, ("alerts",), read)
+    return await cache.answer(request, ("alerts",), read)
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
@@ -66,7 +66,7 @@ def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> li
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
 async def list_machine_alerts(
-    request: Request, fresh: Fresh, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
+    request: Request, cache: Cached, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
 ) -> Response:
     """Alerts of one machine, newest first."""
 
@@ -75,7 +75,7 @@ async def list_machine_alerts(
             machines.get(session, machine_id)
             return _listed(session, paging, machine_id=machine_id, only_open=only_open)
 
-    return await fresh.answer(request, ("machines", "alerts"), read)
+    return await cache.answer(request, ("machines", "alerts"), read)
 
 
 def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:

@@ -42,34 +42,34 @@ from service.api import (
     timeline,
     trends,
 )
-from service.api.body_size import BodySize
+from service.api.body_size import BodyLimit
 from service.api.compression import Compression
 from service.api.database_check import DatabaseCheck
 from service.api.documentation import add_documentation
 from service.api.error_handlers import add_handlers
 from service.api.event_stream import Broadcaster
-from service.api.fresh_answers import FreshAnswers
+from service.api.fresh_answers import ResponseCache
 from service.api.head_requests import HeadRequests
 from service.api.idempotency import Idempotency
-from service.api.kept_answers import KeptAnswers
+from service.api.kept_answers import ComputedCache
 from service.api.machine_list import MachineList
 from service.api.model_process import ModelProcess
 from service.api.openapi import described
 from service.api.operations import Parts
 from service.api.overview import Overview
 from service.api.subscriptions import TryOut
-from service.api.trend_columns import KeptHistories
-from service.api.unchanged import Unchanged
-from service.api.unheeded import refuse_unheeded
+from service.api.trend_columns import HistoryCache
+from service.api.unchanged import ConditionalGet
+from service.api.unheeded import reject_unknown_parameters
 from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
 from service.security import login
-from service.security.answer_headers import AnswerHeaders
+from service.security.answer_headers import SecurityHeaders
 from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.guard import Guard
 from service.security.operations import Operations
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
@@ -116,18 +116,18 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
-    app.state.answers = KeptAnswers()
+    app.state.computed_cache = ComputedCache()
     app.state.model_process = ModelProcess()
-    app.state.fresh_answers = FreshAnswers(database)
-    app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
+    app.state.response_cache = ResponseCache(database)
+    app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
-    app.add_middleware(BodySize)
+    app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
-    app.add_middleware(Unchanged)
+    app.add_middleware(ConditionalGet)
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # outside: the guard knows each operation by its own method
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
@@ -200,7 +200,7 @@ def _routes() -> list[BaseRoute]:
         people,
     ):
         # Not by way of another router: the framework works out each operation anew for every level.
-        router.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_unheeded)])
+        router.include_router(part.router, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
     router.include_router(metrics.router)
     router.include_router(dashboard.router)
     router.include_router(login.router)
@@ -222,7 +222,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
-    app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.state.failures = RateLimit(per_s=security.failures[0], burst=security.failures[1])
     app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
         Guard,
@@ -230,10 +230,10 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
         operations=app.state.operations,
         authentication=app.state.authentication,
         visibility=app.state.visibility,
-        requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
+        requests=RateLimit(per_s=security.requests[0], burst=security.requests[1]),
         failures=app.state.failures,
         repeated=app.state.repeated,
         public_url=security.public_url,
         names_checked=security.names_checked,
     )
-    app.add_middleware(AnswerHeaders)
+    app.add_middleware(SecurityHeaders)

@@ -13,7 +13,7 @@ class TooLarge(HTTPException):
     """More of a body came than is taken."""
 
 
-class BodySize:
+class BodyLimit:
     """ASGI middleware."""
 
     def __init__(self, app: ASGIApp) -> None:

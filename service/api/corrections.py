@@ -55,7 +55,7 @@ def corrected_phasors(
     held: Samples,
     choice: str,
     units: Units | None,
-    include: Collection[schemas.Beside] = (),
+    include: Collection[schemas.PhasorExtra] = (),
 ) -> schemas.Phasors:
     """The answer that holds samples, without the vectors that were chosen; also in other units where they are asked for."""
     version, vectors, left_out = chosen(session, machine, choice)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from estimator.operating_state import Mode
 from service.api.access import database, instant
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.machine_list import MachineList
 from service.api.machine_state import OpenRun
 from service.api.overview import Overview
@@ -83,7 +83,7 @@ class Fleet(BaseModel):
 @router.get("/fleet", operation_id="read_fleet", response_model=Fleet)
 async def read_fleet(
     request: Request,
-    fresh: Fresh,
+    cache: Cached,
     paging: ByName,
     since: Annotated[
         Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
@@ -102,4 +102,4 @@ async def read_fleet(
             machines = paging.page(known.page(session, limit=paging.wanted, after=paging.after), lambda one: (one.id,))
             return paging.json({"since": to_datetime(begin), "machines": overview.rows(session, machines, since=begin)})
 
-    return await fresh.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)
+    return await cache.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)

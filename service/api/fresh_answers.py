@@ -48,7 +48,7 @@ class _Kept:
         return Response(self.body, media_type=self.media_type, headers=self.headers)
 
 
-class FreshAnswers:
+class ResponseCache:
     """Answers by what was asked. Belongs to one event loop."""
 
     def __init__(self, database: Database) -> None:
@@ -155,8 +155,8 @@ def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable 
     return _Kept(mark, lately, begun, body, response.media_type, headers)
 
 
-async def _fresh(request: Request) -> FreshAnswers:
-    return cast(FreshAnswers, request.app.state.fresh_answers)
+async def _response_cache(request: Request) -> ResponseCache:
+    return cast(ResponseCache, request.app.state.response_cache)
 
 
-Fresh = Annotated[FreshAnswers, Depends(_fresh)]
+Cached = Annotated[ResponseCache, Depends(_response_cache)]

@@ -16,7 +16,7 @@ MOST_WAITING = 3
 RETRY_AFTER_S = 5
 
 
-class KeptAnswers:
+class ComputedCache:
     """What follows from an identification is the same for ever: keyed by its id and by what was asked."""
 
     def __init__(self) -> None:

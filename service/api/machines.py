@@ -11,7 +11,7 @@ from service import baselining
 from service.api import machine_rendering as rendering
 from service.api import machine_schemas as schemas
 from service.api.access import MachineId, Reading, database, principal
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.machine_list import MachineList
 from service.api.paging import ById, ByName
 from service.api.preconditions import IfMatch, require, tagged
@@ -26,7 +26,7 @@ Document = Annotated[Machine, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
-async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Response:
+async def list_machines(request: Request, cache: Cached, paging: ByName) -> Response:
     """All machines, by id."""
     known: MachineList = request.app.state.machine_list
 
@@ -35,7 +35,7 @@ async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Respo
             rows = known.page(session, limit=paging.wanted, after=paging.after)
         return paging.json([rendering.listed_machine(one) for one in paging.page(rows, lambda one: (one.id,))])
 
-    return await fresh.answer(request, ("machines", "machine_revisions"), read)
+    return await cache.answer(request, ("machines", "machine_revisions"), read)
 
 
 @router.post(

@@ -23,7 +23,7 @@ class PhasorsInUnits(BaseModel):
     scatter: list[list[float | None]] | None = Field(default=None, description="an amplitude")
 
 
-Beside = Literal["2x", "scatter", "status"]
+PhasorExtra = Literal["2x", "scatter", "status"]
 """What comes with the 1× where a source sends it."""
 
 

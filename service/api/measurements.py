@@ -27,7 +27,7 @@ def _apart(given: Sequence[str]) -> list[str]:
 
 
 Include = Annotated[
-    tuple[schemas.Beside, ...],
+    tuple[schemas.PhasorExtra, ...],
     Field(max_length=3),
     BeforeValidator(_apart),
     Query(description="what else the sources send of each value; repeated, or with commas between"),

@@ -26,7 +26,7 @@ from estimator.train_layout import shaft_begins
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api import model_schemas as schemas
 from service.api.access import Number, database
-from service.api.kept_answers import KeptAnswers
+from service.api.kept_answers import ComputedCache
 from service.api.model_process import ModelProcess, is_long
 from service.api.problems import RESPONSES, Unsuitable
 from service.api.units import UnitChoice, Units, column
@@ -175,7 +175,7 @@ def kept(
     Raises IdentificationUnknown, NoModel, HTTPException 503.
     """
     one = read_identified(request, identification_id)
-    answers: KeptAnswers = request.app.state.answers
+    cache: ComputedCache = request.app.state.computed_cache
     process: ModelProcess = request.app.state.model_process
     key, apart = (identification_id, *asked), is_long(one.machine)
 
@@ -184,18 +184,18 @@ def kept(
         # A copy: what was worked out of it here need not be handed over, and partly cannot.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
-    return one, answers.slow(key, work) if slow or apart else answers.quick(key, work)
+    return one, cache.slow(key, work) if slow or apart else cache.quick(key, work)
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
     """An identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
-    answers: KeptAnswers = request.app.state.answers
+    cache: ComputedCache = request.app.state.computed_cache
 
     def read() -> Identified:
         with database(request).reading() as session:
             return identified(session, identification_id)
 
-    return answers.quick((identification_id,), read)
+    return cache.quick((identification_id,), read)
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:

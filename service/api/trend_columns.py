@@ -58,7 +58,7 @@ class _Kept:
     columns: Columns
 
 
-class KeptHistories:
+class HistoryCache:
     """Histories by machine, parameter and scope, read again when something was stored that changes them."""
 
     def __init__(self, database: Database, *, baseline_runs: int) -> None:

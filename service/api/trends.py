@@ -10,10 +10,10 @@ from pydantic import BaseModel, Field
 from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.parameter_units import ParameterUnitChoice
 from service.api.problems import RESPONSES
-from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table
+from service.api.trend_columns import Columns, HistoryCache, beside, cut, parts, table
 from service.api.trend_units import in_units
 from service.api.values import rfc3339_text
 from service.security.requirement import VIEWER
@@ -116,7 +116,7 @@ class Trends(BaseModel):
 )
 async def read_trends(
     request: Request,
-    fresh: Fresh,
+    cache: Cached,
     machine_id: MachineId,
     period: Period,
     parameter: Parameters,
@@ -132,7 +132,7 @@ async def read_trends(
     and that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
     """
     wanted = asked_format(request, chosen)
-    kept: KeptHistories = request.app.state.histories
+    kept: HistoryCache = request.app.state.histories
     names = list(dict.fromkeys(parameter))
 
     def read() -> Response:
@@ -142,7 +142,7 @@ async def read_trends(
         body = _json(machine_id, scope, found, points) if wanted == "json" else _file(wanted, found, points)
         return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
 
-    return await fresh.answer(request, trends.TABLES, read)
+    return await cache.answer(request, trends.TABLES, read)
 
 
 def _json(machine_id: str, scope: str, found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> bytes:

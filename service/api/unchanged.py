@@ -5,7 +5,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 KEPT = (b"etag", b"cache-control", b"vary", b"date", b"link")
 
 
-class Unchanged:
+class ConditionalGet:
     """ASGI middleware: leaves the body away where the client has it."""
 
     def __init__(self, app: ASGIApp) -> None:

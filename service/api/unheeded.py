@@ -17,7 +17,7 @@ _names: dict[str, dict[str, bool]] = {}
 """What each operation takes, by its id; whether more than once."""
 
 
-async def refuse_unheeded(request: Request) -> None:
+async def reject_unknown_parameters(request: Request) -> None:
     """Raises RequestValidationError for a parameter that the operation does not know, that no store could look for, or of
     which only the last one would count.
     """

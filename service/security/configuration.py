@@ -12,7 +12,7 @@ from service.settings import Settings
 @dataclass(frozen=True)
 class Security:
     """required: credentials are needed even where there is neither a key nor an issuer; tls: whether the service itself
-    speaks TLS; names_checked: see `Guard`. requests, failures: per second and at once, see `Rate`.
+    speaks TLS; names_checked: see `Guard`. requests, failures: per second and at once, see `RateLimit`.
     """
 
     required: bool = False

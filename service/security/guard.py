@@ -17,7 +17,7 @@ from service.security.authentication import Authentication, Credentials, Unauthe
 from service.security.key_set import KeysUnavailable
 from service.security.operations import Operation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import Recorded, plain
@@ -43,8 +43,8 @@ class Guard:
         operations: Operations,
         authentication: Authentication,
         visibility: Visibility,
-        requests: Rate,
-        failures: Rate,
+        requests: RateLimit,
+        failures: RateLimit,
         repeated: RepeatedEntries,
         public_url: str = "",
         names_checked: bool = False,

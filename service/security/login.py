@@ -17,7 +17,7 @@ from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal, Role
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
@@ -90,7 +90,7 @@ async def log_in(request: Request) -> Response:
     try:
         who = await asyncio.to_thread(authentication.key, given)
     except Unauthenticated as error:
-        wait = cast(Rate, request.app.state.failures).take(address)
+        wait = cast(RateLimit, request.app.state.failures).take(address)
         if not wait:
             await asyncio.to_thread(_refused, request, Entry("unknown", address, "log_in", "API key", "refused"))
             return _page(request, f"Not logged in: {error}.", 401)
