@@ -14,6 +14,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from importlib import resources
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -25,7 +26,7 @@ from estimator.parameters import is_direct
 from service.documents import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(str(resources.files("service"))).parent / "examples"
 STORIES = {
     "turbine-compressor-generator": "healthy",
     "motor-pump": "misalignment",

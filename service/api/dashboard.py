@@ -9,6 +9,7 @@ import hashlib
 import mimetypes
 from dataclasses import dataclass
 from functools import cache
+from importlib import resources
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
@@ -17,7 +18,7 @@ from starlette.exceptions import HTTPException
 from service.api.compression import takes_gzip
 from service.security.requirement import ANYBODY
 
-FOLDER = Path(__file__).parents[1] / "dashboard"
+FOLDER = Path(str(resources.files("service"))) / "dashboard"
 FIRST = "index.html"
 STAMP = "built-from.txt"
 SMALLEST = 500

@@ -3,16 +3,13 @@
 import json
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from service import openapi_command
 from service.api.patterns import WORDS
 from tests.asking import PREFIX, Api, problem
+from tests.paths import ROOT
 from tests.plant import KEY
-
-ROOT = Path(__file__).parents[3]
-
 
 OF_ITSELF = ("/health", "/ready", "/alive")
 """What the service says of itself is the answer also where it is not well."""
