@@ -1,4 +1,4 @@
-"""Machine documents and other YAML or JSON files, read with errors that a person can act on."""
+"""Reads machine documents and other YAML or JSON files, with errors that a person can act on."""
 
 from pathlib import Path
 from typing import Any

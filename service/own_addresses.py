@@ -1,4 +1,4 @@
-"""A service's own addresses, as this machine reaches them."""
+"""Addresses of the service's own endpoints, as this machine reaches them."""
 
 import ssl
 

@@ -1,4 +1,4 @@
-"""What commands say: nothing that is stored or came from elsewhere steers the terminal on which it is read.
+"""Prints text on the terminal: nothing that is stored or came from elsewhere steers it.
 
 Escaped are control characters (C0, DEL, C1) and those that turn the order of letters around or are not seen.
 """

@@ -1,4 +1,4 @@
-"""What the endpoints are given: the database, and reading or writing sessions of it."""
+"""Dependencies of the endpoints: the database, reading sessions of it, who asks, ranges of time."""
 
 from collections.abc import AsyncIterator
 from contextlib import ExitStack
@@ -30,12 +30,12 @@ def database(request: Request) -> Store:
 
 
 def principal(request: Request) -> Principal:
-    """Who asks."""
+    """Return who asks."""
     return cast(Principal, request.state.principal)
 
 
 def asker(request: Request, priority: int = ASKED) -> Asker:
-    """Who asks for identifications, and how many of theirs may wait."""
+    """Return who asks for identifications, and how many of theirs may wait."""
     return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 

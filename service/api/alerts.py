@@ -44,7 +44,7 @@ async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open
 
 @router.get("/alert-events", operation_id="list_alert_events")
 def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
-    """What happened to all alerts, oldest first: ask again with the last id for what came then."""
+    """List the events of all alerts, oldest first; ask again with the last id for later ones."""
     begin = after if paging.after is None else int(paging.after[0])
     rows = alerts.events_after(session, begin, limit=paging.wanted)
     return [alert_event(row) for row in paging.page(rows, lambda row: (row.id,))]
@@ -58,7 +58,7 @@ def read_alert(session: Reading, response: Response, alert_id: Number) -> schema
 
 @router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
 def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
-    """What happened to one alert, oldest first."""
+    """List the events of one alert, oldest first."""
     alerts.get(session, alert_id)
     rows = alerts.history(session, alert_id, limit=paging.wanted, after=paging.after)
     return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
@@ -150,7 +150,7 @@ class Change:
 
 
 def _what_happened(session: Session, row: AlertRow) -> str:
-    """Who was here before: people who act at once are told of each other."""
+    """Say who changed the alert last: people who act at once are told of each other."""
     last = alerts.last_event(session, row.id)
     kind, at = last.kind.replace("_", " "), to_datetime(last.at)
     return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"

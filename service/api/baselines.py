@@ -1,4 +1,4 @@
-"""What a machine is compared with."""
+"""Serves the baselines that machines are compared with."""
 
 from fastapi import APIRouter, Request, status
 

@@ -1,4 +1,4 @@
-"""How an identification's parameters hang together, and what changed between two of them."""
+"""Serves correlations between the parameters of an identification, and changes between two identifications."""
 
 from typing import Annotated
 
@@ -64,7 +64,7 @@ class ElementOut(BaseModel):
 
 
 class Comparison(BaseModel):
-    """What changed from one identification to another of the same machine."""
+    """Changes from one identification to another of the same machine."""
 
     machine: str
     first: int
@@ -77,7 +77,7 @@ class Comparison(BaseModel):
 
 @router.get("/compare", operation_id="compare_identifications")
 def compare_identifications(request: Request, session: Reading, first: Which, second: Which) -> Comparison:
-    """What changed from one identification to another, per parameter and per element.
+    """Compare two identifications, per parameter and per element.
 
     The fits' errors are all that is counted; how much the machine differs from run to run anyway tells its baseline.
     """

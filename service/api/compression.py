@@ -21,7 +21,7 @@ def compressed(body: bytes) -> bytes:
 
 
 def takes_gzip(accepted: str) -> bool:
-    """Whether an Accept-Encoding header allows gzip."""
+    """Tell whether an Accept-Encoding header allows gzip."""
     for part in accepted.lower().split(","):
         coding, _, weight = part.partition(";")
         if coding.strip() in ("gzip", "*"):

@@ -45,7 +45,7 @@ def _names(words: str) -> Any:
 
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
 def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
-    """How far every parameter, and every element as a whole, is from the baseline, in per cent and in standard deviations."""
+    """Measure how far each parameter and each element as a whole is from the baseline, in per cent and standard deviations."""
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
         return schemas.DeviationsOut(**_about(session, found, {}), parameters=[], elements=[])

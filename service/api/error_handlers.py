@@ -107,7 +107,7 @@ def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
 
 
 def _mislabelled(request: Request, error: RequestValidationError) -> bool:
-    """Whether a body was not looked into because it is not called JSON."""
+    """Tell whether a body was not parsed because its Content-Type is not JSON."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     labelled = kind == "application/json" or (kind.startswith("application/") and kind.endswith("+json"))
     return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
@@ -127,7 +127,7 @@ def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
 
 
 def _methods(request: Request) -> list[str]:
-    """What a path can be asked for: each route knows only its own method (RFC 9110 §10.2.1)."""
+    """List the methods of a path: each route knows only its own (RFC 9110 §10.2.1)."""
     found: set[str] = set()
     for path, item in request.app.openapi()["paths"].items():
         pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))

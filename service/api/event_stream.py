@@ -89,7 +89,7 @@ class Broadcaster:
 
     @property
     def clients(self) -> int:
-        """How many read."""
+        """Count the clients that read."""
         return len(self._clients)
 
     async def join(self) -> Client:

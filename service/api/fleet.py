@@ -45,7 +45,7 @@ class LastIdentification(BaseModel):
 
 
 class Happened(BaseModel):
-    """How much happened since the time asked for."""
+    """Counts of what happened since the time asked for."""
 
     runs: int = Field(description="that began")
     identifications: int = Field(description="that were computed")
@@ -89,7 +89,7 @@ async def read_fleet(
         Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
     ] = None,
 ) -> Response:
-    """What each machine is doing, its last run, its open alerts, and what happened to it since a time.
+    """List every machine with its state, its last run, its open alerts, and what happened to it since a time.
 
     Speeds, states and progress may be half a second behind what is stored, all else is not.
     """

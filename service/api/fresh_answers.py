@@ -1,4 +1,4 @@
-"""Answers to questions that many ask again and again: kept until something is committed that bears on them.
+"""Caches responses to requests that many repeat, until something is committed that they depend on.
 
 Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
 but for what changes with every sample, where half a second is allowed.
@@ -49,7 +49,7 @@ class _Kept:
 
 
 class ResponseCache:
-    """Answers by what was asked. Belongs to one event loop."""
+    """Responses by request. Belongs to one event loop."""
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
@@ -60,7 +60,7 @@ class ResponseCache:
 
     @property
     def making(self) -> int:
-        """How many answers are under way."""
+        """Count the responses under way."""
         return len(self._made)
 
     async def answer(
@@ -72,7 +72,7 @@ class ResponseCache:
         lately: Sequence[str] = (),
         apart: Hashable = None,
     ) -> Response:
-        """What `make` answers, made now or earlier, as long as nothing was committed to the tables that it reads.
+        """Return the response of `make`, made now or earlier, as long as nothing was committed to the tables that it reads.
 
         lately: further tables that it reads; what is committed to them may be LATELY_S behind. apart: what the answer depends
         on beside the address, the Accept header and the plants of who asks. Raises what `make` raises.

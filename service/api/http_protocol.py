@@ -134,7 +134,7 @@ class HttpProtocol(HttpToolsProtocol):
             self._timer = None
 
     def _look(self) -> None:
-        """Whether the peer took too long. While nothing is read, it is not the peer that is slow."""
+        """Cut off a peer that took too long. While nothing is read, it is not the peer that is slow."""
         self._timer = None
         left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:

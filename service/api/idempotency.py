@@ -147,7 +147,7 @@ class Idempotency:
 
 
 def _needs_somebody(scope: Scope) -> bool:
-    """Whether nobody could ask for this without a role: what anybody may ask for must not let them write to the store."""
+    """Tell whether this needs a role: requests that anybody may make must not write to the store."""
     operation = scope["state"]["operation"]
     return operation is not None and operation.requirement.role is not None
 
@@ -162,7 +162,7 @@ def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
 
 
 def _done(scope: Scope) -> bool:
-    """Whether something was committed in the course of the request."""
+    """Tell whether something was committed in the course of the request."""
     return bool(getattr(scope["state"].get("store"), "written", False))
 
 

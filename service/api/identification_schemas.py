@@ -99,7 +99,7 @@ class JobOut(BaseModel):
 
 
 class IdentificationAsked(Written):
-    """How to identify a run again; what is left out stays as usual."""
+    """Options for identifying a run again; what is left out stays as usual."""
 
     slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
         default="in_force", description="vectors to subtract: `none`, `in_force` or a version"

@@ -1,4 +1,4 @@
-"""Answers that follow from what never changes: computed once, kept in memory, those not asked for longest let go first."""
+"""Caches results that follow from what never changes: computed once, least recently used ones dropped first."""
 
 import threading
 from collections import OrderedDict
@@ -17,7 +17,7 @@ RETRY_AFTER_S = 5
 
 
 class ComputedCache:
-    """What follows from an identification is the same for ever: keyed by its id and by what was asked."""
+    """Results by key. What follows from an identification never changes: its id is part of the key."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[Hashable, object] = OrderedDict()

@@ -1,4 +1,4 @@
-"""What the API is asked and answers about limits."""
+"""Models of limits."""
 
 from datetime import datetime
 

@@ -1,4 +1,4 @@
-"""What each machine is doing, since when, and what it did before."""
+"""Serves what each machine is doing, since when, and what it did before."""
 
 from datetime import datetime
 from typing import Literal
@@ -32,7 +32,7 @@ class OpenRun(BaseModel):
 
 
 class MachineState(BaseModel):
-    """What a machine is doing, by its newest samples."""
+    """State of a machine by its newest samples."""
 
     machine: str
     state: Mode = Field(description="unknown before the first sample and after a silence")

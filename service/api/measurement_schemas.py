@@ -55,7 +55,7 @@ class Phasors(BaseModel):
 
 
 class RunCoverage(BaseModel):
-    """What the samples of a run cover."""
+    """Speeds, critical speeds and time that the samples of a run cover."""
 
     part: float = Field(description="of the machine's speed range, 0 to 1")
     critical_speeds_rpm: list[float] | None = Field(
@@ -130,7 +130,7 @@ class SampleFault(BaseModel):
 
 
 class Submitted(BaseModel):
-    """What became of a batch; all of it is durable."""
+    """Outcome of a batch; all of it is durable."""
 
     received: int = Field(description="samples stored now")
     duplicates: int = Field(description="samples that were stored before")

@@ -22,7 +22,7 @@ LARGEST_SAMPLE_COUNT = 10_000
 
 
 def _apart(given: Sequence[str]) -> list[str]:
-    """What is asked for, whether in one parameter with commas between or in several."""
+    """Split values that come in one parameter with commas between, or in several."""
     return [name for one in given for name in one.split(",")]
 
 

@@ -38,7 +38,7 @@ OTHERS = "*"
 
 @dataclass(frozen=True)
 class _Kept:
-    """What the store knows; nothing of it where it does not answer."""
+    """Figures from the store; none where it does not answer."""
 
     totals: list[Totals] = field(default_factory=list)
     ages: Mapping[str, float] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""What follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, a balancing proposal.
+"""Serves what follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, balancing proposal.
 
 All of it is computed from the stored values and covariance, in SI, once, and rendered in the units asked for.
 """
@@ -169,7 +169,7 @@ def kept(
     slow: bool = False,
     given: Callable[[Identified], Any] | None = None,
 ) -> tuple[Identified, T]:
-    """What is asked of an identification, from memory or computed now; of a long train in a process of its own.
+    """Return a result for an identification, from the cache or computed now; of a long train in a process of its own.
 
     compute: of the identification and, where there is one, of what `given` reads for it; such that it can be pickled.
     Raises IdentificationUnknown, NoModel, HTTPException 503.
@@ -199,7 +199,7 @@ def read_identified(request: Request, identification_id: int) -> Identified:
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:
-    """What all answers begin with."""
+    """Fill the fields that all answers begin with."""
     return {
         "identification": one.id,
         "machine": one.machine.id,

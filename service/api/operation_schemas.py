@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 
 class SourceOut(BaseModel):
-    """How far one start of a source has been received."""
+    """Progress of receiving one start of a source."""
 
     machine: str
     source: str
@@ -41,19 +41,19 @@ class Quarantine(BaseModel):
 
 
 class Purged(BaseModel):
-    """How many entries of the quarantine were deleted."""
+    """Number of quarantine entries that were deleted."""
 
     deleted: int
 
 
 class Life(BaseModel):
-    """Whether the process can still do its work."""
+    """Liveness: whether the process can still do its work."""
 
     alive: bool
 
 
 class Health(BaseModel):
-    """Whether each part of the service works, and what is the matter where it does not."""
+    """Health of each part of the service, and what is the matter where it does not work."""
 
     healthy: bool
     version: str

@@ -65,7 +65,7 @@ class OrbitOut(BaseModel):
 
 
 class FindingOut(BaseModel):
-    """What the orbits show of the wiring, or cannot show."""
+    """Finding about the wiring that the orbits show, or cannot show."""
 
     code: str
     channels: list[str]

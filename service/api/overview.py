@@ -35,7 +35,7 @@ class _Kept:
 
 
 class Overview:
-    """What is happening to all machines."""
+    """Rows of the overview of all machines."""
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)

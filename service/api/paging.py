@@ -22,7 +22,7 @@ LARGEST_INTEGER = 2**63 - 1
 
 @dataclass
 class Paging:
-    """How much of a list is wanted, and behind which row. Ask the store for `wanted` rows and pass them to `page`."""
+    """One part of a list: how many rows, behind which one. Ask the store for `wanted` rows and pass them to `page`."""
 
     limit: int
     after: Keys | None

@@ -53,5 +53,5 @@ ParameterUnitChoice = Annotated[ParameterUnits, Depends(_parameter_units)]
 
 
 def shown_in(unit: str, units: ParameterUnits) -> tuple[str, float]:
-    """How a unit is written where others are chosen, and the size of what comes in its place in it."""
+    """Return how a unit is written where others are chosen, and the size of what comes in its place in it."""
     return units.get(unit, (unit, 1.0))

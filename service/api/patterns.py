@@ -1,4 +1,4 @@
-"""What texts must look like, in words: nobody should have to read a regular expression in an answer."""
+"""Patterns of texts in words: nobody should have to read a regular expression in an answer."""
 
 from collections.abc import Mapping
 

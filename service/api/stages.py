@@ -1,4 +1,4 @@
-"""How each stage of the monitoring is doing, from acquisition to advice, after the blocks of ISO 13374-1."""
+"""Serves the state of each stage of the monitoring, from acquisition to advice, after the blocks of ISO 13374-1."""
 
 from collections.abc import Mapping
 from datetime import datetime
@@ -47,7 +47,7 @@ class Stages(BaseModel):
 
 @router.get("/health/stages", operation_id="read_stages")
 def read_stages(request: Request, session: Reading) -> Stages:
-    """How acquisition, manipulation, state detection, health assessment, prognosis and advice are doing, by what they did."""
+    """Report on acquisition, manipulation, state detection, health assessment, prognosis and advice by what they did."""
     moment = now()
     parts: dict[str, str] = request.app.state.parts()
     held = figures(session, since=moment - A_DAY_NS, overdue=moment - AN_HOUR_NS)

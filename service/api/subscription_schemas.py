@@ -14,7 +14,7 @@ _ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 
 
 class SubscriptionIn(Written):
-    """Who is told of every alert event.
+    """A subscription to alert events, and where they are sent.
 
     webhook: target is an http or https URL; the answer gives its secret, once, unless secret_file or secret_env says where
     one is. alertmanager: the URL of a Prometheus
@@ -86,7 +86,7 @@ class DeliveryOut(BaseModel):
 
 
 class TestOut(BaseModel):
-    """How a test message was met with."""
+    """Result of a test message."""
 
     result: str = Field(description="delivered, failed or gone")
     answer: str

@@ -1,4 +1,4 @@
-"""Who is told of alert events, and how each delivery went."""
+"""Serves subscriptions to alert events and the deliveries to them."""
 
 from collections.abc import Awaitable, Callable
 from typing import cast

@@ -20,7 +20,7 @@ router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 @router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
 def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.SuppressionOut]:
-    """What is suppressed on a machine now, shelvings among it."""
+    """List what is suppressed on a machine now, shelvings among it."""
     machines.get(session, machine_id)
     rows = suppressions.in_force(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.suppression(row) for row in paging.page(rows, lambda row: (row.id,))]

@@ -1,4 +1,4 @@
-"""Who has an answer already is told so: `If-None-Match` with its ETag is answered with 304 (RFC 9110 §13.1.2)."""
+"""Answers conditional GETs: `If-None-Match` with the ETag of the answer gets 304 (RFC 9110 §13.1.2)."""
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -6,7 +6,7 @@ KEPT = (b"etag", b"cache-control", b"vary", b"date", b"link")
 
 
 class ConditionalGet:
-    """ASGI middleware: leaves the body away where the client has it."""
+    """ASGI middleware: sends no body that the client has already."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -97,7 +97,7 @@ def names_in(units: str | None) -> list[str]:
 
 
 def wrong_units(given: str | None, message: str) -> RequestValidationError:
-    """What is wrong with the units of a question."""
+    """Return the error that says what is wrong with the units of a request."""
     return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
 
 

@@ -115,7 +115,7 @@ def _address(text: str) -> Address:
 
 
 def _public(address: Address) -> bool:
-    """Whether everybody reaches it, and it leads to no other address."""
+    """Tell whether everybody reaches it, and it leads to no other address."""
     if not address.is_global or address.is_multicast or any(address in network for network in NOT_PUBLIC):
         return False
     if isinstance(address, ipaddress.IPv4Address):

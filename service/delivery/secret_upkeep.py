@@ -38,7 +38,7 @@ class Look:
 
 
 class SecretWatch:
-    """What a service that delivers says of its webhooks' secrets, as of the last look."""
+    """Says how a delivering service's webhook secrets are, as of the last look."""
 
     def __init__(self, database: Database, secrets: SigningSecrets) -> None:
         self._database = database

@@ -99,7 +99,7 @@ class SigningSecrets:
         return None
 
     def renewed(self, row: SubscriptionRow) -> str | None:
-        """What should stand in place of a secret that lies plain or under an older key; None where it is as it should be."""
+        """Return what should replace a secret that lies plain or under an older key; None where it is as it should be."""
         kept = row.secret or ""
         if self.sealing is None or kept.startswith((FILE, ENVIRONMENT)):
             return None
@@ -128,12 +128,12 @@ def key_file(settings: Settings) -> Path | None:
 
 
 def is_sealed(kept: str | None) -> bool:
-    """Whether what stands in the database is sealed."""
+    """Tell whether what is stored in the database is sealed."""
     return (kept or "").startswith(SEALED)
 
 
 def is_plain(kept: str | None) -> bool:
-    """Whether what stands in the database is a secret as it is."""
+    """Tell whether what is stored in the database is a secret in plain text."""
     return bool(kept) and not (kept or "").startswith((SEALED, FILE, ENVIRONMENT))
 
 

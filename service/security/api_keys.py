@@ -32,7 +32,7 @@ def prefix_of(text: str) -> str | None:
 
 
 def key_hash(text: str) -> str:
-    """What is kept of a key."""
+    """Hash a key; only the hash is stored."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -80,12 +80,12 @@ def revoke(session: Session, prefix: str) -> None:
 
 
 def principal(row: ApiKeyRow) -> Principal:
-    """Who a key stands for."""
+    """Return the principal of a key."""
     plants = None if row.plants is None else frozenset(row.plants)
     return Principal(row.name, Role.of(row.role), plants, "key", f"key {row.prefix}")
 
 
 def opens(row: ApiKeyRow | None, text: str) -> bool:
-    """Whether this is that key, and valid."""
+    """Tell whether this is that key, and valid."""
     given = key_hash(text)
     return hmac.compare_digest(row.hash if row else "", given) and row is not None and keys.valid(row, at=now())

@@ -41,7 +41,7 @@ class Unauthenticated(Exception):
 
 @dataclass(frozen=True)
 class Credentials:
-    """What a request brings along. bearer: a key or a token; cookie: of a browser's session."""
+    """Credentials of a request. bearer: a key or a token; cookie: of a browser's session."""
 
     bearer: str | None
     cookie: str | None
@@ -72,7 +72,7 @@ def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
 
 
 class Authentication:
-    """Who asks. required: also where there is neither a key nor an issuer."""
+    """Finds out who asks. required: also where there is neither a key nor an issuer."""
 
     def __init__(
         self,
@@ -90,14 +90,14 @@ class Authentication:
         self._remembered: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
-        """Whether credentials are needed. A first key is noticed within seconds; that there was one is never forgotten."""
+        """Tell whether credentials are needed. A first key is noticed within seconds; that there was one is not forgotten."""
         if not self._on and self._clock() - self._asked_at > REMEMBERED_S:
             self._asked_at = self._clock()
             self._on = await asyncio.to_thread(self._keys_are_there)
         return self._on
 
     async def principal(self, given: Credentials) -> Principal:
-        """Who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
+        """Return who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
         if not await self.on():
             return OPEN
         text = given.bearer or given.cookie
@@ -123,7 +123,7 @@ class Authentication:
         return found
 
     async def still(self, given: Credentials, who: Principal) -> bool:
-        """Whether credentials still stand for the same, for what goes on long after it was asked for."""
+        """Tell whether credentials still stand for the same principal, for answers that go on for long."""
         try:
             return await self.principal(given) == who
         except Unauthenticated:
@@ -134,7 +134,7 @@ class Authentication:
         self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
 
     def key(self, text: str) -> Principal:
-        """Who an API key stands for. Raises Unauthenticated."""
+        """Return the principal of an API key. Raises Unauthenticated."""
         prefix = api_keys.prefix_of(text)
         with self._database.reading() as session:
             row = None if prefix is None else keys.find(session, prefix)

@@ -1,4 +1,4 @@
-"""What an application needs to know of who may use it."""
+"""Settings of who may use an application."""
 
 from dataclasses import dataclass
 

@@ -71,7 +71,7 @@ def doors(settings: Settings) -> list[Door]:
 
 
 def credentials_asked(settings: Settings) -> tuple[bool, str]:
-    """Whether the API asks who somebody is, and what makes it so."""
+    """Tell whether the API asks who somebody is, and which settings make it so."""
     path = file_of(engine_of(settings.database))
     try:
         with looking(settings.database) as session:

@@ -1,4 +1,4 @@
-"""Whether the service may start as it is set up: beyond this machine nobody comes in without saying who they are."""
+"""Refuses to start a service that strangers could reach: beyond this machine nobody comes in without credentials."""
 
 from collections.abc import Sequence
 from urllib.parse import urlsplit
@@ -22,7 +22,7 @@ class Exposed(RuntimeError):
 
 
 def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
-    """What is open to everybody, allowed twice, for the log. Raises Exposed where it was not allowed twice."""
+    """List what is open to everybody and allowed twice, for the log. Raises Exposed where it was not allowed twice."""
     found = _open_doors(settings, keys_are_there=keys_are_there)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE}")
@@ -58,12 +58,12 @@ def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
 
 
 def credentials_needed(settings: Settings, *, keys_are_there: bool) -> bool:
-    """Whether the API asks who somebody is."""
+    """Tell whether the API asks who somebody is."""
     return keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
 
 
 def allowed_twice(settings: Settings) -> bool:
-    """Whether it was said twice that everybody may do everything."""
+    """Tell whether it was said twice that everybody may do everything."""
     return settings.allow_no_authentication and settings.everybody_may_change_everything
 
 

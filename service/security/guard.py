@@ -1,4 +1,4 @@
-"""Who may pass: each request gets its principal, or is refused, before anything of it is read or done."""
+"""Gives each request its principal, or refuses it, before anything of it is read or done."""
 
 import asyncio
 import logging

@@ -77,7 +77,7 @@ class KeySet:
 
 
 def fetched(url: str, **post: Any) -> bytes:
-    """What an issuer answers; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
+    """Fetch an answer of the issuer; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
     import httpx  # half a second of every start, for those who have an issuer
 
     parts, size = [], 0

@@ -72,7 +72,7 @@ def read_login(request: Request) -> Response:
 
 @router.get("/login.css")
 def read_style() -> Response:
-    """How it looks."""
+    """Serve the style sheet of the login page."""
     return Response(STYLE.read_bytes(), media_type="text/css", headers={"Cache-Control": "no-cache"})
 
 

@@ -9,7 +9,7 @@ MAPPED = "::ffff:"
 
 
 def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
-    """Whether an address is one of these proxies'."""
+    """Tell whether an address is one of these proxies'."""
     seen = [ip_network(one) for one in as_seen(networks)]
 
     def is_proxy(address: str) -> bool:

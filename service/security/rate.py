@@ -1,4 +1,4 @@
-"""How often somebody may ask: a bucket of tokens each, which fills up again at a steady rate."""
+"""Limits how often somebody may ask: token buckets that fill up at a steady rate."""
 
 import time
 from collections import OrderedDict

@@ -1,4 +1,4 @@
-"""What path parameters name, and whether somebody may see it: what is another plant's is not there (404)."""
+"""Checks that somebody may see what path parameters name: what is another plant's is not there (404)."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -44,7 +44,7 @@ class NotThere(Missing):
 
 
 class Visibility:
-    """What of a database somebody sees. What belongs to a plant belongs to it for ever, so that looks are remembered."""
+    """Rows of a database that somebody sees. What belongs to a plant belongs to it for ever, so that look-ups are cached."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -52,7 +52,7 @@ class Visibility:
         self._seen: set[tuple[frozenset[str], str, str]] = set()
 
     def known(self, who: Principal, parameters: Mapping[str, str]) -> bool:
-        """Whether it is remembered that somebody sees all of this."""
+        """Tell whether it is cached that somebody sees all of this."""
         return who.plants is None or all((who.plants, name, value) in self._seen for name, value in parameters.items())
 
     def require(self, who: Principal, parameters: Mapping[str, str]) -> None:
@@ -82,7 +82,7 @@ class Visibility:
         return found
 
     def sees(self, who: Principal, machine_id: str) -> bool:
-        """Whether a machine concerns somebody."""
+        """Tell whether a machine concerns somebody."""
         return who.plants is None or who.sees(self.plant(machine_id))
 
 

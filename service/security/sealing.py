@@ -48,7 +48,7 @@ class Sealing:
         raise SealBroken("none of the sealing keys opens it: it was sealed with another one, or changed")
 
     def is_current(self, sealed: str, *, place: str) -> bool:
-        """Whether the first key opens it; one that only a later key opens is to be sealed anew."""
+        """Tell whether the first key opens it; one that only a later key opens is to be sealed anew."""
         return _opened(self._keys[0], sealed, place) is not None
 
 

@@ -13,7 +13,7 @@ from storage.plant_scope import Plants, PlantScope
 
 
 class Store(Protocol):
-    """What operations ask of a database."""
+    """Operations on a database."""
 
     def transaction(self) -> AbstractContextManager[Session]:
         """A session whose changes are committed together at the end, or not at all."""

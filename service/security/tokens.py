@@ -42,11 +42,11 @@ class Tokens:
         self._claims = claims
 
     def principal(self, token: str) -> Principal:
-        """Who a token stands for. Blocks while keys are asked for. Raises TokenRefused, KeysUnavailable."""
+        """Return the principal of a token. Blocks while keys are fetched. Raises TokenRefused, KeysUnavailable."""
         return self.stands_for(self.checked(token, audience=self._audience))
 
     def stands_for(self, claims: Mapping[str, Any]) -> Principal:
-        """Who checked claims stand for."""
+        """Return the principal of checked claims."""
         subject = str(claims["sub"])
         name = str(_inside(claims, self._claims.name) or claims.get("preferred_username") or subject)
         return Principal(_shown(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
