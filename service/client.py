@@ -72,11 +72,11 @@ class Rundown:
     # --- machines
 
     def machines(self) -> Iterator[MachineSummary]:
-        """All machines, by id."""
+        """Yield all machines, by id."""
         return self._each(MachineSummary, "/machines")
 
     def machine(self, machine: str) -> MachineRevision:
-        """A machine's document in force."""
+        """Return a machine's document in force."""
         return self._get(MachineRevision, f"/machines/{machine}")
 
     def create_machine(self, document: Machine) -> MachineRevision:
@@ -97,63 +97,63 @@ class Rundown:
             return there  # it was done, and its answer was lost on the way
 
     def fleet(self, *, since: datetime | None = None) -> Iterator[FleetMachine]:
-        """Every machine at a glance, with what happened since a time, by default a day ago."""
+        """Yield every machine at a glance, with what happened since a time, by default a day ago."""
         for part in self._parts("/fleet", {} if since is None else {"since": since.isoformat()}):
             yield from (FleetMachine.model_validate(one) for one in part["machines"])
 
     def state(self, machine: str) -> MachineState:
-        """What a machine is doing."""
+        """Tell what a machine is doing."""
         return self._get(MachineState, f"/machines/{machine}/state")
 
     # --- runs and identifications
 
     def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Iterator[Run]:
-        """Runs that began in a time range, newest first."""
+        """Yield runs that began in a time range, newest first."""
         return self._each(Run, f"/machines/{machine}/runs", _period(first, last))
 
     def phasors(self, run: int) -> Phasors:
-        """A run's 1× phasors."""
+        """Return a run's 1× phasors."""
         return self._get(Phasors, f"/runs/{run}/phasors")
 
     def identifications(
         self, machine: str, *, first: datetime | None = None, last: datetime | None = None
     ) -> Iterator[IdentificationSummary]:
-        """Identifications measured in a time range, newest first."""
+        """Yield identifications measured in a time range, newest first."""
         return self._each(IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
 
     def identification(self, number: int) -> IdentificationDetail:
-        """One identification with its estimates."""
+        """Return one identification with its estimates."""
         return self._get(IdentificationDetail, f"/identifications/{number}")
 
     def bode(self, identification: int, *, units: str = "rpm,um_pp,deg_lag") -> Bode:
-        """Fitted curve, measured points and residuals."""
+        """Return the fitted curve, measured points and residuals."""
         return self._get(Bode, f"/identifications/{identification}/bode", {"units": units})
 
     def critical_speeds(self, identification: int, *, units: str = "rpm") -> CriticalSpeeds:
-        """Critical speeds of the updated model."""
+        """Return the critical speeds of the updated model."""
         path = f"/identifications/{identification}/model/critical-speeds"
         return self._get(CriticalSpeeds, path, {"units": units})
 
     def trends(
         self, machine: str, *parameters: str, first: datetime | None = None, last: datetime | None = None, most: int = 5000
     ) -> Trends:
-        """Histories of parameters and derived quantities, each of at most so many points."""
+        """Return histories of parameters and derived quantities, each of at most so many points."""
         asked = {"parameter": list(parameters), "max_points": most} | _period(first, last)
         return self._get(Trends, f"/machines/{machine}/trends", asked)
 
     def deviations(self, machine: str) -> DeviationsOut:
-        """How far the newest identification is from the baseline."""
+        """Tell how far the newest identification is from the baseline."""
         return self._get(DeviationsOut, f"/machines/{machine}/deviations")
 
     # --- alerts
 
     def alerts(self, *, machine: str | None = None, only_open: bool = False) -> Iterator[AlertOut]:
-        """Alerts, newest first."""
+        """Yield alerts, newest first."""
         path = "/alerts" if machine is None else f"/machines/{machine}/alerts"
         return self._each(AlertOut, path, {"open": only_open})
 
     def acknowledge(self, read: AlertOut, *, by: str, comment: str = "") -> AlertOut:
-        """A person has seen an alert, as it was read. Raises ChangedMeanwhile."""
+        """Acknowledge an alert, as it was read. Raises ChangedMeanwhile."""
         path = f"/alerts/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
         return self._post(AlertOut, f"{path}/acknowledge", {"by": by, "comment": comment}, headers)
@@ -164,7 +164,7 @@ class Rundown:
         return self._post(TimelineOut, f"/machines/{machine}/timeline", body)
 
     def events(self, *, after: int | None = None) -> Iterator[AlertEvent]:
-        """What happens to alerts, for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
+        """Yield alert events for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
         while True:
             try:
                 for number, event in self._stream(after):
@@ -181,7 +181,7 @@ class Rundown:
     # --- asking
 
     def _stream(self, after: int | None) -> Iterator[tuple[int, AlertEvent | None]]:
-        """Events with their numbers; first the number behind which the stream begins."""
+        """Yield events with their numbers; first the number behind which the stream begins."""
         headers = {} if after is None else {"Last-Event-ID": str(after)}
         patience = httpx.Timeout(30.0, read=60.0)
         with self._http.stream("GET", f"{PREFIX}/alert-events/stream", headers=headers, timeout=patience) as answer:

@@ -11,7 +11,7 @@ NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def cell(value: Any) -> Any:
-    """A value as it is written: an apostrophe in front of a text that could be a formula, nothing in front of a number.
+    """Return a value as it is written: an apostrophe in front of a text that could be a formula, nothing in front of a number.
 
     Source: OWASP, CSV Injection.
     """

@@ -270,7 +270,7 @@ class DurableLog:
         return f"the log {self._path} is damaged ({detail}); move it away: a new one begins a new epoch"
 
     def _named(self, error: sqlite3.Error) -> LogError:
-        """The error of SQLite in our terms."""
+        """Raise errors of SQLite as errors of the log."""
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code in _IN_USE:
             return LogInUse(f"the log {self._path} is in use by another process: a source runs once")

@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches an address."""
+    """Tell whether only this machine reaches an address."""
     try:
         return ipaddress.ip_address(host.strip("[]").split("%")[0]).is_loopback
     except ValueError:
@@ -13,7 +13,7 @@ def is_loopback(host: str) -> bool:
 
 
 def is_address(host: str) -> bool:
-    """Whether this is an address, not a name."""
+    """Tell whether this is an address, not a name."""
     try:
         ipaddress.ip_address(host.strip("[]").split("%")[0])
     except ValueError:
@@ -22,6 +22,6 @@ def is_address(host: str) -> bool:
 
 
 def encrypted(url: str) -> bool:
-    """Whether nobody between can read what is sent to a URL: https, or loopback."""
+    """Tell whether nobody between can read what is sent to a URL: https, or loopback."""
     parts = urlsplit(url)
     return parts.scheme == "https" or (parts.scheme == "http" and is_loopback(parts.hostname or ""))

@@ -21,7 +21,7 @@ HIGHEST_ABOVE_TRIP = 1.25
 
 
 def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
-    """The report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
+    """Return the report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
 
     Raises ValueError for a speed or grade that is not positive.
     """

@@ -75,7 +75,7 @@ def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
 
 
 def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
-    """What of each machine is old enough; machines without any are left out."""
+    """Tell what of each machine is old enough; machines without any are left out."""
     from storage import machines
 
     found = {}

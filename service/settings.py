@@ -186,7 +186,7 @@ class Settings(BaseSettings):
 
     @model_validator(mode="after")
     def _of_role(self) -> Self:
-        """What works beside others needs a store that several may write, and by default finds its sources' router at home."""
+        """Require a store that several may write for what works beside others; by default its sources' router is at home."""
         if self.role != "all" and not self.database.startswith("postgresql"):
             kind = re.match(r"\w*", self.database)
             raise ValueError(
@@ -205,7 +205,7 @@ class SettingsWrong(ValueError):
 
 
 def settings_of(**given: Any) -> Settings:
-    """The settings from the environment, and those given here. Raises SettingsWrong."""
+    """Return the settings from the environment, and those given here. Raises SettingsWrong."""
     try:
         return Settings(**given)
     except ValidationError as error:

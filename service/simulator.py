@@ -191,7 +191,7 @@ class _Life:
 
 
 def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
-    """A batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
+    """Return a batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
 
     conditions: (k,) the same in all samples.
     """

@@ -53,7 +53,7 @@ class Source:
 
     @property
     def sequence(self) -> int:
-        """Number of the next sample."""
+        """Return the number of the next sample."""
         return self.log.next_sequence
 
     def publish(self, batch: SampleBatch, *, position: str | None = None) -> None:

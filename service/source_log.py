@@ -81,11 +81,11 @@ class SourceLog(Protocol):
 
     @property
     def epoch(self) -> int:
-        """The source's epoch: a new one only where the log before was lost."""
+        """Return the source's epoch: a new one only where the log before was lost."""
 
     @property
     def next_sequence(self) -> int:
-        """Number of the sample that follows the last one accepted."""
+        """Return the number of the sample that follows the last one accepted."""
 
     @property
     def position(self) -> str | None:
@@ -95,10 +95,10 @@ class SourceLog(Protocol):
         """Accept an entry, which must begin at `next_sequence`. Raises LogError; then it was not accepted."""
 
     def entries_from(self, first: int, limit: int) -> list[Entry]:
-        """Entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
+        """Return entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
 
     def status(self) -> LogStatus:
-        """What it holds now."""
+        """Tell what it holds now."""
 
     def flush(self) -> None:
         """Wait until all that was accepted is in the log. Raises LogError."""
@@ -108,7 +108,7 @@ class SourceLog(Protocol):
 
 
 def require_next(entry: Entry, next_sequence: int) -> None:
-    """Raises ValueError for an entry that leaves a hole or overlaps."""
+    """Raise ValueError for an entry that leaves a hole or overlaps."""
     if entry.first != next_sequence or entry.count < 1:
         raise ValueError(f"{entry.count} samples from number {entry.first} do not follow {next_sequence - 1}")
 

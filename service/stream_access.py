@@ -101,7 +101,7 @@ class StreamSecurity:
 
 
 def from_environment() -> StreamSecurity | None:
-    """The same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
+    """Return the same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
     try:
         return StreamSecurity.of(settings_of())
     except SettingsWrong as error:
@@ -120,7 +120,7 @@ def read_access(path: Path) -> Access:
 
 
 def _source(keys: list[Key]) -> list[dict[str, Any]]:
-    """What a source does: publish, answer for its log and how it is, be there, and ask how far it was received."""
+    """Allow what a source does: publish, answer for its log and how it is, be there, and ask how far it was received."""
     answered = [key for one in keys for key in (one.log, one.status)]
     received = [one.received for one in keys]
     return [
@@ -135,7 +135,7 @@ def _source(keys: list[Key]) -> list[dict[str, Any]]:
 
 
 def _reader(places: list[str]) -> list[dict[str, Any]]:
-    """What listens: alerts as they happen, and the last of each; samples."""
+    """Allow what a reader does: hear alerts as they happen, the last of each, and samples."""
     heard = [f"rundown/v1/{place}/{what}" for place in places for what in ("alerts/*", "samples")]
     return [
         _rule(("declare_subscriber", "query"), ("ingress",), heard),

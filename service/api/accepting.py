@@ -132,6 +132,6 @@ class Acceptor:
 
 
 def _last() -> int:
-    """The first of the descriptors that no connection gets."""
+    """Return the first of the descriptors that no connection gets."""
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     return sys.maxsize if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)

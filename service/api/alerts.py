@@ -33,7 +33,7 @@ After = Annotated[int, Query(ge=0, le=2**62, description="only events behind thi
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
 async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open: OnlyOpen = False) -> Response:
-    """Alerts of all machines, newest first."""
+    """List alerts of all machines, newest first."""
 
     def read() -> Response:
         with database(request).reading() as session:
@@ -52,7 +52,7 @@ def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
 def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
-    """One alert with its evidence, and the ETag with which it can be changed."""
+    """Read one alert with its evidence, and the ETag with which it can be changed."""
     return tagged(response, rendering.alert(alerts.get(session, alert_id)))
 
 
@@ -68,7 +68,7 @@ def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> li
 async def list_machine_alerts(
     request: Request, cache: Cached, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
 ) -> Response:
-    """Alerts of one machine, newest first."""
+    """List alerts of one machine, newest first."""
 
     def read() -> Response:
         with database(request).reading() as session:
@@ -138,7 +138,7 @@ class Change:
     if_match: str | None
 
     def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
-        """The alert afterwards. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
+        """Change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
             try:

@@ -97,7 +97,7 @@ def application(
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
-    """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
+    """Build the application over a database. `parts` tells how each part of the service is; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
     who may use it; by default anybody, until there is an API key. job_quota: how many identifications that people ask for
     may wait. secrets: of webhooks; by default none can be kept. warnings: what the service has to say; gauges: figures of
@@ -135,7 +135,7 @@ def application(
 
 
 def _bare() -> FastAPI:
-    """All routes, with nothing behind them."""
+    """Return all routes, with nothing behind them."""
     app = FastAPIOffline(
         title="Rundown",
         version=version("rundown"),
@@ -153,20 +153,20 @@ def _bare() -> FastAPI:
 
 
 def operations_of(app: FastAPI) -> Operations:
-    """Every route with what it needs. Raises Undeclared."""
+    """Return every route with what it needs. Raises Undeclared."""
     anybody = Requirement(None, recorded=False)
     public = {PREFIX + path: anybody for path in DOCUMENTATION}
     return Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
 
 
 def every_operation() -> Operations:
-    """Those of the application, without one."""
+    """Return the operations of the application, without making one."""
     return operations_of(_bare())
 
 
 @functools.cache
 def _routes() -> list[BaseRoute]:
-    """All operations, worked out once however many applications a process has: the framework takes a tenth of a second."""
+    """Build all routes, once however many applications a process has: the framework takes a tenth of a second."""
     router = APIRouter()
     # Those asked most first: each request is held against one route after the other.
     for part in (

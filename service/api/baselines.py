@@ -16,7 +16,7 @@ router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER]
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
 def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> list[schemas.BaselineOut]:
-    """Baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
+    """List baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
     machines.get(session, machine_id)
     rows = baselines.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.baseline(row) for row in paging.page(rows, lambda row: (row.since, row.id))]

@@ -29,7 +29,7 @@ def read_bode(
     run: Annotated[int | None, Query(ge=0, le=2**62, description="only this run of the identification")] = None,
     points: Annotated[int, Query(ge=10, le=2000, description="speeds of the fitted curve")] = 200,
 ) -> schemas.Bode:
-    """Fitted curve, measured points and residuals of every channel over speed."""
+    """Read the fitted curve, measured points and residuals of every channel over speed."""
 
     def runs(one: Identified) -> list[UsedRun]:
         if run is not None and run not in one.run_ids:
@@ -51,7 +51,7 @@ def read_bode(
 
 
 def _curves(one: Identified, held: list[UsedRun], points: int) -> tuple[Any, ...]:
-    """Speeds, the fitted curve at them, and each run with the fit at its samples."""
+    """Return speeds, the fitted curve at them, and each run with the fit at its samples."""
     speed = np.linspace(one.speed_minimum, one.speed_maximum, points)
     machine = held[0].machine if held else one.machine
     curve = _fit(one, machine, speed, np.full(points, float(one.direction)))

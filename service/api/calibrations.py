@@ -54,7 +54,7 @@ def list_calibrations(
     paging: ByTime,
     channel: Annotated[Identifier | None, Query(description="only of this channel")] = None,
 ) -> list[CalibrationOut]:
-    """Calibrations in a time range, newest first; those of channels that are no longer there as well."""
+    """List calibrations in a time range, newest first; those of channels that are no longer there as well."""
     machines.get(session, machine_id)
     rows = calibrations.of_machine(
         session, machine_id, channel=channel, first=period.first, last=period.last, limit=paging.wanted, after=paging.after

@@ -109,7 +109,7 @@ def compare_identifications(request: Request, session: Reading, first: Which, se
 
 @router.get("/{identification_id}/correlation", operation_id="read_correlation")
 def read_correlation(session: Reading, identification_id: Number) -> Correlation:
-    """Correlation of all coordinates, and the pairs that the data hardly tell apart."""
+    """Read the correlation of all coordinates, and the pairs that the data hardly tell apart."""
     row = identifications.get(session, identification_id)
     covariance = identifications.covariance(row)
     size = np.sqrt(np.diag(covariance))
@@ -128,7 +128,7 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
 
 
 def _undetermined(session: Session, identification_id: int) -> set[str]:
-    """Names of what an identification says nothing about, though its model has a value there."""
+    """Return names of what an identification says nothing about, though its model has a value there."""
     return {row.parameter for row in identifications.estimates(session, identification_id) if row.value is None}
 
 

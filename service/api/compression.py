@@ -16,7 +16,7 @@ LEVEL = 4
 
 
 def compressed(body: bytes) -> bytes:
-    """The same bytes for the same body."""
+    """Compress a body; the same bytes for the same body."""
     return gzip.compress(body, LEVEL, mtime=0)
 
 

@@ -24,7 +24,7 @@ SlowRollChoice = Annotated[
 
 
 def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
-    """A run's samples and the document that they were stored under; of an open run, what was collected so far."""
+    """Return a run's samples and the document that they were stored under; of an open run, what was collected so far."""
     row = runs.get(session, run_id)
     machine = machines.document(session, row.machine_id, row.revision)
     held = runs.samples(session, run_id)
@@ -37,7 +37,7 @@ def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
 
 
 def chosen(session: Session, machine: Machine, choice: str) -> tuple[int | None, SlowRoll | None, dict[str, str]]:
-    """The version that a choice means, its vectors for a machine's channels, and the channels that have none and why.
+    """Return the version that a choice means, its vectors for a machine's channels, and the channels that have none and why.
 
     Raises SlowRollUnknown.
     """
@@ -57,7 +57,7 @@ def corrected_phasors(
     units: Units | None,
     include: Collection[schemas.PhasorExtra] = (),
 ) -> schemas.Phasors:
-    """The answer that holds samples, without the vectors that were chosen; also in other units where they are asked for."""
+    """Render samples without the chosen vectors; also in other units where they are asked for."""
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))

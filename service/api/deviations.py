@@ -68,7 +68,7 @@ def read_trend_tests(
     element: Annotated[list[Name], _names("such as coupling.C1")],
     which: Which = None,
 ) -> schemas.TrendTestsOut:
-    """Steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
+    """Read steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
 
     Where only parameters or only elements are asked for, the others are left out. Quantities derived from parameters, such as
     critical_speed.1, have trends but no tests.
@@ -94,7 +94,7 @@ def read_trend_tests(
 
 
 def _not_tested(machine: Machine, name: str) -> str:
-    """Why there is no test of what an identification does not determine."""
+    """Say why there is no test of what an identification does not determine."""
     if derived_unit(machine, name) is not None:
         return "derived from the parameters: trend tests are of identified parameters and of elements"
     return f"machine '{machine.id}' has nothing of that name"
@@ -127,7 +127,7 @@ def _chosen(session: Session, machine_id: str, which: int | None) -> Identificat
 
 
 def _left_out(session: Session, found: Compared, baseline: list[Point], now: Point) -> dict[str, str]:
-    """Parameters that are not compared, and why."""
+    """Return parameters that are not compared, and why."""
     same = {parameter_of(name) for name in comparable(baseline, now)}
     reasons = {}
     for one in identifications.estimates(session, found.identification.id):

@@ -41,7 +41,7 @@ def read_diagnosis(session: Reading, identification_id: Number) -> DiagnosisOut:
 
 @router.get("/machines/{machine_id}/diagnosis", operation_id="read_newest_diagnosis")
 def read_newest_diagnosis(session: Reading, machine_id: MachineId) -> DiagnosisOut:
-    """The diagnosis of the machine's newest run that has one."""
+    """Read the diagnosis of the machine's newest run that has one."""
     machines.get(session, machine_id)
     return _answer(session, diagnoses.newest(session, machine_id), f"machine '{machine_id}'")
 

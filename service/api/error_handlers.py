@@ -98,7 +98,7 @@ async def _unexpected(_request: Request, error: Exception) -> JSONResponse:
 
 
 def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
-    """Where the path says whose data they are, that is told by the service's health, too."""
+    """Answer that stored data are damaged; where the path names a machine, the service's health names it, too."""
     machine_id = request.path_params.get("machine_id")
     if machine_id is not None:
         request.app.state.database.damage.concerns(machine_id)
@@ -114,7 +114,7 @@ def _mislabelled(request: Request, error: RequestValidationError) -> bool:
 
 
 def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
-    """The errors with fields of the body by their own names, and in words without pydantic's own."""
+    """Return the errors with fields of the body by their own names, and in words without pydantic's own."""
     found = []
     for item in error.errors():
         place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")

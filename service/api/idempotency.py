@@ -61,7 +61,7 @@ class Idempotency:
         await self._work(place, scope, body, receive, send)
 
     def _earlier(self, place: str, name: str, fingerprint: str) -> Response | None:
-        """The answer to a key that was taken before; None where it is new, and taken now."""
+        """Return the answer to a key that was taken before; None where it is new, and taken now."""
         try:
             with self._database.transaction() as session:
                 row = idempotency.claim(session, place, fingerprint)
@@ -94,7 +94,7 @@ class Idempotency:
         return answer
 
     def _opened(self, body: bytes, place: str) -> bytes | None:
-        """An answer as it was given; None where it is sealed and no key opens it."""
+        """Return an answer as it was given; None where it is sealed and no key opens it."""
         if not body.startswith(SEALED.encode()):
             return body
         try:
@@ -157,7 +157,7 @@ def _place(key: str) -> str:
 
 
 def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
-    """An answer as it may stand in the database. sealing: where it tells a secret."""
+    """Return an answer as it may stand in the database. sealing: where it tells a secret."""
     return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
 
 

@@ -90,7 +90,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
 
 
 async def _body(request: Request) -> bytes:
-    """The whole body, if it is not too large and fits its digest."""
+    """Read the whole body, if it is not too large and fits its digest."""
     announced = request.headers.get("content-length", "")
     if announced.isdigit() and int(announced) > LARGEST_MESSAGE:
         raise _too_large(int(announced))

@@ -26,7 +26,7 @@ class ComputedCache:
         self._waiting = 0
 
     def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """The kept answer, or one that is computed in no time. Raises what `compute` raises."""
+        """Return the cached result, or one that is computed in no time. Raises what `compute` raises."""
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
@@ -39,7 +39,7 @@ class ComputedCache:
         return found
 
     def slow(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """The same for what takes seconds: one at a time, on one core, so that samples and other questions go on meanwhile.
+        """Do the same for what takes seconds: one at a time, on one core, so that samples and other requests go on.
 
         Call it from a worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
         """

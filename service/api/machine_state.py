@@ -75,7 +75,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
 
 
 def progress(kind: str, now: Standing, *, minimum_rpm: float, maximum_rpm: float) -> float:
-    """Part of the speed range that lies behind a sweep, 0 to 1."""
+    """Return the part of the speed range that lies behind a sweep, 0 to 1."""
     part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
     part = min(1.0, max(0.0, part))
     return part if kind == "run-up" else 1.0 - part

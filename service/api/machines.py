@@ -27,7 +27,7 @@ Document = Annotated[Machine, Body(description="the whole machine document")]
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
 async def list_machines(request: Request, cache: Cached, paging: ByName) -> Response:
-    """All machines, by id."""
+    """List all machines, by id."""
     known: MachineList = request.app.state.machine_list
 
     def read() -> Response:
@@ -59,7 +59,7 @@ def create_machine(request: Request, response: Response, document: Document) -> 
 
 @router.get("/{machine_id}", operation_id="read_machine")
 def read_machine(session: Reading, response: Response, machine_id: MachineId) -> schemas.MachineRevision:
-    """The machine's document in force, and the ETag with which it can be revised."""
+    """Read the machine's document in force, and the ETag with which it can be revised."""
     return tagged(response, _in_force(session, machine_id))
 
 
@@ -83,7 +83,7 @@ def _in_force(session: Session, machine_id: str) -> schemas.MachineRevision:
 
 @router.get("/{machine_id}/revisions", operation_id="list_revisions")
 def list_revisions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.MachineRevision]:
-    """All revisions of the document, oldest first."""
+    """List all revisions of the document, oldest first."""
     machines.get(session, machine_id)
     rows = machines.revisions(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.revision(row) for row in paging.page(rows, lambda row: (row.revision,))]

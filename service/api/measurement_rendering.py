@@ -21,7 +21,7 @@ from storage.tables import (
 
 
 def phasors(machine: Machine, samples: Samples, include: Collection[schemas.PhasorExtra] = ()) -> schemas.Phasors:
-    """Samples in the units that vibration analysts expect. include: what beside the 1× is wanted."""
+    """Return samples in the units that vibration analysts expect. include: what beside the 1× is wanted."""
     second = samples.second if "2x" in include else None
     return schemas.Phasors(
         machine=machine.id,
@@ -49,7 +49,7 @@ def phasors(machine: Machine, samples: Samples, include: Collection[schemas.Phas
 
 
 def phasors_in_units(samples: Samples, units: Units, include: Collection[schemas.PhasorExtra] = ()) -> schemas.PhasorsInUnits:
-    """Samples in other units. include: what beside the 1× is wanted."""
+    """Return samples in other units. include: what beside the 1× is wanted."""
     good = np.where(samples.usable, samples.phasor, complex(np.nan, np.nan))
     second = samples.second.T if "2x" in include else None
     return schemas.PhasorsInUnits(

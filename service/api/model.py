@@ -51,7 +51,7 @@ Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")
 
 @router.get("/critical-speeds", operation_id="read_critical_speeds")
 def read_critical_speeds(request: Request, identification_id: Number, units: UnitChoice) -> schemas.CriticalSpeeds:
-    """Critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
+    """Read the critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
 
     one, (table, errors) = kept(request, identification_id, ("critical-speeds",), _table, slow=True)
     return schemas.CriticalSpeeds(
@@ -68,7 +68,7 @@ def read_campbell(
     units: UnitChoice,
     points: Annotated[int, Query(ge=10, le=120, description="evenly spaced speeds")] = 40,
 ) -> schemas.CampbellOut:
-    """Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
+    """Read the Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
 
     one, found = kept(request, identification_id, ("campbell", points), partial(_diagram, points=points), slow=True)
     return schemas.CampbellOut(
@@ -89,7 +89,7 @@ def read_campbell(
 
 @router.get("/modes", operation_id="read_modes")
 def read_modes(request: Request, identification_id: Number, units: UnitChoice, rpm: Rpm = None) -> schemas.ModesOut:
-    """Modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
+    """Read the modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
 
     one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), partial(_shapes, rpm=rpm))
     begins = shaft_begins(one.machine)
@@ -110,7 +110,7 @@ def read_misalignment_force(
     to_rpm: Rpm = None,
     points: Points = 100,
 ) -> schemas.MisalignmentForce:
-    """1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
+    """Read 1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
 
     work = partial(_coupling_forces, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
     one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), work)
@@ -140,7 +140,7 @@ def read_balancing(
     to_rpm: Rpm = None,
     points: Points = 30,
 ) -> schemas.Balancing:
-    """The correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
+    """Read the correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
 
     asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
     work = partial(_correction, plane=plane, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
@@ -188,7 +188,7 @@ def kept(
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
-    """An identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
+    """Return an identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
     cache: ComputedCache = request.app.state.computed_cache
 
     def read() -> Identified:

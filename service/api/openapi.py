@@ -31,7 +31,7 @@ IDEMPOTENCY_KEY = {
 
 
 def described(app: FastAPI) -> dict[str, Any]:
-    """The document of an application, made once."""
+    """Return the document of an application, made once."""
     if app.openapi_schema is None:
         document = get_openapi(
             title=app.title, version=app.version, description=app.description, routes=app.routes, openapi_version="3.1.0"

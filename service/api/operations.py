@@ -120,7 +120,7 @@ async def read_life(request: Request, response: Response) -> schemas.Life:
 
 @router.get("/sources", operation_id="list_sources", dependencies=[VIEWER])
 def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
-    """Every source heard of: how far it was received, what came twice, what is lost."""
+    """List every source heard of: how far it was received, what came twice, what is lost."""
     rows = samples.sources(session, limit=paging.wanted, after=paging.after)
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
@@ -132,7 +132,7 @@ WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entrie
 def read_quarantine(
     session: Reading, paging: ById, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None
 ) -> schemas.Quarantine:
-    """Rejected input: counts by reason since ever, and the newest entries that are still kept."""
+    """Read rejected input: counts by reason since ever, and the newest entries that are still kept."""
     rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=paging.wanted, after=paging.after)
     return schemas.Quarantine(
         counts=quarantine.counts(session),

@@ -93,7 +93,7 @@ def read_orbits(
     units: UnitsIfAsked,
     slow_roll: SlowRollChoice = "none",
 ) -> Orbits:
-    """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
+    """Read the orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
     machine, held = run_samples(session, run_id)
     version, vectors, left_out = chosen(session, machine, slow_roll)
     measurement = held.measurement()

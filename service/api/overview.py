@@ -44,7 +44,7 @@ class Overview:
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
-        """One row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
+        """Return one row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
         glances = self._glanced(session, machines, since)
         standings = fleet.collectors(session)
         with self._lock:

@@ -31,11 +31,11 @@ class Paging:
 
     @property
     def wanted(self) -> int:
-        """One more than is shown: it tells whether there is a next part."""
+        """Return one more than is shown: it tells whether there is a next part."""
         return self.limit + 1
 
     def page(self, rows: Sequence[T], keys: Callable[[T], Keys]) -> Sequence[T]:
-        """The rows to show; where more follow, the answer says where."""
+        """Return the rows to show; where more follow, the answer says where."""
         if len(rows) <= self.limit:
             return rows
         shown = rows[: self.limit]
@@ -45,7 +45,7 @@ class Paging:
         return shown
 
     def json(self, answer: Sequence[Mapping[str, Any]] | Mapping[str, Any]) -> Response:
-        """An answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
+        """Return an answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
         return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 
 

@@ -33,18 +33,18 @@ class Stale(Outdated):
 
 
 def etag(answer: BaseModel) -> str:
-    """The strong ETag of an answer."""
+    """Return the strong ETag of an answer."""
     return f'"{hashlib.sha256(answer.model_dump_json().encode()).hexdigest()[:32]}"'
 
 
 def tagged(response: Response, answer: Answer) -> Answer:
-    """The answer, with its ETag in the response's header."""
+    """Return the answer, with its ETag in the response's header."""
     response.headers["ETag"] = etag(answer)
     return answer
 
 
 def require(if_match: str | None, current: BaseModel) -> None:
-    """Raises PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
+    """Raise PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
     if if_match is None:
         raise PreconditionMissing(
             "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"

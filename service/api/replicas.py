@@ -32,7 +32,7 @@ class ReplicaOut(BaseModel):
 
 @router.get("/replicas", operation_id="list_replicas")
 def list_replicas(session: Reading) -> list[ReplicaOut]:
-    """The processes that work on this database, by number. One that was killed is listed until another one has noticed."""
+    """List the processes that work on this database, by number. A killed one is listed until another one has noticed."""
     held = defaultdict(list)
     for name, holder in leases.holders(session).items():
         held[holder].append(name)

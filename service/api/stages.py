@@ -73,7 +73,7 @@ def _acquisition(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Samples become runs, and runs parameters."""
+    """Report on the stage at which samples become runs, and runs parameters."""
     busy = held.runs > 0 or held.identifications > 0
     state, words = _state(parts, "identifying", busy=busy, idle="no run began in the last day")
     if state in ("ok", "idle") and held.failed_jobs:
@@ -88,7 +88,7 @@ def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _detection(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Parameters are judged: does the model fit, and how far are they from the baseline."""
+    """Report on the stage at which parameters are judged: does the model fit, and how far are they from the baseline."""
     idle = "nothing was identified in the last day"
     state, words = _state(parts, "identifying", busy=held.identifications > 0, idle=idle)
     if state == "ok" and held.accepted < held.identifications:

@@ -27,7 +27,7 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 
 @router.get("", operation_id="list_subscriptions")
 def list_subscriptions(request: Request, session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
-    """All subscriptions, without their secrets."""
+    """List all subscriptions, without their secrets."""
     rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
     return [rendering.subscription(row, _secrets(request)) for row in paging.page(rows, lambda row: (row.id,))]
 
@@ -57,7 +57,7 @@ def _secrets(request: Request) -> SigningSecrets:
 
 
 def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
-    """Where the service finds the secret, if that is said. Raises SecretUnusable."""
+    """Tell where the service finds the secret, if that is said. Raises SecretUnusable."""
     if said.secret_file is None and said.secret_env is None:
         return None
     who = principal(request)
@@ -71,7 +71,7 @@ def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
 def read_subscription(
     request: Request, session: Reading, response: Response, subscription_id: Number
 ) -> schemas.SubscriptionOut:
-    """One subscription, and the ETag with which it can be changed."""
+    """Read one subscription, and the ETag with which it can be changed."""
     return tagged(response, rendering.subscription(deliveries.get(session, subscription_id), _secrets(request)))
 
 
@@ -101,7 +101,7 @@ def enable_subscription(
 
 @router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")
 def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> list[schemas.DeliveryOut]:
-    """The delivery log, newest first."""
+    """List the delivery log, newest first."""
     deliveries.get(session, subscription_id)
     rows = deliveries.of_subscription(session, subscription_id, limit=paging.wanted, after=paging.after)
     return [rendering.delivery(row) for row in paging.page(rows, lambda row: (row.id,))]

@@ -56,7 +56,7 @@ def begin_suppression(
 
 @router.get("/suppressions/{suppression_id}", operation_id="read_suppression")
 def read_suppression(session: Reading, response: Response, suppression_id: Number) -> schemas.SuppressionOut:
-    """One suppression, in force or ended, and the ETag with which it can be ended."""
+    """Read one suppression, in force or ended, and the ETag with which it can be ended."""
     return tagged(response, rendering.suppression(suppressions.get(session, suppression_id)))
 
 

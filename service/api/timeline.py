@@ -16,7 +16,7 @@ router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 @router.get("/machines/{machine_id}/timeline", operation_id="read_timeline")
 def read_timeline(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.TimelineOut]:
-    """Notes and markers of a machine, newest first."""
+    """Read notes and markers of a machine, newest first."""
     machines.get(session, machine_id)
     rows = timeline.of_machine(
         session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after

@@ -69,7 +69,7 @@ class HistoryCache:
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
-        """The columns of each parameter, empty but for the unit if it was never identified.
+        """Return the columns of each parameter, empty but for the unit if it was never identified.
 
         Raises MachineUnknown, ParameterUnknown for what the machine cannot have.
         """
@@ -119,7 +119,7 @@ class HistoryCache:
 
 
 def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
-    """The points of a time range [ns, both ends belong to it], thinned out to at most so many.
+    """Return the points of a time range [ns, both ends belong to it], thinned out to at most so many.
 
     Each kind of run is thinned out for itself, and what was not accepted apart from what was: a fit that failed takes the
     place of no value that counts.
@@ -132,7 +132,7 @@ def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> 
 
 
 def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
-    """The chosen points, column by column; NaN where there is no value."""
+    """Return the chosen points, column by column; NaN where there is no value."""
     history, at = columns.history, chosen.index
     return {
         "measured_at": columns.measured_at[at].tolist(),
@@ -148,7 +148,7 @@ def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
 
 
 def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
-    """Real and imaginary part of an unbalance, and its angle; null for everything else."""
+    """Return real and imaginary part of an unbalance, and its angle; null for everything else."""
     if not columns.complex:
         return dict.fromkeys(("real", "imaginary", "angle_deg", "angle_half_width_deg"))
     history, at = columns.history, chosen.index
@@ -162,7 +162,7 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
 
 
 def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
-    """The baseline's band that each chosen point is compared with; NaN where there is none."""
+    """Return the baseline's band that each chosen point is compared with; NaN where there is none."""
     history, at = columns.history, chosen.index
     band = np.full((3, len(at)), np.nan)
     time, kind = history.measured_at[at], history.run_kind[at]

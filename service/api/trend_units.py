@@ -8,7 +8,7 @@ from service.api.trend_columns import Columns
 
 
 def in_units(columns: Columns, units: ParameterUnits) -> Columns:
-    """A history, and the bands beside it, in the units chosen for it."""
+    """Return a history, and the bands beside it, in the units chosen for it."""
     history = columns.history
     if history.unit is None or history.unit not in units:
         return columns

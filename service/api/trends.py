@@ -125,7 +125,7 @@ async def read_trends(
     scope: Scope = "run",
     chosen: FormatChoice = None,
 ) -> Response:
-    """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
+    """Read the history of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
     The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
     baseline's band beside it and each row says how its series was thinned out. The series of a parameter that the machine has
@@ -176,7 +176,7 @@ def _baseline(one: BaselineBand) -> dict[str, Any]:
 
 
 def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[str, list[Any]]:
-    """All series below each other."""
+    """Return the rows of all series, one series below the other."""
     whole: dict[str, list[Any]] = {}
     for name, columns in found.items():
         chosen = points[name]

@@ -57,7 +57,7 @@ class Target:
 
 
 def parsed(text: str) -> URL:
-    """A URL that something can be sent to. Raises TargetRefused."""
+    """Return a URL that something can be sent to. Raises TargetRefused."""
     try:
         url = URL(text)
         if url.scheme not in ("http", "https") or not url.host:
@@ -89,7 +89,7 @@ _under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
 
 
 async def _found(name: str, port: int | None) -> list[str]:
-    """All addresses of a host. One that is given by its address waits for no name server."""
+    """Return all addresses of a host. One that is given by its address waits for no name server."""
     try:
         return _asked(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
@@ -105,7 +105,7 @@ def _asked(name: str, port: int | None, flags: int = 0) -> list[str]:
 
 
 def _address(text: str) -> Address:
-    """The address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
+    """Return the address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
     address = ipaddress.ip_address(text.split("%")[0])
     if not isinstance(address, ipaddress.IPv6Address):
         return address

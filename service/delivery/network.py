@@ -20,7 +20,7 @@ ALL_ALERTS = "rundown/v1/*/*/alerts/*"
 
 
 def alert_key(plant: str, event: AlertEvent) -> str:
-    """Where an alert's events are published."""
+    """Tell where an alert's events are published."""
     return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
 
 

@@ -57,7 +57,7 @@ class SigningSecrets:
             return cls(None, folder, f"there is no sealing key: {error}: {right}")
 
     def sealed(self, secret: str, subscription_id: int) -> str:
-        """A secret as it may stand in the database. Raises SecretUnusable."""
+        """Return a secret as it may stand in the database. Raises SecretUnusable."""
         if self.sealing is None:
             raise SecretUnusable(
                 f"a webhook's secret is not kept in plain, and {self.reason}; or give secret_file or secret_env"
@@ -65,7 +65,7 @@ class SigningSecrets:
         return self.sealing.seal(secret.encode(), place=_place(subscription_id))
 
     def referred(self, *, file: str | None, variable: str | None) -> str:
-        """A reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
+        """Return a reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
         if file is not None:
             self._from_file(file)
             return FILE + file
@@ -73,7 +73,7 @@ class SigningSecrets:
         return f"{ENVIRONMENT}{variable}"
 
     def reveal(self, row: SubscriptionRow) -> str:
-        """A subscription's secret. Raises SecretUnusable."""
+        """Return a subscription's secret. Raises SecretUnusable."""
         kept = row.secret or ""
         if kept.startswith(FILE):
             return self._from_file(kept.removeprefix(FILE))
@@ -91,7 +91,7 @@ class SigningSecrets:
             ) from error
 
     def trouble(self, row: SubscriptionRow) -> str | None:
-        """Why nothing can be signed for a subscription."""
+        """Say why nothing can be signed for a subscription."""
         try:
             self.reveal(row)
         except SecretUnusable as error:
@@ -120,7 +120,7 @@ class SigningSecrets:
 
 
 def key_file(settings: Settings) -> Path | None:
-    """Where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
+    """Tell where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
     if settings.sealing_key_file:
         return Path(settings.sealing_key_file)
     path = file_of(engine_of(settings.database))
@@ -138,7 +138,7 @@ def is_plain(kept: str | None) -> bool:
 
 
 def where_kept(kept: str | None) -> str | None:
-    """Where a secret is, in words; None where there is none."""
+    """Tell where a secret is, in words; None where there is none."""
     if not kept:
         return None
     if is_sealed(kept):
@@ -159,7 +159,7 @@ def _from_environment(name: str) -> str:
 
 
 def _read(folder: Path, name: str) -> str:
-    """Links lead nowhere but into the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
+    """Follow links only inside the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
     real = Path(os.path.realpath(folder / name))
     if not real.is_relative_to(os.path.realpath(folder)):
         raise SecretUnusable(f"the file {name} leads out of the folder")
@@ -173,7 +173,7 @@ def _read(folder: Path, name: str) -> str:
 
 
 def _fit(secret: str, what: str) -> str:
-    """Raises SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
+    """Raise SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
     wanted = f"{what} must hold {PREFIX} and base64 of {SHORTEST} to {LONGEST} bytes, in one line"
     try:
         fits = secret.startswith(PREFIX) and SHORTEST <= len(key_of(secret)) <= LONGEST

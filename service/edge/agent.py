@@ -96,7 +96,7 @@ class Agent:
         self._publish(stop)
 
     def status(self) -> dict[str, Any]:
-        """How it is doing."""
+        """Tell how it is doing."""
         log = self._source.log.status()
         return {
             "source": self._source.name,
@@ -250,7 +250,7 @@ def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
 
 
 def block_settings(configuration: EdgeConfiguration) -> BlockSettings:
-    """The part of the configuration that decides what comes of a waveform."""
+    """Return the part of the configuration that decides what comes of a waveform."""
     keyphasor = configuration.keyphasor
     threshold = None
     if keyphasor.threshold is not None and keyphasor.hysteresis is not None:

@@ -82,12 +82,12 @@ class Conditions:
         logger.warning("%s", _text(Found(name, subject, detail)))
 
     def holds(self, name: str) -> bool:
-        """Whether a condition of this name holds."""
+        """Tell whether a condition of this name holds."""
         with self._lock:
             return any(key[0] == name for key in self._holds)
 
     def counts(self) -> dict[str, int]:
-        """How many blocks, files or messages each was found in."""
+        """Tell how many blocks, files or messages each was found in."""
         with self._lock:
             return dict(self._counts)
 

@@ -167,7 +167,7 @@ class EdgeConfiguration(_Part):
 
 
 def read_configuration(path: Path) -> EdgeConfiguration:
-    """The configuration in a file; paths in it are relative to it. Raises UnreadableFile, which names every wrong field."""
+    """Read a configuration file; paths in it are relative to it. Raises UnreadableFile, which names every wrong field."""
     try:
         read = EdgeConfiguration.model_validate(read_yaml(path))
     except ValidationError as error:

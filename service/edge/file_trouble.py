@@ -11,7 +11,7 @@ class FileTrouble(Exception):
 
 
 def require_columns(wanted: list[str], there: list[str]) -> None:
-    """Raises FileTrouble for columns that are not there."""
+    """Raise FileTrouble for columns that are not there."""
     missing = [column for column in wanted if column not in there]
     if missing:
         raise FileTrouble("missing_column", f"no {', '.join(missing)}; there are {', '.join(there[:50]) or 'none'}")

@@ -26,7 +26,7 @@ COMMAND = "rundown key"
 
 
 def prefix_of(text: str) -> str | None:
-    """The prefix of what looks like a key; None for anything else."""
+    """Return the prefix of what looks like a key; None for anything else."""
     parts = text.split("_", 2)
     return parts[1] if len(parts) == 3 and text.startswith(BEGIN) and parts[1] and parts[2] else None
 
@@ -39,7 +39,7 @@ def key_hash(text: str) -> str:
 def create(
     session: Session, *, name: str, role: Role, plants: Sequence[str] | None, days: float, address: str = "local"
 ) -> tuple[ApiKeyRow, str]:
-    """A new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
+    """Return a new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
     prefix = secrets.token_hex(PREFIX_BYTES)
     text = f"{BEGIN}{prefix}_{secrets.token_urlsafe(SECRET_BYTES)}"
     expires_at = now() + round(days * A_DAY_NS)
@@ -52,7 +52,7 @@ def create(
 
 
 def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -> tuple[ApiKeyRow, str]:
-    """A new key in the place of an old one, which opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
+    """Replace a key by a new one; the old one opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
 
     overlap_days: how long both are valid.
     """
@@ -74,7 +74,7 @@ def confirm(session: Session, prefix: str) -> None:
 
 
 def revoke(session: Session, prefix: str) -> None:
-    """Raises KeyUnknown."""
+    """Raise KeyUnknown."""
     keys.revoke(keys.get(session, prefix))
     audit.append(session, Entry(COMMAND, "local", "revoke_key", prefix, "done"))
 

@@ -44,7 +44,7 @@ class AuditWatch:
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for a monitoring system, by the name of the metric."""
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
     def look(self, *, tell: bool = False) -> None:

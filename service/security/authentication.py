@@ -63,7 +63,7 @@ def cookie_name(scheme: str, *, public_url: str) -> str:
 
 
 def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
-    """The cookie of a browser's session, which has that name."""
+    """Return the cookie of a browser's session, which has that name."""
     for part in headers.get(b"cookie", b"").decode("latin-1").split(";"):
         name, _, value = part.strip().partition("=")
         if name == wanted and value:

@@ -167,7 +167,7 @@ def verify_audit(
 
 
 def _noted(text: str) -> tuple[int, str]:
-    """Number and hash of an entry."""
+    """Return the number and hash of an entry."""
     if re.fullmatch(NOTED, text) is None:
         fail(f"'{text}' is not NUMBER:HASH")
     number, _, digest = text.partition(":")
@@ -176,7 +176,7 @@ def _noted(text: str) -> tuple[int, str]:
 
 @contextmanager
 def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
-    """The store, closed in the end. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    """Open the store, and close it. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
     from sqlalchemy.exc import DBAPIError
 
     from service.settings import SettingsWrong, settings_of

@@ -37,7 +37,7 @@ def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterato
 
 
 def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
-    """Everything that can be read and asks for credentials, without any."""
+    """Yield everything that can be read and asks for credentials, without any."""
     what = "REST API without credentials"
     paths = [
         one.path
@@ -68,7 +68,7 @@ def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
 
 
 def _without_certificate(endpoint: str) -> Tried:
-    """A TLS handshake that shows none must fail; that it does, a server of TLS 1.3 says only with the first thing read."""
+    """Try a TLS handshake without one: it must fail, which a server of TLS 1.3 says only with the first thing read."""
     what = f"{endpoint} without a certificate"
     where = urlsplit("//" + endpoint_here(endpoint).partition("/")[2])
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

@@ -30,7 +30,7 @@ def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[
 
 
 def require_guarded(settings: Settings, listen: Sequence[str]) -> list[str]:
-    """The same of a router alone, which listens on these zenoh endpoints. Raises Exposed."""
+    """Refuse the same for a router alone, which listens on these zenoh endpoints. Raises Exposed."""
     found = _open_endpoints(settings, listen)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE_FOR_ROUTERS}")
@@ -68,10 +68,10 @@ def allowed_twice(settings: Settings) -> bool:
 
 
 def beyond(endpoints: Sequence[str]) -> list[str]:
-    """Those zenoh endpoints that other machines reach."""
+    """Return those zenoh endpoints that other machines reach."""
     return [one for one in endpoints if not one.startswith("unix") and not is_loopback(host_of(one))]
 
 
 def host_of(endpoint: str) -> str:
-    """The host of a zenoh endpoint such as tcp/[::]:7447."""
+    """Return the host of a zenoh endpoint such as tcp/[::]:7447."""
     return urlsplit("//" + endpoint.partition("/")[2].partition("?")[0].partition("#")[0]).hostname or ""

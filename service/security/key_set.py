@@ -46,7 +46,7 @@ class KeySet:
         self._tried_at: float | None = None
 
     def find(self, key_id: str | None) -> tuple[str, PublicKey] | None:
-        """Algorithm and key of an id; without an id the only key there is. Blocks while it asks. Raises KeysUnavailable."""
+        """Return algorithm and key of an id; without an id the only key. Blocks while it asks. Raises KeysUnavailable."""
         with self._lock:
             now = self._clock()
             old = self._read_at is None or now - self._read_at > KEPT_S
@@ -96,7 +96,7 @@ def fetched(url: str, **post: Any) -> bytes:
 
 
 def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
-    """Keys with which a signature of this service's algorithms can be checked; others are passed over."""
+    """Return keys with which a signature of this service's algorithms can be checked; others are passed over."""
     found = {}
     for number, one in enumerate(document["keys"]):
         algorithm = ALGORITHM.get(one.get("kty", ""))

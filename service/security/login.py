@@ -65,7 +65,7 @@ PAGE = """<!doctype html>
 
 @router.get("/login")
 def read_login(request: Request) -> Response:
-    """The page to log in on; who is logged in already, or need not, goes on."""
+    """Serve the page to log in on; who is logged in already, or need not, goes on."""
     who: Principal = request.state.principal
     return _page(request, "") if who.kind == "anonymous" else RedirectResponse("/", 303)
 
@@ -166,7 +166,7 @@ def log_out(request: Request) -> Response:
 
 
 def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
-    """A new session, whose cookie was never anybody else's."""
+    """Return a new session, whose cookie was never anybody else's."""
     cookie, role = secrets.token_urlsafe(32), who.role
     assert role is not None
     address = request.client.host if request.client else "unknown"
@@ -192,7 +192,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
 
 
 def _under_way(request: Request) -> LoginRow:
-    """The login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
+    """Return the login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
     state, browser = request.query_params.get("state", ""), request.cookies.get(UNDER_WAY_COOKIE, "")
     with cast(Database, request.app.state.database).transaction() as session:
         found = logins.take(session, key_hash(state), at=now())

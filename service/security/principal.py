@@ -26,7 +26,7 @@ class Role(IntEnum):
 
     @classmethod
     def of(cls, label: str) -> "Role":
-        """The role of a label. Raises ValueError."""
+        """Return the role of a label. Raises ValueError."""
         try:
             return cls[label.upper()]
         except KeyError:

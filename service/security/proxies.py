@@ -23,6 +23,6 @@ def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
 
 
 def as_seen(networks: Sequence[Network]) -> list[str]:
-    """The networks as peers of either kind of socket come from them."""
+    """Return the networks as peers of either kind of socket come from them."""
     mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
     return [*map(str, networks), *mapped]

@@ -72,7 +72,7 @@ class Visibility:
                 self._seen.add((who.plants, name, value))
 
     def plant(self, machine_id: str) -> str | None:
-        """The plant of a machine."""
+        """Return the plant of a machine."""
         found = self._plants.get(machine_id)
         if found is None:
             with self._database.reading() as session:

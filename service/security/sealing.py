@@ -36,12 +36,12 @@ class Sealing:
         return cls(read_keys(str(file)))
 
     def seal(self, secret: bytes, *, place: str) -> str:
-        """A secret as it may stand in the database, in one place only."""
+        """Return a secret as it may stand in the database, in one place only."""
         nonce = os.urandom(NONCE_BYTES)
         return SEALED + base64.b64encode(nonce + self._keys[0].encrypt(nonce, secret, place.encode())).decode()
 
     def open(self, sealed: str, *, place: str) -> bytes:
-        """The secret. Raises SealBroken."""
+        """Return the secret. Raises SealBroken."""
         for key in self._keys:
             if (found := _opened(key, sealed, place)) is not None:
                 return found

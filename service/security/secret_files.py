@@ -10,7 +10,7 @@ KEY_BYTES = 32
 
 
 def read_secret(path: str) -> str:
-    """The first line of a file. Raises ValueError, which says what is wrong, never what is in it."""
+    """Return the first line of a file. Raises ValueError, which says what is wrong, never what is in it."""
     require_private(path)
     try:
         found = Path(path).read_text(encoding="utf-8").strip()
@@ -22,7 +22,7 @@ def read_secret(path: str) -> str:
 
 
 def read_keys(path: str) -> list[bytes]:
-    """The sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
+    """Return the sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
     require_private(path)
     try:
         lines = Path(path).read_text(encoding="ascii").split()
@@ -40,7 +40,7 @@ _URL_SAFE = str.maketrans("-_", "+/")
 
 
 def require_private(path: str) -> None:
-    """Raises ValueError for a file that is not there, or that others can read."""
+    """Raise ValueError for a file that is not there, or that others can read."""
     try:
         mode = Path(path).stat().st_mode
     except OSError as error:

@@ -16,13 +16,13 @@ class Store(Protocol):
     """Operations on a database."""
 
     def transaction(self) -> AbstractContextManager[Session]:
-        """A session whose changes are committed together at the end, or not at all."""
+        """Open a session whose changes are committed together at the end, or not at all."""
 
     def reading(self) -> AbstractContextManager[Session]:
-        """A session for looking only."""
+        """Open a session for reading only."""
 
     def check(self) -> None:
-        """Raises DatabaseUnusable."""
+        """Raise DatabaseUnusable."""
 
 
 class Recorded:
@@ -59,5 +59,5 @@ class Recorded:
 
 
 def plain(database: Database, plants: Plants | None) -> Store:
-    """The database, or some plants of it."""
+    """Return the database, or some plants of it."""
     return database if plants is None else PlantScope(database, plants)

@@ -31,27 +31,27 @@ class Key:
 
     @property
     def samples(self) -> str:
-        """Where batches are published."""
+        """Tell where batches are published."""
         return f"rundown/v1/{self.plant}/{self.machine}/samples"
 
     @property
     def log(self) -> str:
-        """Where a source answers replay queries."""
+        """Tell where a source answers replay queries."""
         return f"rundown/v1/{self.plant}/{self.machine}/log"
 
     @property
     def status(self) -> str:
-        """Where a source says how it is doing."""
+        """Tell where a source says how it is doing."""
         return f"rundown/v1/{self.plant}/{self.machine}/status"
 
     @property
     def received(self) -> str:
-        """Where the service says how far it has received the machine's sources."""
+        """Tell where the service says how far it has received the machine's sources."""
         return f"rundown/v1/{self.plant}/{self.machine}/received"
 
     @property
     def submit(self) -> str:
-        """Where one replica of the service hands samples that came over HTTP to the one that stores them."""
+        """Tell where one replica of the service hands samples that came over HTTP to the one that stores them."""
         return f"rundown/v1/{self.plant}/{self.machine}/submit"
 
     @property
