@@ -27,9 +27,9 @@ class CsvWriter:
         self._writer = csv.writer(file)
 
     def row(self, values: Iterable[Any]) -> None:
-        """A row, or the header."""
+        """Write a row, or the header."""
         self._writer.writerow(map(cell, values))
 
     def rows(self, rows: Iterable[Iterable[Any]]) -> None:
-        """Many rows."""
+        """Write many rows."""
         self._writer.writerows(map(cell, values) for values in rows)

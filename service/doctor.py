@@ -131,7 +131,7 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
 
 
 def _file(settings: Settings, path: Path) -> Iterator[Finding]:
-    """Nobody has it: it is read, and left as it is."""
+    """Read a file that nobody has open, and leave it as it is."""
     with looking_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
         yield from _version(engine)
@@ -292,7 +292,7 @@ def _issuer(issuer: str) -> Finding:
 
 
 def _api(client: httpx.Client) -> Generator[Finding, None, bool]:
-    """Looks whether the API answers; returns it."""
+    """Check whether the API answers, and return it."""
     try:
         answer = client.get("/api/v1/ready")
         told = answer.json()

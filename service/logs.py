@@ -1,4 +1,4 @@
-"""How the service logs, to its standard error output: lines for people, or one JSON object a line for a log collector."""
+"""Formats the service's log on standard error: lines for people, or one JSON object a line for a log collector."""
 
 import logging
 import sys

@@ -1,4 +1,4 @@
-"""What follows from an identified train, as text for a terminal: critical speeds, margins, loads, balance, impact test."""
+"""Reports what follows from an identified train on a terminal: critical speeds, margins, loads, balance, impact test."""
 
 import math
 from collections.abc import Iterator

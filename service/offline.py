@@ -60,7 +60,7 @@ def speed_band(text: str) -> tuple[float, float]:
 
 
 def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
-    """Slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
+    """Capture slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
     lowest, highest = speed_band(band)
     return capture(machine, measurement, lowest=lowest, highest=highest)
 

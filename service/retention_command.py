@@ -20,7 +20,7 @@ COMMAND = "rundown retention"
 
 @retention_app.callback()
 def _retention() -> None:
-    """Old samples: what waits to be let go of."""
+    """Describe old samples: what waits to be deleted."""
 
 
 @retention_app.command("confirm")

@@ -1,4 +1,4 @@
-"""What of the work this process does, where several work on one database."""
+"""The share of the work that this process does, where several work on one database."""
 
 import zlib
 from collections.abc import Collection
@@ -54,4 +54,4 @@ class Whole:
         return True
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Nobody else is there."""
+        """Require nothing: nobody else is there."""

@@ -1,4 +1,4 @@
-"""What a source keeps of the batches that it published: the log from which it answers replay queries.
+"""The log of the batches that a source published, from which it answers replay queries.
 
 `MemoryLog` lives as long as its process. `service/durable_log.py` outlives it.
 """
@@ -89,7 +89,7 @@ class SourceLog(Protocol):
 
     @property
     def position(self) -> str | None:
-        """That of the newest entry that has one."""
+        """Return the position of the newest entry that has one."""
 
     def append(self, entry: Entry, *, logged: Logged) -> None:
         """Accept an entry, which must begin at `next_sequence`. Raises LogError; then it was not accepted."""
@@ -158,7 +158,7 @@ class MemoryLog:
         """Nothing waits: all that was accepted is in the log."""
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Release nothing."""
 
     def _too_much(self) -> bool:
         return self._held_samples > self._samples or self._held_bytes > self._payload_bytes

@@ -1,4 +1,4 @@
-"""Who may do what on the zenoh network, by the certificate that they come with: a source publishes as itself and as no other.
+"""Access control on the zenoh network, by certificate: a source publishes as itself and as no other.
 
 The names are the certificates' common names. zenoh reads them at its start and not again: after a change the service is
 started anew. What is refused is dropped without a word to its sender, and shows as a source that is never heard of.

@@ -15,7 +15,7 @@ def alert(row: AlertRow) -> schemas.AlertOut:
 
 
 def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
-    """Of `AlertOut`, for lists that are encoded without a model."""
+    """Render the fields of `AlertOut`, for lists that are encoded without a model."""
     return {
         "id": row.id,
         "machine": row.machine_id,

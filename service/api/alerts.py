@@ -87,7 +87,7 @@ def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_op
 def acknowledge_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
-    """A person has seen it."""
+    """Note that a person has seen it."""
     change = Change(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.acknowledge(session, row, _person(said)))
 

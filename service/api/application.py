@@ -209,7 +209,7 @@ def _routes() -> list[BaseRoute]:
 
 @asynccontextmanager
 async def _served(app: FastAPI) -> AsyncIterator[None]:
-    """From the start of the server to its end."""
+    """Set up what belongs to a running server, from its start to its end."""
     current_default_thread_limiter().total_tokens = THREADS
     async with app.state.repeated.written():
         yield
@@ -217,7 +217,7 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
-    """Nothing is asked but through the guard; it looks at every route, and raises Undeclared for one that says nothing."""
+    """Put the guard in front of everything; raises Undeclared for a route that says nothing of who may use it."""
     app.state.security = security
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)

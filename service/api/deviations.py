@@ -101,7 +101,7 @@ def _not_tested(machine: Machine, name: str) -> str:
 
 
 def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None:
-    """Of some parameters; both components of an unbalance."""
+    """Return the coordinates of some parameters; both components of an unbalance."""
     if parameters is None:
         return None
     return [name for name in point.names if name in parameters or parameter_of(name) in parameters]

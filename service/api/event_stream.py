@@ -107,11 +107,11 @@ class Broadcaster:
             return client
 
     def leave(self, client: Client) -> None:
-        """A client is gone."""
+        """Forget a client that is gone."""
         self._clients.discard(client)
 
     def end(self) -> None:
-        """The service stops: all streams end, once their clients have what there is."""
+        """End all streams, once their clients have what there is."""
         self._ended = True
         for client in self._clients:
             client.slow = True
@@ -247,7 +247,7 @@ async def stream_alert_events(
     last_event_id: Annotated[int | None, Header(ge=0, le=2**62, description="continue behind this event")] = None,
     after: Annotated[int | None, Query(ge=0, le=2**62, description="the same, for clients that cannot set headers")] = None,
 ) -> StreamingResponse:
-    """Alert events as they happen (server-sent events); `data` is an alert event in JSON."""
+    """Stream alert events as they happen (server-sent events); `data` is an alert event in JSON."""
     broadcaster: Broadcaster = request.app.state.broadcaster
     database(request).check()
     begin = last_event_id if last_event_id is not None else after

@@ -138,7 +138,7 @@ class ResponseCache:
 
 
 def _passed_over(task: "asyncio.Task[_Kept]") -> None:
-    """Nobody waits for it: whoever asks next, and finds no answer, is told what was wrong."""
+    """Pass over an error that nobody waits for: the next request meets it again."""
     if not task.cancelled():
         task.exception()
 

@@ -49,7 +49,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
 
 
 def estimate(row: EstimateRow, units: ParameterUnits) -> schemas.EstimateOut:
-    """In the units chosen in the place of SI."""
+    """Render an estimate in the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
     magnitude, angle, half_width = _polar(row)
     return schemas.EstimateOut(
@@ -93,7 +93,7 @@ def job(row: JobRow) -> schemas.JobOut:
 
 
 def derived(row: DerivedRow, units: ParameterUnits) -> schemas.DerivedOut:
-    """In the units chosen in the place of SI."""
+    """Render a derived quantity in the units chosen in the place of SI."""
     unit, size = shown_in(row.unit, units)
     return schemas.DerivedOut(
         name=row.name,

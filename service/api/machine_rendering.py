@@ -12,7 +12,7 @@ from storage.tables import (
 
 
 def listed_machine(one: ListedMachine) -> dict[str, Any]:
-    """Of `MachineSummary`, for lists that are encoded without a model."""
+    """Render the fields of `MachineSummary`, for lists that are encoded without a model."""
     return {
         "id": one.id,
         "plant": one.plant,

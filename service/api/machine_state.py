@@ -54,7 +54,7 @@ class PastState(BaseModel):
 
 @router.get("/{machine_id}/state", operation_id="read_machine_state")
 def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
-    """Stopped, slow roll, run-up, at speed, run-down or trip; the open run and how far it has come."""
+    """Tell the state: stopped, slow roll, run-up, at speed, run-down or trip; and how far the open run has come."""
     machine = machines.document(session, machine_id)
     now = standing(session, machine_id)
     if now is None:
@@ -92,7 +92,7 @@ def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | No
 
 @router.get("/{machine_id}/states", operation_id="list_machine_states")
 def list_machine_states(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[PastState]:
-    """States entered in a time range, newest first. Samples that come late change runs, not this history."""
+    """List states entered in a time range, newest first. Samples that come late change runs, not this history."""
     machines.get(session, machine_id)
     rows = runs.states(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [

@@ -168,7 +168,7 @@ def _kept(store: Store) -> _Kept:
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:
-    """States in which nothing is as well: of a series that begins at 1 a monitoring system sees no rise."""
+    """Count states without any as 0: of a series that begins at 1 a monitoring system sees no rise."""
     return dict.fromkeys(states, 0) | dict(counts)
 
 

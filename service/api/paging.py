@@ -50,7 +50,7 @@ class Paging:
 
 
 def _list_of(request: Request) -> int:
-    """Tells lists apart: a cursor of one says nothing in another."""
+    """Tell lists apart: a cursor of one says nothing in another."""
     return zlib.crc32(request.url.path.encode())
 
 

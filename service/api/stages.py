@@ -116,7 +116,7 @@ def _assessment(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _prognosis(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Computed when it is asked for, by trend-tests; nothing of it is stored."""
+    """Report on prognosis: computed by trend-tests when it is asked for, never stored."""
     busy = held.newest_diagnosis is not None
     state, words = _state(parts, "database", busy=busy, idle="no machine has a complete baseline yet")
     if state == "ok":
@@ -139,7 +139,7 @@ def _advice(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _state(parts: Mapping[str, str], part: str, *, busy: bool, idle: str) -> tuple[State, str]:
-    """By the part of the service that does the work, and whether there was any. A part that is not here is not known."""
+    """Tell the state by the part of the service that does the work, and whether there was any; an absent part is not known."""
     words = parts.get(part, "ok")
     if words != "ok":
         return "failed", f"{part}: {words}"

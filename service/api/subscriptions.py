@@ -34,7 +34,7 @@ def list_subscriptions(request: Request, session: Reading, paging: ById) -> list
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
 def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
-    """Be told of every event from now on. A webhook's secret is shown here, once."""
+    """Subscribe to every event from now on. A webhook's secret is shown here, once."""
     if said.kind in ("webhook", "alertmanager"):
         parsed(said.target)
     who = principal(request)

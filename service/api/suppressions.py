@@ -36,7 +36,7 @@ def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> 
 def begin_suppression(
     request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
 ) -> schemas.SuppressionOut:
-    """A machine in maintenance, a probe out of service: alerts open and to come call nobody until it is ended."""
+    """Suppress alerts of a machine in maintenance or a probe out of service: open ones and new ones, until it is ended."""
     until = None if said.until is None else instant(said.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
@@ -64,7 +64,7 @@ def read_suppression(session: Reading, response: Response, suppression_id: Numbe
 def end_suppression(
     request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.SuppressionOut:
-    """Alerts whose cause is there call again."""
+    """End a suppression: alerts whose cause is there call again."""
     with database(request).transaction() as session:
         row = suppressions.get(session, suppression_id)
         require(if_match, rendering.suppression(row))

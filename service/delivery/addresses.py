@@ -1,4 +1,4 @@
-"""Where deliveries may go: to public addresses, and to the private networks that the operator names.
+"""Restricts deliveries to public addresses and to the private networks that the operator names.
 
 A receiver's URL is given by a person over the API; without this guard it could make the service talk to machines that only
 the service can reach. The address is looked up once and the connection goes to what was looked up, so that a name that

@@ -31,7 +31,7 @@ class Network:
     session: zenoh.Session
 
     async def send(self, message: Message) -> Outcome:
-        """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
+        """Publish an event. Nobody confirms it: who must not miss one asks for the last state, or for events over REST."""
         key = alert_key(message.plant, message.event)
         try:
             await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)

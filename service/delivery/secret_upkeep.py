@@ -56,7 +56,7 @@ class SecretWatch:
 
     @property
     def warnings(self) -> list[str]:
-        """In words."""
+        """Say in words what is wrong with them."""
         return [*self._found.unsigned, *self._found.plain]
 
     @property

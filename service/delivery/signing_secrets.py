@@ -1,4 +1,4 @@
-"""Where the secrets that sign webhooks are kept: sealed in the database, or in a file or a variable, which it refers to.
+"""Keeps the secrets that sign webhooks: sealed in the database, or in a file or a variable, which it refers to.
 
 Whoever may make subscriptions names a file or a variable: therefore only files of one folder, only variables of one prefix,
 and only what is a webhook's secret by its form. Nothing else of the service's machine can be named, used or guessed that way.
@@ -43,7 +43,7 @@ class SigningSecrets:
 
     @classmethod
     def of(cls, settings: Settings, *, make: bool = False) -> "SigningSecrets":
-        """As the settings say. make: whether a key may be made where none is set, beside an SQLite file."""
+        """Read the settings. make: whether a key may be made where none is set, beside an SQLite file."""
         folder = Path(settings.webhook_secrets_folder) if settings.webhook_secrets_folder else None
         file = key_file(settings)
         if file is None:

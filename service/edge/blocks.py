@@ -148,7 +148,7 @@ class BlockStream:
         yield from self._work(ended=False)
 
     def finish(self) -> Iterator[Outcome]:
-        """Nothing follows any more: what is left over is worked off as far as it makes blocks."""
+        """Work off what is left over, as far as it makes blocks: nothing follows any more."""
         if self._values is not None:
             yield from self._work(ended=True)
         self._position = self._values = None
@@ -276,7 +276,7 @@ class BlockStream:
         return self._counted(angle), start
 
     def _counted(self, angle: ShaftAngle) -> ShaftAngle:
-        """With several marks per turn: the angle counted from the same mark as before."""
+        """Count the angle from the same mark as before, where there are several marks per turn."""
         at, per_turn = self._at, self._settings.pulses_per_turn
         if per_turn == 1 or at.mark is None:
             return angle
@@ -320,7 +320,7 @@ class BlockStream:
         return self._values[:, round(start * self._at.sampling_rate) - (self._first - self._at.segment) :]
 
     def _forget(self) -> None:
-        """Samples before the next block's window."""
+        """Forget samples before the next block's window."""
         assert self._values is not None
         needless = self.first_needed() - self._first
         if needless > 0:

@@ -1,4 +1,4 @@
-"""Why a file of waveforms cannot be read, wholly or from some place on."""
+"""The error of a file of waveforms that cannot be read, wholly or from some place on."""
 
 
 class FileTrouble(Exception):

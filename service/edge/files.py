@@ -39,7 +39,7 @@ class WaveformFile(Protocol):
 
 
 def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformFile:
-    """By the ending of its name. Raises FileTrouble."""
+    """Open a file by the ending of its name. Raises FileTrouble."""
     try:
         match path.suffix.lower():
             case ".wav":

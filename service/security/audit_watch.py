@@ -34,11 +34,11 @@ class AuditWatch:
         """What does not hold, for people; it stays until the next start."""
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End."""
+        """End the thread."""
         self._stop.set()
         self._thread.join()
 

@@ -48,7 +48,7 @@ class Credentials:
 
     @classmethod
     def of(cls, headers: Mapping[bytes, bytes], *, cookie: str) -> "Credentials":
-        """From a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
+        """Take them from a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
         said = headers.get(b"authorization", b"").decode("latin-1").strip()
         if said and not said.lower().startswith(SCHEME):
             raise Unauthenticated("Authorization must be 'Bearer' and an API key or a token")
@@ -130,7 +130,7 @@ class Authentication:
             return False
 
     def forget(self, cookie: str) -> None:
-        """A session that was ended opens nothing from now on, in this process."""
+        """Forget a session that was ended: it opens nothing from now on, in this process."""
         self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
 
     def key(self, text: str) -> Principal:

@@ -58,7 +58,7 @@ def create_key(
 
 @key_app.command("list")
 def list_keys(database: Store = None) -> None:
-    """Every key there ever was, without its secret."""
+    """List every key there ever was, without its secret."""
     from storage import keys
     from storage.clock import now
 
@@ -211,7 +211,7 @@ def _state(row: "ApiKeyRow", *, at: int) -> str:
 
 
 def _require_plant(name: str) -> None:
-    """As a machine's document names it: a key for another name would open nothing."""
+    """Require a plant as a machine's document names it: a key for another name would open nothing."""
     try:
         TypeAdapter(Identifier).validate_python(name)
     except ValidationError:

@@ -26,7 +26,7 @@ class Security:
 
     @classmethod
     def of(cls, settings: Settings) -> "Security":
-        """As the settings say."""
+        """Read the settings."""
         tokens = open_id = None
         if settings.oidc_issuer:
             open_id = OpenId(

@@ -1,4 +1,4 @@
-"""What somebody on the network could reach of a service, and why: from its settings and its store, without asking it anything.
+"""Finds out what a stranger on the network could reach of a service, and why, from its settings and its store alone.
 
 A door is open where plant data can be read or written from the network without anybody saying who they are.
 """

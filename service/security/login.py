@@ -78,7 +78,7 @@ def read_style() -> Response:
 
 @router.post("/login")
 async def log_in(request: Request) -> Response:
-    """With an API key."""
+    """Log in with an API key."""
     address = request.client.host if request.client else "unknown"
     body = b""
     async for part in request.stream():
@@ -132,7 +132,7 @@ def begin_at_issuer(request: Request) -> Response:
 
 @router.get(CALLBACK)
 def come_back(request: Request) -> Response:
-    """From the issuer, with a code."""
+    """Come back from the issuer, with a code."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None or security.tokens is None:
         return _page(request, "No issuer is configured.", 404)

@@ -21,7 +21,7 @@ class Role(IntEnum):
 
     @property
     def label(self) -> str:
-        """As it is written in keys, tokens and answers."""
+        """Write the role as in keys, tokens and answers."""
         return self.name.lower()
 
     @classmethod

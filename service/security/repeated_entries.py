@@ -1,4 +1,4 @@
-"""What somebody can bring about as often as they like, such as refusals and logins, is in the audit trail once a minute.
+"""Keeps repeated refusals and logins in the audit trail down to one entry a minute.
 
 The first is written at once. Those of the same principal and operation that follow are counted in memory, and told in one
 entry when the minute is over: a flood of a month leaves an entry a minute, and no more.

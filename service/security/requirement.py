@@ -30,7 +30,7 @@ class Requirement:
         )
 
     async def __call__(self, request: Request) -> None:
-        """The guard has looked already; without a guard nothing is opened."""
+        """Require that the guard has looked already; without a guard nothing is opened."""
         who = getattr(request.state, "principal", None)
         if who is None or not self.met(who):
             raise HTTPException(status.HTTP_403_FORBIDDEN, "this operation needs another role")

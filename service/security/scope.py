@@ -56,7 +56,7 @@ class Visibility:
         return who.plants is None or all((who.plants, name, value) in self._seen for name, value in parameters.items())
 
     def require(self, who: Principal, parameters: Mapping[str, str]) -> None:
-        """Look. Raises NotThere."""
+        """Require that somebody sees all of this. Raises NotThere."""
         if who.plants is None:
             return
         with PlantScope(self._database, who.plants).reading() as session:
@@ -87,7 +87,7 @@ class Visibility:
 
 
 def _key(row: type[Any], value: str) -> str | int | None:
-    """By what a row is found; None for a text that is nothing's key."""
+    """Return the key by which a row is found; None for a text that is nothing's key."""
     if row is MachineRow:
         return value if value.isprintable() else None
     digits = value.isascii() and value.isdigit() and len(value) <= len(str(LARGEST))

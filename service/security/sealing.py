@@ -32,7 +32,7 @@ class Sealing:
 
     @classmethod
     def of(cls, file: Path) -> "Sealing":
-        """With the keys of a file. Raises ValueError."""
+        """Read the keys of a file. Raises ValueError."""
         return cls(read_keys(str(file)))
 
     def seal(self, secret: bytes, *, place: str) -> str:

@@ -36,7 +36,7 @@ class Recorded:
 
     @contextmanager
     def transaction(self) -> Iterator[Session]:
-        """As the database's."""
+        """Open a transaction as the database does."""
         with self._store.transaction() as session:
             yield session
             session.flush()
@@ -44,11 +44,11 @@ class Recorded:
         self.written = True
 
     def reading(self) -> AbstractContextManager[Session]:
-        """As the database's."""
+        """Open a reading session as the database does."""
         return self._store.reading()
 
     def check(self) -> None:
-        """As the database's."""
+        """Check as the database does."""
         self._store.check()
 
     def _append(self, session: Session) -> None:

@@ -1,4 +1,4 @@
-"""Where messages travel: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
+"""Keys of messages: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
 
 import re
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Key:
 
     @classmethod
     def parse(cls, key: str) -> "Key":
-        """From a full key expression. Raises Rejected."""
+        """Parse a full key expression. Raises Rejected."""
         parts = key.split("/")
         if len(parts) != 5 or parts[:2] != ["rundown", "v1"] or not all(IDENTIFIER.match(p) for p in parts[2:4]):
             raise Rejected("key_mismatch", f"'{key[:200]}' is not rundown/v1/<plant>/<machine>/samples")
@@ -56,5 +56,5 @@ class Key:
 
     @property
     def live(self) -> str:
-        """Liveliness token of the machine's source."""
+        """Return the liveliness token of the machine's source."""
         return f"rundown/v1/live/{self.plant}/{self.machine}"

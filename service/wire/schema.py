@@ -1,4 +1,4 @@
-"""What a message says: one schema for all encodings, with its version and limits."""
+"""The schema of a message: one for all encodings, with its version and limits."""
 
 import msgspec
 
