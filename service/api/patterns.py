@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from service.delivery.signing_secrets import FILE_NAME, VARIABLE, VARIABLE_PREFIX
+from service.secret_references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 
 WORDS: Mapping[str, str] = {
     r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",

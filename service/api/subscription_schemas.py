@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from estimator.written import Written
 from service.api.fields import Name
-from service.delivery.signing_secrets import FILE_NAME, VARIABLE
+from service.secret_references import FILE_NAME, VARIABLE
 
 _ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 

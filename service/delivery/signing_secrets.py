@@ -12,6 +12,7 @@ from pathlib import Path
 
 from estimator.errors import Conflict
 from service.delivery.signing import PREFIX, key_of
+from service.secret_references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 from service.security.sealing import SEALED, SealBroken, Sealing, make_key
 from service.settings import Settings
 from storage.claim import file_of
@@ -20,9 +21,6 @@ from storage.tables import SubscriptionRow
 
 FILE, ENVIRONMENT = "file:", "env:"
 """With which references begin in the database."""
-VARIABLE_PREFIX = "RUNDOWN_WEBHOOK_SECRET_"
-VARIABLE = rf"^{VARIABLE_PREFIX}[A-Z0-9_]{{1,64}}$"
-FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 LARGEST_FILE = 1024
 """No secret is longer [B]."""
 SHORTEST, LONGEST = 24, 64
