@@ -10,64 +10,62 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi_offline import FastAPIOffline
 from starlette.routing import BaseRoute
 
-from service.api import (
-    alerts,
-    baselines,
-    bode,
-    calibrations,
-    comparisons,
-    dashboard,
-    deviations,
-    diagnoses,
-    drawing,
-    event_stream,
-    fleet,
-    identifications,
-    ingestion,
-    limits,
-    machine_state,
-    machines,
-    measurements,
-    metrics,
-    model,
-    operations,
-    orbits,
-    people,
-    replicas,
-    run_quality,
-    slow_roll,
-    stages,
-    subscriptions,
-    suppressions,
-    timeline,
-    trends,
-)
+from service.api.alerts import router as alerts
+from service.api.baselines import router as baselines
+from service.api.bode import router as bode
 from service.api.body_size import BodyLimit
+from service.api.calibrations import router as calibrations
+from service.api.comparisons import router as comparisons
 from service.api.compression import Compression
+from service.api.dashboard import router as dashboard
 from service.api.database_check import DatabaseCheck
+from service.api.deviations import router as deviations
+from service.api.diagnoses import router as diagnoses
 from service.api.documentation import add_documentation
+from service.api.drawing import router as drawing
 from service.api.error_handlers import add_handlers
 from service.api.event_stream import Broadcaster
+from service.api.event_stream import router as event_stream
+from service.api.fleet import router as fleet
 from service.api.fresh_answers import ResponseCache
 from service.api.head_requests import HeadRequests
 from service.api.idempotency import Idempotency
+from service.api.identifications import router as identifications
+from service.api.ingestion import router as ingestion
 from service.api.kept_answers import ComputedCache
+from service.api.limits import router as limits
 from service.api.machine_list import MachineList
+from service.api.machine_state import router as machine_state
+from service.api.machines import router as machines
+from service.api.measurements import router as measurements
+from service.api.metrics import router as metrics
+from service.api.model import router as model
 from service.api.model_process import ModelProcess
 from service.api.openapi import described
 from service.api.operations import Parts
+from service.api.operations import router as operations
+from service.api.orbits import router as orbits
 from service.api.overview import Overview
+from service.api.people import router as people
+from service.api.replicas import router as replicas
+from service.api.run_quality import router as run_quality
+from service.api.slow_roll import router as slow_roll
+from service.api.stages import router as stages
 from service.api.subscriptions import TryOut
+from service.api.subscriptions import router as subscriptions
+from service.api.suppressions import router as suppressions
+from service.api.timeline import router as timeline
 from service.api.trend_columns import HistoryCache
+from service.api.trends import router as trends
 from service.api.unchanged import ConditionalGet
 from service.api.unheeded import reject_unknown_parameters
 from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
-from service.security import login
 from service.security.answer_headers import SecurityHeaders
 from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.guard import Guard
+from service.security.login import router as login
 from service.security.operations import Operations
 from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
@@ -200,10 +198,10 @@ def _routes() -> list[BaseRoute]:
         people,
     ):
         # Not by way of another router: the framework works out each operation anew for every level.
-        router.include_router(part.router, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
-    router.include_router(metrics.router)
-    router.include_router(dashboard.router)
-    router.include_router(login.router)
+        router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
+    router.include_router(metrics)
+    router.include_router(dashboard)
+    router.include_router(login)
     return router.routes
 
 
