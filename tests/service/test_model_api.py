@@ -16,7 +16,7 @@ from estimator.machine import Noise
 from estimator.misalignment_force import coupling_forces
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import model_at
-from service.api import openapi
+from service import openapi_command
 from service.api.kept_answers import ComputedCache
 from storage import machines, runs
 from storage import samples as sample_store
@@ -225,7 +225,7 @@ ASKED = {"parameter": "coupling.C1.kxx", "rpm": 1000}
 def takes_units() -> dict[str, tuple[str, dict[str, Any]]]:
     """Every path whose answer is declared to come in units that are asked for, such units, and what else is asked."""
     found = {}
-    for path, item in openapi.document()["paths"].items():
+    for path, item in openapi_command.document()["paths"].items():
         takes = {one["name"]: one for one in item.get("get", {}).get("parameters", [])}
         if "units" in takes:
             units = "n_um" if "n_um" in takes["units"]["description"] else "hz,mil_p,rad_lead"
