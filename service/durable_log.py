@@ -270,7 +270,7 @@ class DurableLog:
         return f"the log {self._path} is damaged ({detail}); move it away: a new one begins a new epoch"
 
     def _named(self, error: sqlite3.Error) -> LogError:
-        """Raise errors of SQLite as errors of the log."""
+        """The error of SQLite in our terms."""
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code in _IN_USE:
             return LogInUse(f"the log {self._path} is in use by another process: a source runs once")

@@ -55,7 +55,7 @@ class Leasing:
 
     @property
     def alive(self) -> bool:
-        """Tell whether the thread runs."""
+        """Whether the thread runs."""
         return self._thread.is_alive()
 
     @property

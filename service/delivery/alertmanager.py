@@ -38,7 +38,7 @@ class Alertmanager:
         return await post(self.client, url, body, {"content-type": "application/json"}, self.allowed)
 
     def _alerts(self, message: Message) -> list[dict[str, object]]:
-        """Post the alert, and any other severity of it as ended: the severity is a label, and labels make the identity."""
+        """The alert, and the same of any other severity as ended: the severity is a label and labels make the identity."""
         event = message.event
         ended = None if event.state in FIRING else event.at
         return [

@@ -1,4 +1,4 @@
-"""The interface of every delivery channel."""
+"""What every way of delivery has in common."""
 
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -18,7 +18,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a try. gone: the receiver wants nothing more, ever. retry_after: the receiver's own wish [s]."""
+    """How a try went. gone: the receiver wants nothing more, ever. retry_after: the receiver's own wish [s]."""
 
     result: Result
     answer: str

@@ -8,12 +8,12 @@ CONTENT_TYPE = "application/cloudevents+json"
 
 
 def event_id(message: Message) -> str:
-    """Return the same for every try: what a receiver knows repeats by."""
+    """The same for every try: what a receiver knows repeats by."""
     return f"alert-{message.event.alert}-{message.event.number}"
 
 
 def cloud_event(message: Message) -> bytes:
-    """Return the JSON body. `sequence` counts the alert's events from 1: a receiver can bring them into order."""
+    """The JSON body. `sequence` counts the alert's events from 1: a receiver can bring them into order."""
     event = message.event
     return json.dumps(
         {

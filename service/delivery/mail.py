@@ -55,7 +55,7 @@ class Mail:
 
 
 def letter(settings: Settings, target: str, message: Message) -> EmailMessage:
-    """Return the mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
+    """The mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]
     mail = EmailMessage()

@@ -20,7 +20,7 @@ ALL_ALERTS = "rundown/v1/*/*/alerts/*"
 
 
 def alert_key(plant: str, event: AlertEvent) -> str:
-    """Tell where an alert's events are published."""
+    """Where an alert's events are published."""
     return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
 
 
@@ -31,7 +31,7 @@ class Network:
     session: zenoh.Session
 
     async def send(self, message: Message) -> Outcome:
-        """Publish an event. Nobody confirms it: who must not miss one asks for the last state, or for events over REST."""
+        """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
         key = alert_key(message.plant, message.event)
         try:
             await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)

@@ -115,18 +115,18 @@ class BlockStream:
         self._values: Floats | None = None
 
     def margin(self) -> float:
-        """Return the length of the window on each side of a block [s]."""
+        """Length of the window on each side of a block [s]."""
         if self._settings.seconds is not None:
             return MARGIN * self._settings.seconds
         return MARGIN_TURNS * 60.0 / self._settings.lowest_rpm
 
     def first_needed(self) -> int:
-        """Return the number of the first sample that must be read to go on."""
+        """Number of the first sample that must be read to go on."""
         at = self._position
         return 0 if at is None else at.segment + self._index(at.begin - self.margin())
 
     def feed(self, chunk: Chunk) -> Iterator[Outcome]:
-        """Yield everything that can be worked off with this chunk."""
+        """Everything that can be worked off with this chunk."""
         at = self._position
         goes_on = at is not None and chunk.sampling_rate == at.sampling_rate
         if at is not None and self._values is None:
@@ -148,7 +148,7 @@ class BlockStream:
         yield from self._work(ended=False)
 
     def finish(self) -> Iterator[Outcome]:
-        """Work off what is left over, as far as it makes blocks: nothing follows any more."""
+        """Nothing follows any more: what is left over is worked off as far as it makes blocks."""
         if self._values is not None:
             yield from self._work(ended=True)
         self._position = self._values = None
@@ -181,7 +181,7 @@ class BlockStream:
         return self._with(angle, start, begin, until, end, notes)
 
     def _by_turns(self, ended: bool) -> Outcome | None:
-        """Return blocks from edge to edge; the window grows until the block's last edge is in it."""
+        """Blocks from edge to edge; the window grows until the block's last edge is in it."""
         begin, settings, known = self._at.begin, self._settings, self._known()
         turns = settings.turns or 0
         shortest, longest = turns * 60.0 / settings.highest_rpm, turns * 60.0 / settings.lowest_rpm
@@ -200,7 +200,7 @@ class BlockStream:
                 return self._without(begin, end, found)
 
     def _from_edge_to_edge(self, angle: ShaftAngle | Found, start: float, end: float) -> Outcome | Found:
-        """Return the block whose last edge lies before `end`, or why there is none yet."""
+        """The block whose last edge lies before `end`, or why there is none yet."""
         at, turns = self._at, self._settings.turns or 0
         if isinstance(angle, Found):
             return angle
@@ -220,7 +220,7 @@ class BlockStream:
         return Found("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
 
     def _with(self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[Found]) -> Outcome:
-        """Return the block from `begin` to `until`; the next one begins at `end`."""
+        """The block from `begin` to `until`; the next one begins at `end`."""
         at, settings = self._at, self._settings
         values = self._window(start)
         block = track_block(
@@ -257,7 +257,7 @@ class BlockStream:
         return Outcome(None, self._time_ns((begin + end) / 2.0), found, replace(at, begin=end))
 
     def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | Found, float]:
-        """Return the shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
+        """The shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
         at, settings = self._at, self._settings
         first = max(self._index(begin), self._first - at.segment)
         start = first / at.sampling_rate
@@ -276,7 +276,7 @@ class BlockStream:
         return self._counted(angle), start
 
     def _counted(self, angle: ShaftAngle) -> ShaftAngle:
-        """Count the angle from the same mark as before, where there are several marks per turn."""
+        """With several marks per turn: the angle counted from the same mark as before."""
         at, per_turn = self._at, self._settings.pulses_per_turn
         if per_turn == 1 or at.mark is None:
             return angle
@@ -291,7 +291,7 @@ class BlockStream:
         return replace(angle, edge_angle=angle.edge_angle + spacing * ahead)
 
     def _mark(self, angle: ShaftAngle, before: float) -> tuple[float, int] | None:
-        """Return the last edge up to an instant, and its number in the turn."""
+        """The last edge up to an instant, and its number in the turn."""
         per_turn = self._settings.pulses_per_turn
         known = np.flatnonzero(angle.edge_time <= before + ROUNDING)
         if per_turn == 1 or not known.size:
@@ -310,17 +310,17 @@ class BlockStream:
         return float(self._first - self._at.segment + self._values.shape[1]) / self._at.sampling_rate
 
     def _index(self, instant: float) -> int:
-        """Return the number, in the segment, of the first sample needed from an instant [s] on."""
+        """Number, in the segment, of the first sample needed from an instant [s] on."""
         assert self._position is not None
         return max(0, math.floor(instant * self._position.sampling_rate))
 
     def _window(self, start: float) -> Floats:
-        """Return samples from an instant [s] on."""
+        """Samples from an instant [s] on."""
         assert self._values is not None
         return self._values[:, round(start * self._at.sampling_rate) - (self._first - self._at.segment) :]
 
     def _forget(self) -> None:
-        """Forget samples before the next block's window."""
+        """Samples before the next block's window."""
         assert self._values is not None
         needless = self.first_needed() - self._first
         if needless > 0:

@@ -34,17 +34,17 @@ class AuditWatch:
         """What does not hold, for people; it stays until the next start."""
 
     def start(self) -> None:
-        """Start the thread."""
+        """Begin."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread."""
+        """End."""
         self._stop.set()
         self._thread.join()
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Return figures for a monitoring system, by the name of the metric."""
+        """Figures for a monitoring system, by the name of the metric."""
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
     def look(self, *, tell: bool = False) -> None:
