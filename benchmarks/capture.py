@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.capture import thinned
-from estimator.condensation import Floats
 from estimator.identification import identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.simulation import Truth, draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
 

@@ -23,10 +23,10 @@ import yaml
 from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import EXAMPLES
+from estimator.arrays import Complexes, Floats
 from estimator.beating import find_beats
 from estimator.channel_status import ChannelStatus
 from estimator.coast_down import coast_down
-from estimator.condensation import Complexes, Floats
 from estimator.gate import Gated, identify_gated
 from estimator.identification import Identification, Options, identify
 from estimator.keyphasor import shaft_angle

@@ -18,7 +18,7 @@ import numpy as np
 import yaml
 from threadpoolctl import threadpool_limits
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.orbit import orbit_findings

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.machine import SpeedRange
 from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance
+from estimator.rules import SpeedRange
 from estimator.segmentation import RunEnded, SweepLimits
 from estimator.units import rpm_to_rad_per_s
 

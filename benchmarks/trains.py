@@ -19,8 +19,7 @@ from estimator.condensation import condense
 from estimator.identification import Identification
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
 from estimator.units import rpm_to_rad_per_s
 
 Floats = NDArray[np.float64]

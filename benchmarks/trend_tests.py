@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.between_run_scatter import PRIOR_WEIGHT, expected_scatter
-from estimator.condensation import Floats
 from estimator.control_charts import cusum, ewma
 from estimator.deviation import Whitening, deviations
 from estimator.point import Point

@@ -21,9 +21,9 @@ from estimator.error_propagation import PhasorBand
 from estimator.estimates import CONFIDENCE_95
 from estimator.forced_response import forced_response
 from estimator.identification import identify
-from estimator.machine import Probe
 from estimator.misalignment_force import coupling_forces
 from estimator.modal_uncertainty import critical_speed_errors
+from estimator.parts import Probe
 from estimator.station_response import station_response
 from estimator.updated_model import UpdatedModel, updated_model
 

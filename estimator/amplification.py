@@ -14,11 +14,11 @@ from typing import Literal
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import critical_speed_table
 from estimator.error_propagation import standard_errors
 from estimator.forced_response import ForcedResponse, forced_response
-from estimator.machine import Probe
+from estimator.parts import Probe
 from estimator.rotor import assemble_rotor
 from estimator.station_response import displacement_row
 from estimator.turning_curve import TurningCurve
@@ -31,9 +31,11 @@ HALF_POWER = 1 / math.sqrt(2.0)
 EVEN_SPEEDS = 300
 """Speeds of the response curve beside those around the critical speeds."""
 CROWD = np.linspace(-6.0, 6.0, 49)
-"""Where they lie around a critical speed, in units of its half bandwidth ζΩ."""
+"""Speeds of the response curve around each critical speed, in units of its half bandwidth ζΩ."""
 FEWER_EVEN_SPEEDS, NARROW_CROWD = 100, np.linspace(-3.0, 3.0, 25)
-"""The same where slopes are taken too, after every identification."""
+"""Even speeds, and speeds around each critical speed, of the curve whose slopes are computed as well, after every
+identification.
+"""
 
 Position = Literal["below", "within", "above"]
 
@@ -42,8 +44,12 @@ Position = Literal["below", "within", "above"]
 class Peak:
     """A response peak.
 
-    speed, amplitude: at the top. lower, upper: speeds at 0.707 of it, None where the curve does not fall so far before it
-    ends or rises above this peak.
+    Attributes:
+        speed: Speed at the top [unit of the curve's speeds].
+        amplitude: Amplitude at the top [unit of the curve].
+        lower: Speed below the top at 0.707 of its amplitude [unit of the curve's speeds]; None where the curve does not fall
+            so far before it ends or rises above this peak.
+        upper: The same above the top [unit of the curve's speeds].
     """
 
     speed: float
@@ -53,7 +59,7 @@ class Peak:
 
     @property
     def amplification_factor(self) -> float | None:
-        """AF; from twice one side where the other is missing, None where both are."""
+        """Return AF = Nc / (N2 - N1) [-]; from twice one side where the other is missing, None where both are."""
         if self.lower is not None and self.upper is not None:
             return self.speed / (self.upper - self.lower)
         if self.lower is not None:
@@ -64,16 +70,20 @@ class Peak:
 
     @property
     def one_sided(self) -> bool:
-        """Whether only one of the two speeds was found."""
+        """Return whether only one of the two half-power speeds was found."""
         return (self.lower is None) != (self.upper is None)
 
 
 @dataclass(frozen=True)
 class SeparationMargin:
-    """How far a peak is from the operating speeds.
+    """Distance of a peak from the operating speeds.
 
-    position: of the peak to them. actual, required: [%] of the nearer operating speed; required is None where the standard
-    asks for none, and within the operating speeds, where a peak may only be critically damped.
+    Attributes:
+        peak: The peak.
+        position: Position of the peak relative to the operating speeds.
+        actual: Distance [%] from the nearer operating speed, as a part of that speed; 0 within the operating speeds.
+        required: Distance asked for [%]; None where the standard asks for none, and within the operating speeds, where a peak
+            may only be critically damped.
     """
 
     peak: Peak
@@ -83,7 +93,7 @@ class SeparationMargin:
 
     @property
     def met(self) -> bool | None:
-        """Whether the peak is where the standard wants it; None where its amplification is not known."""
+        """Return whether the peak is where the standard wants it; None where its amplification factor is not known."""
         factor = self.peak.amplification_factor
         if factor is None:
             return None
@@ -93,7 +103,15 @@ class SeparationMargin:
 
 
 def required_margin(amplification_factor: float, *, position: Position) -> float | None:
-    """Required separation margin [%]; None where there is none to require: critically damped, or within the speeds."""
+    """Return the separation margin that API RP 684 and API 617 require; formulas and caps in the module's docstring.
+
+    Args:
+        amplification_factor: AF of the peak [-].
+        position: Position of the peak relative to the operating speeds.
+
+    Returns:
+        Required margin [%]; None where none is required: critically damped, or within the operating speeds.
+    """
     if amplification_factor < CRITICALLY_DAMPED or position == "within":
         return None
     margin = 17.0 * (1.0 - 1.0 / (amplification_factor - 1.5))
@@ -101,7 +119,18 @@ def required_margin(amplification_factor: float, *, position: Position) -> float
 
 
 def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_speed: float) -> SeparationMargin:
-    """The margin of one peak to the operating speeds, all speeds in one unit."""
+    """Compute the margin of one peak to the operating speeds.
+
+    All speeds are in one unit, that of the peak.
+
+    Args:
+        peak: The peak.
+        minimum_speed: Lowest operating speed [rad/s], or the unit of the peak.
+        maximum_continuous_speed: Highest continuous operating speed [rad/s], or the unit of the peak.
+
+    Returns:
+        Actual and required margin [%].
+    """
     if peak.speed < minimum_speed:
         position: Position = "below"
         actual = 100.0 * (minimum_speed - peak.speed) / minimum_speed
@@ -117,16 +146,27 @@ def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_sp
 
 @dataclass(frozen=True)
 class SurePeak:
-    """A response peak and the standard error of its amplification factor, right within some per cent; None where AF is."""
+    """A response peak with the standard error of its amplification factor.
+
+    Attributes:
+        peak: The peak.
+        factor_error: Standard error of AF [-], right within some per cent; None where AF is None.
+    """
 
     peak: Peak
     factor_error: float | None
 
 
 def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
-    """Peaks of a curve (S,) over ascending speeds (S,), from a cubic spline through it.
+    """Find the peaks of a response curve, from a cubic spline through it.
 
-    The speeds must lie close enough for the narrowest peak: five or more within its half-power width.
+    Args:
+        speed: Speeds (S,) [rad/s], ascending, or any other unit; five or more must lie within the half-power width of the
+            narrowest peak.
+        amplitude: Amplitude (S,) at each speed [m], or any other unit.
+
+    Returns:
+        Peaks in order of speed, in the units of the arguments.
     """
     curve = TurningCurve.through(speed, amplitude)
     peaks = []
@@ -150,10 +190,24 @@ def amplification(
     minimum_speed: float,
     maximum_continuous_speed: float,
 ) -> tuple[tuple[SeparationMargin, ...], ...]:
-    """Response peaks between two speeds at places of the train, and their margins to the operating speeds, all [rad/s].
+    """Find the response peaks between two speeds at places of a train, and their margins to the operating speeds.
 
-    The response is that to the identified unbalances; places: the machine's probes or any others, a tuple for each.
-    Raises ValueError for speeds that are not ascending and positive.
+    The response is that to the identified unbalances. Source: API RP 684 and API 617 (module docstring).
+
+    Args:
+        model: The identified model.
+        places: Places of the train: the machine's probes or any others, m of them.
+        lowest: Lowest speed of the curve [rad/s].
+        highest: Highest speed of the curve [rad/s].
+        minimum_speed: Lowest operating speed [rad/s].
+        maximum_continuous_speed: Highest continuous operating speed [rad/s].
+
+    Returns:
+        For each of the m places its peaks in order of speed, with margins [%] and speeds [rad/s].
+
+    Raises:
+        ValueError: The speeds are not positive, lowest is not below highest, or minimum_speed is above
+            maximum_continuous_speed.
     """
     if not (0 < lowest < highest and 0 < minimum_speed <= maximum_continuous_speed):
         raise ValueError("speeds must be positive, lowest below highest, minimum_speed not above maximum_continuous_speed")
@@ -172,9 +226,17 @@ def amplification(
 def sure_peaks(
     model: UpdatedModel, *, places: Sequence[Probe], crossings: Complexes, lowest: float, highest: float
 ) -> tuple[tuple[SurePeak, ...], ...]:
-    """Response peaks between two speeds [rad/s] at places of the train, with the standard errors of their factors.
+    """Find the response peaks between two speeds at places of a train, with the standard errors of their factors.
 
-    crossings: eigenvalues (c,) [rad/s] at the model's critical speeds.
+    Args:
+        model: The identified model.
+        places: Places of the train, m of them.
+        crossings: Eigenvalues (c,) at the model's critical speeds [rad/s].
+        lowest: Lowest speed of the curve [rad/s].
+        highest: Highest speed of the curve [rad/s].
+
+    Returns:
+        For each of the m places its peaks, with speeds [rad/s] and errors of AF [-].
     """
     speed = _speeds(crossings, lowest, highest, even=FEWER_EVEN_SPEEDS, crowd=NARROW_CROWD)
     found = _response(model, speed, places)
@@ -185,10 +247,10 @@ def sure_peaks(
 
 
 def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[SurePeak]:
-    """Peaks of one curve (S,) with slopes (S, n).
+    """Compute the peaks of one curve (S,) with slopes (S, n).
 
-    With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by
-    dN = (2 ∂u/∂p(Nc) - ∂u/∂p(N)) dp / u'(N); the peak's own speed by dNc = -∂u'/∂p dp / u''.
+    With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by dN = (2
+    ∂u/∂p(Nc) - ∂u/∂p(N)) dp / u'(N); the peak's own speed by dNc = -∂u'/∂p dp / u''.
     """
     amplitude = np.maximum(np.abs(phasor), np.finfo(float).tiny ** 0.25)
     curve = scipy.interpolate.CubicSpline(speed, amplitude**-2)
@@ -214,7 +276,7 @@ def _response(model: UpdatedModel, speed: Floats, places: Sequence[Probe]) -> Fo
 
 
 def _speeds(crossings: Complexes, lowest: float, highest: float, *, even: int = EVEN_SPEEDS, crowd: Floats = CROWD) -> Floats:
-    """Speeds close enough to each other around every critical speed; crossings: their eigenvalues."""
+    """Choose speeds close enough to each other around every critical speed, from the eigenvalues of the crossings."""
     damping = np.maximum(np.abs(crossings.real / np.abs(crossings)), 1e-4)
     crowds = crossings.imag[:, None] * (1.0 + damping[:, None] * crowd)
     whole = np.unique(np.concatenate([np.linspace(lowest, highest, even), crowds.reshape(-1)]))

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from estimator.error_propagation import PhasorBand, phasor_band
-from estimator.machine import Bearing
+from estimator.parts import Bearing
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 from estimator.units import rad_per_s_to_rpm
@@ -24,21 +24,31 @@ from estimator.updated_model import UpdatedModel
 STANDARD_GRADES = (0.4, 1.0, 2.5, 6.3, 16.0, 40.0, 100.0, 250.0, 630.0, 1600.0, 4000.0)
 """Balance quality grades of ISO 21940-11 [mm/s]."""
 GRAM_MILLIMETRE = 1e-6
-"""[kg m]."""
+"""One gram millimetre [kg m]."""
 API_617 = 6350.0
 """4 oz in per lb, in g mm per kg: 4 × 28.3495 g × 25.4 mm × 2.20462, rounded as the standard does."""
 LEAST_SHARE, LARGEST_SHARE, LARGEST_SHARE_OVERHUNG = 0.3, 0.7, 1.3
+"""Bounds on the part of U_per in one plane [-]: least, largest, and largest where the centre of mass lies outside the
+bearings.
+"""
 
 Verdict = Literal["met", "not met", "open"]
-"""'open': the identification is not sure enough to tell."""
+"""Verdict on a plane; 'open' where the identification is not sure enough to tell."""
 
 
 @dataclass(frozen=True)
 class PlaneBalance:
-    """Residual unbalance in one bearing plane [kg m].
+    """Residual unbalance in one bearing plane.
 
-    load: mass that the journal carries at rest [kg]. iso_permissible, api_permissible: [kg m]. grade: G that the plane
-    reaches [mm/s].
+    Attributes:
+        bearing: Id of the bearing.
+        unbalance: Residual unbalance, complex [kg m].
+        lower: Lower end of the 95 % band of its magnitude [kg m].
+        upper: Upper end of the 95 % band of its magnitude [kg m].
+        load: Mass that the journal carries at rest [kg].
+        iso_permissible: Permissible unbalance by ISO 21940-11 [kg m].
+        api_permissible: Permissible unbalance by API 617 [kg m].
+        grade: Balance quality grade G that the plane reaches [mm/s].
     """
 
     bearing: str
@@ -52,18 +62,25 @@ class PlaneBalance:
 
     @property
     def iso(self) -> Verdict:
-        """Against ISO 21940-11."""
+        """Judge the plane by ISO 21940-11."""
         return _verdict(self, self.iso_permissible)
 
     @property
     def api(self) -> Verdict:
-        """Against API 617, 4W/N."""
+        """Judge the plane by API 617, 4W/N."""
         return _verdict(self, self.api_permissible)
 
 
 @dataclass(frozen=True)
 class RotorBalance:
-    """One rotor: a shaft with its discs. mass [kg]; centre: station of its centre of mass [m]; planes: driver side first."""
+    """Balance of one rotor: a shaft with its discs.
+
+    Attributes:
+        shaft: Id of the shaft.
+        mass: Mass of the rotor [kg].
+        centre: Station of its centre of mass [m].
+        planes: Both bearing planes, the driver side's first.
+    """
 
     shaft: str
     mass: float
@@ -72,23 +89,33 @@ class RotorBalance:
 
     @property
     def grade(self) -> float:
-        """G [mm/s] of the worse plane."""
+        """Return the grade G of the worse plane [mm/s]."""
         return max(plane.grade for plane in self.planes)
 
     @property
     def standard_grade(self) -> float | None:
-        """The finest grade of the standard that is met in both planes; None where none is."""
+        """Return the finest grade of the standard that both planes meet [mm/s]; None where they meet none."""
         return next((one for one in STANDARD_GRADES if self.grade <= one), None)
 
 
 def balance_grades(
     model: UpdatedModel, *, grade: float, service_speed: float, maximum_continuous_speed: float
 ) -> tuple[RotorBalance, ...]:
-    """Residual unbalance of each rotor that stands on two bearings or more, judged in the planes of the outer two.
+    """Judge the residual unbalance of each rotor in the planes of its outer two bearings (ISO 21940-11:2016, API 617).
 
-    grade: G asked [mm/s]; service_speed: highest one [rad/s], for ISO 21940-11; maximum_continuous_speed: [rad/s], for API
-    617. Shafts on fewer than two bearings cannot be judged by themselves and are left out.
-    Raises ValueError for a grade or speeds that are not positive.
+    A shaft on fewer than two bearings cannot be judged by itself and is left out.
+
+    Args:
+        model: The identified model.
+        grade: Balance quality grade G asked for [mm/s].
+        service_speed: Highest service speed, for ISO 21940-11 [rad/s].
+        maximum_continuous_speed: Maximum continuous speed, for API 617 [rad/s].
+
+    Returns:
+        One balance per rotor with two bearings or more, in the document's order.
+
+    Raises:
+        ValueError: The grade or a speed is not positive.
     """
     if not min(grade, service_speed, maximum_continuous_speed) > 0:
         raise ValueError("grade, service_speed and maximum_continuous_speed must be positive")
@@ -135,7 +162,15 @@ def _rotor_balance(
 
 
 def mass_and_centre(rotor: Rotor, shaft: str) -> tuple[float, float]:
-    """Mass [kg] of a shaft with its discs and the station [m] of their centre of mass, from rigid motions along x."""
+    """Compute the mass of a shaft with its discs and its centre of mass, from rigid motions along x.
+
+    Args:
+        rotor: The assembled rotor.
+        shaft: Id of the shaft.
+
+    Returns:
+        Mass [kg] and station of the centre of mass [m].
+    """
     stations = rotor.stations[shaft]
     first = NODE_DOFS * rotor.first_node[shaft]
     along, about = np.zeros(rotor.size), np.zeros(rotor.size)
@@ -149,7 +184,7 @@ def mass_and_centre(rotor: Rotor, shaft: str) -> tuple[float, float]:
 
 
 def _levers(station: float, ends: tuple[Bearing, Bearing]) -> tuple[float, float]:
-    """Parts of a load at a station that each of two planes carries."""
+    """Compute the parts of a load at a station that each of two planes carries."""
     second = (station - ends[0].station) / (ends[1].station - ends[0].station)
     return 1.0 - second, second
 
@@ -160,7 +195,7 @@ def _share(levers: tuple[float, float], number: int) -> float:
 
 
 def _plane_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing, Bearing]) -> PhasorBand:
-    """Unbalances (2,) in the planes of two bearings that do on a rigid rotor what those of its discs do."""
+    """Compute the unbalances (2,) in the planes of two bearings that act on a rigid rotor as those of its discs."""
     discs = model.machine.discs
     transfer = np.array([_levers(disc.station, ends) if disc.shaft == shaft else (0.0, 0.0) for disc in discs]).T
     slope = np.zeros((2, model.values.size), dtype=complex)

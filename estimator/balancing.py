@@ -10,27 +10,33 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.error_propagation import PhasorBand
 from estimator.forced_response import ForcedResponse, forced_response
 from estimator.updated_model import UpdatedModel
 
 OPTIMAL = 1e-6
-"""A limited correction is accepted when no single plane can lower the squares by more than this part of them."""
+"""Part of the squares by which no single plane may lower them for a limited correction to be accepted."""
 
 
 class BalancingFailed(ValueError):
-    """No correction within the limits was found to be the best one."""
+    """Raised when no correction within the limits was found to be the best one."""
 
 
 @dataclass(frozen=True)
 class Correction:
-    """What to add to Q planes, and what it does at m channels and S speeds [rad/s].
+    """Unbalances to add to Q planes, and their effect at m channels and S speeds.
 
-    unbalance: (Q,) complex [kg m], angles as the residual unbalances' count: from the keyphasor mark, +x to +y.
-    before, after: (S, m) vibration 0-to-peak [m] with 95 % bands, those of `after` for this very correction.
-    condition_number: of the influence coefficients, columns scaled to equal length; beyond some hundreds different
-    corrections do nearly the same, and limits are advisable.
+    Attributes:
+        planes: Ids of the Q discs.
+        channels: Ids of the m probes.
+        speed: Speeds (S,) [rad/s].
+        unbalance: Unbalances to add (Q,) [kg m]; angles count as those of the residual unbalances: from the keyphasor mark, +x
+            to +y.
+        before: Vibration (S, m) before the correction, 0-to-peak [m], with 95 % bands.
+        after: Vibration (S, m) predicted for this very correction, 0-to-peak [m], with 95 % bands.
+        condition_number: Condition number of the influence coefficients [-], columns scaled to equal length; beyond some
+            hundreds different corrections do nearly the same, and limits are advisable.
     """
 
     planes: tuple[str, ...]
@@ -44,7 +50,13 @@ class Correction:
 
 @dataclass(frozen=True)
 class CorrectionMass:
-    """A mass [g] to add at an angle [°, 0 to 360, from the keyphasor mark, +x to +y] of a plane."""
+    """A mass to add to a plane.
+
+    Attributes:
+        plane: Id of the disc.
+        grams: Mass [g].
+        angle_deg: Angle [°], 0 to 360, from the keyphasor mark, +x to +y.
+    """
 
     plane: str
     grams: float
@@ -54,10 +66,21 @@ class CorrectionMass:
 def influence_coefficients(
     model: UpdatedModel, *, planes: Sequence[str], speed: Floats, channels: Sequence[str] | None = None
 ) -> Complexes:
-    """Vibration (S, m, Q) [m/(kg m)] per unbalance in each plane.
+    """Compute the vibration per unbalance in each plane (Goodman 1964, doi:10.1115/1.3670532).
 
-    planes: ids of discs; channels: ids of probes, by default all. The vibration is Σ H U for rotation from +x to +y, and
-    Σ H conj(U) against it. Raises ValueError for unknown planes or channels.
+    The vibration is Σ H U for rotation from +x to +y, and Σ H conj(U) against it.
+
+    Args:
+        model: The identified model.
+        planes: Ids of Q discs.
+        speed: Speeds (S,) [rad/s].
+        channels: Ids of m probes; None for all.
+
+    Returns:
+        Influence coefficients H (S, m, Q) [m/(kg m)].
+
+    Raises:
+        ValueError: A plane or channel is unknown, named twice, or none is named.
     """
     picked, seen = _planes(model, planes), _channels(model, channels)
     found = forced_response(model, speed=speed)
@@ -73,12 +96,22 @@ def balance(
     weight: Floats | None = None,
     limit: Floats | None = None,
 ) -> Correction:
-    """The correction that leaves the least weighted squares of vibration.
+    """Compute the correction that leaves the least weighted squares of vibration.
 
-    planes: ids of discs to correct in. speed: (S,) [rad/s]. channels: ids of probes, by default all. weight: (S, m), by
-    default one for each. limit: (Q,) largest correction in each plane [kg m], by default none.
-    Raises ValueError for unknown planes or channels, for weights or limits of another shape or below zero, BalancingFailed
-    where limits cannot be dealt with.
+    Args:
+        model: The identified model.
+        planes: Ids of Q discs to correct in.
+        speed: Speeds (S,) [rad/s].
+        channels: Ids of m probes; None for all.
+        weight: Weight (S, m) of each vibration [-]; None for 1 everywhere.
+        limit: Largest correction (Q,) in each plane [kg m]; None for no limit.
+
+    Returns:
+        The correction, with the vibration before and after it.
+
+    Raises:
+        ValueError: A plane or channel is unknown, or weights or limits have another shape or are negative.
+        BalancingFailed: No best correction was found within the limits.
     """
     speed = np.asarray(speed, dtype=float)
     picked, seen = _planes(model, planes), _channels(model, channels)
@@ -107,7 +140,18 @@ def balance(
 
 
 def correction_masses(correction: Correction, *, radius: Sequence[float]) -> tuple[CorrectionMass, ...]:
-    """Masses that make up a correction, at a radius [m] of each plane. Raises ValueError for radii that are not positive."""
+    """Convert a correction to masses at a radius of each plane.
+
+    Args:
+        correction: Correction in Q planes.
+        radius: Radius of each of the Q planes [m].
+
+    Returns:
+        Mass [g] and angle [°] for each plane.
+
+    Raises:
+        ValueError: The radii are not Q positive numbers.
+    """
     if len(radius) != len(correction.planes) or not all(one > 0 for one in radius):
         raise ValueError(f"a positive radius [m] is needed for each of {len(correction.planes)} planes, not {list(radius)}")
     return tuple(
@@ -117,9 +161,20 @@ def correction_masses(correction: Correction, *, radius: Sequence[float]) -> tup
 
 
 def least_squares_within(matrix: Complexes, target: Complexes, limit: Floats) -> Complexes:
-    """c (Q,) that minimises |A c - b|² with |c_q| ≤ limit_q, for A (n, Q) and b (n,).
+    """Minimise |A c - b|² with |c_q| ≤ limit_q.
 
-    The least c where several do. Raises BalancingFailed where the solver ends elsewhere.
+    The shortest c is taken where several minimise it. Units are those of the arguments.
+
+    Args:
+        matrix: A (n, Q) [-].
+        target: b (n,) [-].
+        limit: Largest magnitude (Q,) of each unknown [-]; may be infinite.
+
+    Returns:
+        c (Q,) [-].
+
+    Raises:
+        BalancingFailed: The solver ended at a point that is not the minimum.
     """
     free: Complexes = np.linalg.lstsq(matrix, target, rcond=None)[0].astype(complex)
     if np.all(np.abs(free) <= limit):
@@ -135,7 +190,7 @@ def least_squares_within(matrix: Complexes, target: Complexes, limit: Floats) ->
 
 
 def _limited(matrix: Complexes, target: Complexes, bound: Floats) -> Complexes:
-    """The same for targets of length 1 and bounds that are positive and finite, by sequential quadratic programming."""
+    """Minimise for targets of length 1 and bounds that are positive and finite, by sequential quadratic programming."""
     normal, moment = np.conj(matrix).T @ matrix, np.conj(matrix).T @ target
 
     def squares(parts: Floats) -> float:
@@ -185,7 +240,7 @@ def _interleaved(phasors: Complexes) -> Floats:
 
 
 def _of_planes(found: ForcedResponse, planes: list[int], seen: list[int]) -> Complexes:
-    """Influence (S, m, Q) of the real part of each plane's unbalance; discs' unbalances are the first excitations."""
+    """Pick the influence (S, m, Q) of the real part of each plane's unbalance; discs' unbalances are the first excitations."""
     return np.asarray(found.influence[:, seen][:, :, [2 * plane for plane in planes]])
 
 

@@ -1,4 +1,4 @@
-"""Between which values the next run's estimate of a parameter lies, as long as nothing happens to the machine."""
+"""Prediction bands: the range in which the next run's estimate of a parameter lies while nothing happens to the machine."""
 
 import math
 from collections.abc import Sequence
@@ -7,17 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Complexes, Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Complexes, Floats
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import COMPONENTS, is_direct
 from estimator.point import Point
 
 QUANTILE = 0.975
+"""Quantile of Student's t for a two-sided band of 95 % [-]."""
 
 
 @dataclass(frozen=True)
 class Band:
-    """centre: mean of the baseline. lower, upper: between them lie 95 % of the next runs' estimates. SI."""
+    """Prediction band of the next run's estimate.
+
+    Attributes:
+        centre: Mean of the baseline [SI unit of the parameter].
+        lower: Lower end of the band that holds 95 % of the next runs' estimates [SI unit of the parameter].
+        upper: Upper end of that band [SI unit of the parameter].
+    """
 
     centre: float
     lower: float
@@ -25,11 +32,22 @@ class Band:
 
 
 def baseline_band(name: str, value: Floats, error: Floats) -> Band:
-    """Band of a real parameter or derived quantity from n runs' estimates (n,) and their standard errors (n,), SI.
+    """Compute the band of a real parameter or derived quantity from the estimates of n runs.
 
-    The scatter from run to run is the baseline's own, shrunk towards what is usual (`between_run_scatter`); to it comes the
-    error of a fit as the baseline's have it, and what the mean of n does not know. Direct terms are judged as logarithms.
-    Raises ValueError for an empty baseline.
+    The scatter from run to run is the baseline's own, shrunk towards what is usual (`between_run_scatter`); added are the
+    error of one fit, as the baseline's fits have it, and the uncertainty of the mean of n. Direct terms are judged as
+    logarithms.
+
+    Args:
+        name: Name of the parameter.
+        value: Estimates (n,) in the parameter's unit [SI].
+        error: Standard errors (n,) in the parameter's unit [SI].
+
+    Returns:
+        Band in the parameter's unit [SI].
+
+    Raises:
+        ValueError: The baseline is empty.
     """
     if is_direct(name):
         centre, half = _interval(
@@ -42,7 +60,7 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
 
 def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
     """The same for the magnitude of an unbalance: value (n,) complex, error (n,) of its real and imaginary part."""
-    names = tuple(name + part for part in COMPONENTS)
+    names = tuple(f"{name}.{part}" for part in COMPONENTS)
     points = [
         Point(names, np.array([v.real, v.imag]), np.diag([e.real**2, e.imag**2])) for v, e in zip(value, error, strict=True)
     ]
@@ -54,7 +72,7 @@ def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
 
 
 def _interval(points: Sequence[Point]) -> tuple[Floats, Floats]:
-    """Mean and half width (N,) of the prediction interval of another run."""
+    """Compute mean and half width (N,) of the prediction interval of another run."""
     scatter = between_run_scatter(points)
     own = np.mean([np.diag(point.covariance) for point in points], axis=0)
     spread = np.sqrt((scatter.variance + own) * (1.0 + 1.0 / len(points)))

@@ -15,47 +15,53 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
+from estimator.modal_transient import modal_deviation
 from estimator.speed_law import SpeedLaw
-from estimator.sweep_rate import modal_deviation
 
 FEWEST_TURNS = 3.0
-"""Turns of the beat that must lie behind the peak: fewer may be another resonance."""
+"""Least turns of the beat behind the peak: fewer may be another resonance."""
 FEWEST_SAMPLES = 16
-"""Samples behind a peak that are needed."""
+"""Least samples behind a peak."""
 SAMPLES_PER_TURN = 3.0
-"""The fastest turn that is believed has so many samples."""
+"""Least samples in a turn of the beat; a faster beat is not believed."""
 BEHIND = 0.5
-"""The window behind a peak begins, and ends, where the amplitude passes this part of it."""
+"""Part of the peak's amplitude at whose passing the window behind it begins, and ends [-]."""
 LARGEST_WINDOW = 200
 """Most samples in a window."""
 PEAKS = 3
-"""Most peaks looked behind, the largest first."""
+"""Most peaks whose window is searched, the largest first."""
 EXPLAINED = 0.6
-"""Part of what the background leaves that the beat must explain."""
+"""Least part of what the background leaves that the beat must explain [-]."""
 LIKELIHOOD_RATIO = 30.0
-"""Least (n - 9) times explained over unexplained squares."""
+"""Least (n - 9) times explained over unexplained squares [-]."""
 NATURAL_FREQUENCIES = 8
-"""Trial values of ω_n before each peak …"""
+"""Number of trial values of ω_n before each peak."""
 LAG = 4.0
-"""… up to this times √α before it."""
+"""Farthest trial value of ω_n before a peak, in units of √α."""
 PROMISING = 0.4
-"""Part of what the background leaves that a first look must explain."""
+"""Least part of what the background leaves that a first look must explain [-]."""
 GRID = 512
 """Points over x² of a first look."""
 DECAYS = (0.5, 2.5, 8.0)
-"""Trial decays: exponent at the end of the window."""
+"""Trial decays: exponents at the end of the window [-]."""
 BACKGROUND = 5
-"""Complex unknowns of the background."""
+"""Number of complex unknowns of the background."""
 
 
 @dataclass(frozen=True)
 class Beat:
-    """A ringing mode: natural frequency [rad/s], damping ratio [-], rate of the speed [rad/s²], signed.
+    """A ringing mode.
 
-    deviation: (S,) size of what it adds to the phasors [m], predicted from these three and scaled to what is seen. turns: of
-    the beat that were seen. explained: part of what the background leaves.
+    Attributes:
+        natural_frequency: Natural frequency ω_n [rad/s].
+        damping_ratio: Damping ratio ζ [-].
+        acceleration: Rate of the speed [rad/s²], signed.
+        deviation: Size (S,) of the mode's addition to the phasors [m], predicted from these three and scaled to the observed
+            beat.
+        turns: Turns of the beat that were seen [-].
+        explained: Part of what the background leaves that the beat explains [-].
     """
 
     natural_frequency: float
@@ -67,9 +73,15 @@ class Beat:
 
 
 def find_beats(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> tuple[Beat | None, ...]:
-    """The clearest beat in each channel of a sweep, or None.
+    """Find the clearest beat in each channel of a sweep.
 
-    speed: (S,) [rad/s] in order of time. phasor: (S, m) [m]. usable: (S, m).
+    Args:
+        speed: Speeds (S,) in order of time [rad/s].
+        phasor: Phasors (S, m) [m].
+        usable: True where a phasor may be used (S, m).
+
+    Returns:
+        For each of the m channels its clearest beat, or None.
     """
     sense = 1.0 if speed[-1] >= speed[0] else -1.0
     order = _monotone(sense * speed)
@@ -95,7 +107,7 @@ class _Chirp:
 
 
 def _monotone(place: Floats) -> NDArray[np.intp]:
-    """Samples at which the speed is beyond all before: a sweep without its reversals."""
+    """Find the samples at which the speed is beyond all before: a sweep without its reversals."""
     highest = np.maximum.accumulate(place)
     return np.flatnonzero(np.concatenate([[True], place[1:] > highest[:-1]]))
 
@@ -113,7 +125,7 @@ def _clearest(place: Floats, phasor: Complexes, sense: float) -> _Chirp | None:
 
 
 def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: float) -> _Chirp | None:
-    """The beat behind one peak, if there is one."""
+    """Find the beat behind one peak, if there is one."""
     below = np.flatnonzero(smooth[peak:] < BEHIND * smooth[peak])
     if not below.size:
         return None
@@ -146,14 +158,14 @@ def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: 
 
 
 def _background(x: Floats) -> Complexes:
-    """Orthonormal columns (n, 5) of what falls off behind a resonance."""
+    """Build orthonormal columns (n, 5) that fall off behind a resonance."""
     scaled = x / x[-1]
     columns = np.stack([np.ones_like(x), scaled, 1 / scaled, 1 / scaled**2, scaled**2], axis=1)
     return np.asarray(np.linalg.qr(columns)[0], dtype=complex)
 
 
 def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: float) -> tuple[float, float, float]:
-    """Part of the squares that the best chirp explains, roughly, its rate and its decay: a Fourier transform over x²."""
+    """Estimate the part of the squares that the best chirp explains, its rate and its decay: a Fourier transform over x²."""
     square = np.linspace(x[0] ** 2, x[-1] ** 2, GRID)
     at = np.sqrt(square)
     decay = np.array(DECAYS)[:, None] / length
@@ -171,7 +183,7 @@ def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: fl
 def _refined(
     where: Floats, values: Complexes, start: tuple[float, float, float], *, lowest: float, peak_place: float
 ) -> _Chirp | None:
-    """The chirp nearest to the values, from a start (ω_n, b, d); None where it is not clear enough."""
+    """Fit the chirp nearest to the values, from a start (ω_n, b, d); None where it is not clear enough."""
     scale = np.array([np.sqrt(0.5 / start[1]), start[1], 1.0 / (where[-1] - peak_place)])
     left_over = float(np.sqrt(np.mean(np.abs(values) ** 2)))
 
@@ -213,7 +225,7 @@ def _refined(
 
 
 def _placed(beat: _Chirp, speed: Floats, sense: float) -> Beat:
-    """The beat with what it adds to every sample: one mode through the same sweep, scaled to the size that is seen."""
+    """Add to the beat its deviation at every sample: one mode through the same sweep, scaled to the observed size."""
     frequency, acceleration = sense * beat.natural_frequency, sense / (2.0 * beat.rate)
     growth = complex(-beat.decay * abs(acceleration), frequency)
     place = np.maximum.accumulate(sense * speed)

@@ -1,10 +1,10 @@
-"""How far a machine's parameters differ from run to run while nothing happens to it, beyond the errors of the fits.
+"""Scatter of a machine's parameters from run to run while nothing happens to it, beyond the errors of the fits.
 
 A baseline of a few runs says little about its own scatter. So each variance begins as a belief, a scaled inverse χ² with
 PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own: the conjugate analysis
 of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), as it shrinks the variances of many genes (Smyth
-2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. What the fits' own errors explain
-is taken off first; where these are large beside the scatter the runs say little about it and count for less.
+2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. The part that the fits' own errors
+explain is taken off first; where these are large beside the scatter the runs say little about it and count for less.
 """
 
 import math
@@ -13,32 +13,40 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import COMPONENTS, describe
 from estimator.point import Point
 
 PRIOR_WEIGHT = 10.0
 """Degrees of freedom that the expected scatter counts for."""
 STIFFNESS_SCATTER = 0.01
-"""Expected run-to-run standard deviation of a stiffness, part of its own value or of the direct terms beside it; and of a
-gain, part of 1."""
+"""Expected run-to-run standard deviation of a stiffness, as a part of its own value or of the direct terms beside it, and of a
+gain, as a part of 1 [-].
+"""
 DAMPING_SCATTER = 0.05
-"""The same for a damping, which depends on the oil's temperature; also for a seal's inertia."""
+"""Expected run-to-run standard deviation of a damping, which depends on the oil's temperature, and of a seal's inertia, as a
+part as for a stiffness [-].
+"""
 EXCITATION_SCATTER = 0.03
-"""The same for each component of an unbalance or of another excitation, part of its magnitude."""
+"""Expected run-to-run standard deviation of each component of an unbalance or another excitation, as a part of its magnitude
+[-].
+"""
 LEAST_EXCITATION = 1.0 / 3.0
 """Small unbalances take up what the model lacks: none is expected to repeat better than this part of the largest does."""
-COMPONENTS = (".real", ".imaginary")
-GAINS = tuple(f".gain{part}" for part in COMPONENTS)
+GAIN = "gain"
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Run-to-run scatter of N parameters.
 
-    names: of the parameters. size: (N,) what a change of each is measured by, in the parameter's unit: 1 for a logarithm, the
-    direct terms beside a cross-coupled term, the magnitude of an unbalance. variance: (N,) from run to run, in the
-    parameter's unit squared. degrees_of_freedom: (N,) with which each variance is known, PRIOR_WEIGHT to PRIOR_WEIGHT + n - 1.
+    Attributes:
+        names: Names of the parameters.
+        size: Measure (N,) of a change of each [unit of the parameter]: 1 for a logarithm, the direct terms beside a
+            cross-coupled term, the magnitude of an unbalance.
+        variance: Variance (N,) from run to run [unit of the parameter squared].
+        degrees_of_freedom: Degrees of freedom (N,) with which each variance is known [-], PRIOR_WEIGHT to PRIOR_WEIGHT + n -
+            1.
     """
 
     names: tuple[str, ...]
@@ -48,9 +56,18 @@ class Scatter:
 
 
 def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
-    """Scatter of the parameters of a baseline, whose points all have the same names.
+    """Estimate the run-to-run scatter of the parameters of a baseline, shrunk towards the usual one.
 
-    Raises ValueError for an empty baseline or points of different parameters.
+    Sources: module's docstring.
+
+    Args:
+        baseline: Points of n runs with the same N parameters in the same order.
+
+    Returns:
+        Scatter of the N parameters.
+
+    Raises:
+        ValueError: The baseline is empty, or its points have different parameters.
     """
     if not baseline:
         raise ValueError("a baseline needs at least one identification")
@@ -71,57 +88,57 @@ def between_run_scatter(baseline: Sequence[Point]) -> Scatter:
 
 
 def expected_scatter(names: Sequence[str]) -> Floats:
-    """Standard deviation (N,) that is expected from run to run, part of each parameter's size."""
+    """Return the standard deviation that is expected from run to run.
+
+    Args:
+        names: Names of the N parameters.
+
+    Returns:
+        Standard deviation (N,) as a part of each parameter's size [-].
+    """
     return np.array([_expected(name) for name in names])
 
 
 def sizes(names: Sequence[str], centre: Floats) -> Floats:
-    """What a change of each parameter (N,) is measured by, in the parameter's unit, from a baseline's centre (N,)."""
+    """Compute the measure of a change of each parameter.
+
+    Args:
+        names: Names of the N parameters.
+        centre: Centre of the baseline (N,), in each parameter's unit [SI, logarithms of direct terms].
+
+    Returns:
+        Measure (N,) in each parameter's unit [SI, 1 for logarithms].
+    """
     at = dict(zip(names, centre.tolist(), strict=True))
-    excitations = {stem: math.hypot(*(at.get(stem + part, 0.0) for part in COMPONENTS)) for stem in _excitations(names)}
-    largest: dict[str, float] = {}
-    for stem, magnitude in excitations.items():
-        largest[_kind(stem)] = max(magnitude, largest.get(_kind(stem), 0.0))
+    complex_ones = {said.whole: said.quantity for said in map(describe, names) if said.component is not None}
+    excitations = {one: math.hypot(*(at.get(f"{one}.{part}", 0.0) for part in COMPONENTS)) for one in complex_ones}
+    largest: dict[str, float] = {}  # of each kind, such as unbalances, which share a unit
+    for one, magnitude in excitations.items():
+        largest[complex_ones[one]] = max(magnitude, largest.get(complex_ones[one], 0.0))
 
     def size(name: str) -> float:
-        if is_direct(name) or name.endswith(GAINS):
+        said = describe(name)
+        if said.positive or said.quantity == GAIN:
             return 1.0
-        if name.endswith(COMPONENTS):
-            stem = name.rsplit(".", 1)[0]
-            return max(excitations[stem], LEAST_EXCITATION * largest[_kind(stem)])
+        if said.component is not None:
+            return max(excitations[said.whole], LEAST_EXCITATION * largest[said.quantity])
         return _beside(name, at)
 
     return np.array([size(name) for name in names])
 
 
 def _expected(name: str) -> float:
-    if name.endswith(GAINS):
+    said = describe(name)
+    if said.quantity == GAIN:
         return STIFFNESS_SCATTER
-    if name.endswith(COMPONENTS):
+    if said.component is not None:
         return EXCITATION_SCATTER
-    term = name.partition("@")[0].rsplit(".", 1)[-1]
-    return DAMPING_SCATTER if term.startswith(("c", "m")) else STIFFNESS_SCATTER
-
-
-def _excitations(names: Sequence[str]) -> list[str]:
-    return [name.rsplit(".", 1)[0] for name in names if name.endswith(COMPONENTS)]
-
-
-def _kind(stem: str) -> str:
-    """Excitations of one kind, such as unbalances, share a unit."""
-    return stem.rsplit(".", 1)[-1]
+    return STIFFNESS_SCATTER if said.term is None or said.term.order == 0 else DAMPING_SCATTER
 
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
     """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
-    coefficient, _, knot = name.partition("@")
-    element, term = coefficient.rsplit(".", 1)
-    if term.startswith(("k_phi", "c_phi")):
-        pair = (f"{term[:5]}x", f"{term[:5]}y")
-    elif "_phi" in term:
-        pair = (f"k{term[1]}{term[1]}", f"k_phi{term[-1]}")
-    else:
-        pair = (f"{term[0]}xx", f"{term[0]}yy")
-    suffix = f"@{knot}" if knot else ""
-    known = [at[f"{element}.{one}{suffix}"] for one in pair if f"{element}.{one}{suffix}" in at]
+    said = describe(name)
+    beside = () if said.term is None else tuple(map(said.of_term, said.term.beside))
+    known = [at[one] for one in beside if one in at]
     return math.exp(sum(known) / len(known)) if known else abs(at[name]) or 1.0

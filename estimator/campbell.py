@@ -12,7 +12,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
 from estimator.machine import Machine
 from estimator.modal_reduction import EVERYTHING, modal_basis
@@ -22,21 +22,24 @@ from estimator.system_matrices import CoefficientsOverSpeed, system_matrices_ove
 from estimator.whirl import whirl
 
 SURE_ASSURANCE = 0.9
-"""A pair of shapes more alike than this is the same mode."""
+"""Assurance from which on two shapes are surely the same mode [-]."""
 LEAST_ASSURANCE = 0.1
-"""A pair of shapes less alike than this is not the same mode, even if nothing better is there."""
+"""Assurance below which two shapes are not the same mode, even if nothing better is there [-]."""
 HALVINGS = 7
-"""Times the step between two speeds is halved while shapes change too much."""
+"""Most halvings of the step between two speeds while shapes change too much."""
 COINCIDING = 1e-6
-"""Frequencies nearer than this part cannot be told apart, and need not be."""
+"""Relative distance within which frequencies cannot be told apart, and need not be [-]."""
 
 
 @dataclass(frozen=True)
 class Campbell:
-    """n curves over S spin speeds.
+    """Campbell diagram: n curves over S spin speeds.
 
-    speed: (S,) [rad/s]. eigenvalue: (S, n) λ [rad/s], NaN where a mode is overdamped. whirl: (S, n) +1 forward to -1
-    backward, NaN likewise. critical_speeds: the crossings with the synchronous line, found exactly and not on the diagram.
+    Attributes:
+        speed: Spin speeds (S,) [rad/s].
+        eigenvalue: Eigenvalues λ (S, n) [rad/s], NaN where a mode is overdamped.
+        whirl: Sense of whirl (S, n) from +1 forward to -1 backward [-], NaN likewise.
+        critical_speeds: Crossings with the synchronous line, found exactly and not on the diagram.
     """
 
     speed: Floats
@@ -46,30 +49,40 @@ class Campbell:
 
     @property
     def frequency(self) -> Floats:
-        """Damped natural frequency (S, n) [rad/s]."""
+        """Return the damped natural frequencies Im λ (S, n) [rad/s]."""
         return np.asarray(self.eigenvalue.imag)
 
     @property
     def damping_ratio(self) -> Floats:
-        """-Re λ / |λ| (S, n); negative where the mode grows."""
+        """Return the damping ratios -Re λ / |λ| (S, n) [-]; negative where a mode grows."""
         return damping_ratio(self.eigenvalue)
 
     @property
     def log_decrement(self) -> Floats:
-        """-2π Re λ / Im λ (S, n)."""
+        """Return the logarithmic decrements -2π Re λ / Im λ (S, n) [-]."""
         return log_decrement(self.eigenvalue)
 
 
 def campbell(
     machine: Machine, *, speed: Floats, highest_frequency: float, coefficients: CoefficientsOverSpeed = None
 ) -> Campbell:
-    """Campbell diagram of a machine in its sense of rotation.
+    """Compute the Campbell diagram of a machine in its sense of rotation.
 
-    speed: (S,) [rad/s], ascending, not negative. highest_frequency: [rad/s]; curves that come below it anywhere are given,
-    but none that is everywhere so heavily damped that nothing is felt of it.
-    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects. Critical speeds are those
-    up to the last speed.
-    Raises ValueError for speeds that do not ascend.
+    Modes are paired by the modal assurance criterion (Allemang & Brown 1982). A curve that is everywhere so heavily damped
+    that it cannot be felt is left out.
+
+    Args:
+        machine: The machine.
+        speed: Spin speeds (S,) [rad/s], ascending, not negative, the last above zero; critical speeds are found up to the
+            last.
+        highest_frequency: Frequency [rad/s] below which a curve must come somewhere to be shown.
+        coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+
+    Returns:
+        The diagram.
+
+    Raises:
+        ValueError: The speeds do not ascend, are negative, or end at zero.
     """
     speed = np.asarray(speed, dtype=float)
     if speed.ndim != 1 or speed.size == 0 or speed[0] < 0 or speed[-1] <= 0 or np.any(np.diff(speed) <= 0):
@@ -102,14 +115,34 @@ def campbell(
 
 
 def assurance(one: Complexes, other: Complexes, mass: Floats) -> Floats:
-    """Modal assurance criterion |xᴴMy|² / (xᴴMx · yᴴMy) between shapes (N, n) and (N, m), (n, m) between 0 and 1."""
+    """Compute the modal assurance criterion |xᴴMy|² / (xᴴMx · yᴴMy) (Allemang & Brown 1982, weighted with the mass matrix).
+
+    Args:
+        one: Shapes x (N, n) [-].
+        other: Shapes y (N, m) [-].
+        mass: Mass matrix M (N, N) [SI].
+
+    Returns:
+        Assurance (n, m), 0 to 1 [-].
+    """
     cross = np.abs(np.conj(one).T @ mass @ other) ** 2
     norms = [np.real(np.sum(np.conj(shape) * (mass @ shape), axis=0)) for shape in (one, other)]
     return np.asarray(cross / np.outer(*norms))
 
 
 def modal_assurance(before: Modes, after: Modes, mass: Floats) -> Floats:
-    """Assurance (n, m) of each mode with each; one among coinciding ones counts as all of them: their shapes are arbitrary."""
+    """Compute the assurance of each mode with each.
+
+    One among coinciding modes counts as all of them: their shapes are arbitrary.
+
+    Args:
+        before: n modes.
+        after: m modes.
+        mass: Mass matrix (N, N) [SI].
+
+    Returns:
+        Assurance (n, m), 0 to 1 [-].
+    """
     old, new = _coinciding(before.eigenvalue), _coinciding(after.eigenvalue)
     each = assurance(_orthogonal(before.shape, old, mass), _orthogonal(after.shape, new, mass), mass)
     return np.asarray(np.minimum(old @ each @ new, 1.0))
@@ -125,7 +158,7 @@ class _Follower:
         return modes(self.matrices(speed), spin=self.direction * speed, left_vectors=False)
 
     def pairs(self, lower: float, before: Modes, upper: float, after: Modes, halvings: int) -> dict[int, int]:
-        """Which mode at `upper` continues which mode at `lower`."""
+        """Pair the modes at `upper` with the modes at `lower` that they continue."""
         alike = modal_assurance(before, after, self.matrices(0.0).mass)
         moved = np.abs(after.eigenvalue[None, :] - before.eigenvalue[:, None]) / np.abs(before.eigenvalue)[:, None]
         rows, columns = scipy.optimize.linear_sum_assignment((1 - alike) + np.minimum(moved, 1.0))
@@ -141,13 +174,13 @@ class _Follower:
 
 
 def _coinciding(eigenvalue: Complexes) -> NDArray[np.bool_]:
-    """(n, n) True where two modes have the same eigenvalue, each with itself too."""
+    """Mark the modes with the same eigenvalue (n, n), each with itself too."""
     distance = np.abs(eigenvalue[:, None] - eigenvalue[None, :])
     return np.asarray(distance < COINCIDING * np.abs(eigenvalue))
 
 
 def _orthogonal(shapes: Complexes, coinciding: NDArray[np.bool_], mass: Floats) -> Complexes:
-    """The shapes, those of coinciding modes exchanged for orthogonal ones that span the same."""
+    """Replace the shapes of coinciding modes by orthogonal ones that span the same."""
     result = shapes.copy()
     for first in np.flatnonzero(coinciding.sum(axis=1) > 1):
         group = np.flatnonzero(coinciding[first])

@@ -1,4 +1,4 @@
-"""Which samples of a stretch make a run: captured by change of speed and by time, and thinned where there are far too many.
+"""Choice of the samples that make a run: captured by change of speed and by time, and thinned where there are far too many.
 
 A fit gains little from more than some hundreds of speeds and takes longer with each. Samples are picked, not averaged: a mean
 over a band of speeds is no steady state at any of them where the response curves, and its error is not what the source or the
@@ -13,18 +13,26 @@ from estimator.arrays import Floats
 Indices = NDArray[np.intp]
 
 LARGEST_COUNT = 1000
-"""A run of more samples is thinned to about so many."""
+"""Number of samples to which a longer run is thinned."""
 NOISE = 8.0
-"""Changes of speed below so many standard deviations of a reading are none."""
+"""Standard deviations of a reading below which a change of speed counts as none [-]."""
 
 
 def captured(
     *, time: NDArray[np.int64], speed: Floats, delta_speed: float | None = None, delta_time: int | None = None
 ) -> Indices:
-    """Indices of the samples to keep: the first, and each that differs enough from the last one kept.
+    """Pick the samples to keep: the first, and each that differs enough in speed or in time from the last one kept.
 
-    time: (S,) [ns], ascending. speed: (S,) [rad/s]. delta_speed [rad/s], delta_time [ns]: enough is either of them; without
-    both every sample is kept.
+    Without delta_speed and delta_time every sample is kept.
+
+    Args:
+        time: Times (S,) [ns], ascending.
+        speed: Speeds (S,) [rad/s].
+        delta_speed: Change of speed that is enough [rad/s]; None to ignore the speed.
+        delta_time: Change of time that is enough [ns]; None to ignore the time.
+
+    Returns:
+        Indices (k,) of the samples to keep.
     """
     if delta_speed is None and delta_time is None:
         return np.arange(time.size)
@@ -40,10 +48,18 @@ def captured(
 
 
 def thinned(*, time: NDArray[np.int64], speed: Floats, count: int = LARGEST_COUNT) -> Indices:
-    """Indices of at most `count` samples, all where there are no more: even along the path in speed and time together.
+    """Pick at most `count` samples, even along the path in speed and time together.
 
-    time: (S,) [ns], ascending. speed: (S,) [rad/s]. Half of the path is change of speed, half time: a resonance crossed fast
-    keeps its share, and so does a long hold, in which noise of the readings is no change of speed.
+    Half of the path is change of speed, half time: a resonance crossed fast keeps its share, and so does a long hold, in which
+    noise of the readings is no change of speed.
+
+    Args:
+        time: Times (S,) [ns], ascending.
+        speed: Speeds (S,) [rad/s].
+        count: Most samples to keep; where there are no more, all are.
+
+    Returns:
+        Indices (k,) of the samples to keep.
     """
     if time.size <= count:
         return np.arange(time.size)
@@ -55,7 +71,7 @@ def thinned(*, time: NDArray[np.int64], speed: Floats, count: int = LARGEST_COUN
 
 
 def _travelled(speed: Floats) -> Floats:
-    """How far the speed has gone up and down until each sample (S,), S at least 3, without the noise of the readings."""
+    """Compute the way of the speed up and down until each sample (S,), S at least 3, without the noise of the readings."""
     beside = np.abs(speed[1:-1] - (speed[:-2] + speed[2:]) / 2)
     # One in ten lies beyond 1.64 σ, and such a difference of three readings has √1.5 times the noise of one. The median would
     # be nothing where a converter's steps hide the noise most of the time.
@@ -70,6 +86,6 @@ def _travelled(speed: Floats) -> Floats:
 
 
 def _share(steps: Floats) -> Floats:
-    """How much of the sum of the steps lies before each sample, from 0 to 1; 0 where there are none."""
+    """Compute the part of the sum of the steps before each sample, from 0 to 1; 0 where there are none."""
     total = float(steps.sum())
     return np.concatenate([[0.0], np.cumsum(steps) / total if total > 0 else np.zeros(steps.size)])

@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.machine import Machine
 from estimator.misalignment import neighbouring_bearings
 from estimator.parameters import Coefficient, Unknowns

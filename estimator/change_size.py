@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.deviation import element_of
 from estimator.diagnosis import Cause, Reference
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 
 APART = 2.0
 """A coupling's lateral and angular stiffness have risen differently when they are so many standard errors apart."""

@@ -1,9 +1,9 @@
-"""What errors of single channels would do to a fit: a gain that is off, a run-out that was not there.
+"""Effects of errors of single channels on a fit: a gain that is off, a run-out that was not there.
 
 A fit takes the measuring chains as the document describes them. Beside its estimates it can say, to first order, how each
 would move if a channel's gain or run-out were another, and how much better the data would then be explained: the score and the
 information of those errors (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987), from one more
-linearisation at the fitted point. That is what a diagnosis tells a drifting probe from a changing bearing by.
+linearisation at the fitted point. A diagnosis tells a drifting probe from a changing bearing by this.
 """
 
 from dataclasses import dataclass, replace
@@ -11,24 +11,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem, settled
+from estimator.parameter_description import describe
 
 MOSTLY_LEFT_OUT = 0.3
-"""A channel of whose phasors more than this part was left out is itself what is wrong: all of them are looked at."""
+"""Part of a channel's phasors [-]; where more was left out, the channel itself is at fault and all of its phasors are used."""
 RUN_OUT_UNIT = 1e-6
-"""Run-outs are reckoned in micrometres while the matrices are built, so that they are of the size of everything else."""
+"""Unit [m] of run-outs while the matrices are built, so that they are of the size of everything else."""
 
 
 @dataclass(frozen=True)
 class ChannelEffects:
     """Errors of channels that a fit of n coordinates left out, e of them.
 
-    names: of the errors, such as `probe.B1L.gain.real` [-] and `probe.B1L.run_out.real` [m]. bias: (n, e) what an error of one
-    takes away from the fit's point when it is allowed for. information: (e, e) of the errors beside all coordinates.
-    score: (e,) half the derivative of -χ² by the errors. phasors: (m,) how many phasors of each channel were used.
-    amplitude: (m,) their median [m], 0 where none was used.
+    Attributes:
+        names: Names of the errors, such as `probe.B1L.gain.real` [-] and `probe.B1L.run_out.real` [m].
+        bias: Shift (n, e) of the fit's point, taken off it when an error of one unit is allowed for [SI per unit of the
+            error].
+        information: Information (e, e) of the errors beside all coordinates [1/unit²].
+        score: Half the derivative (e,) of -χ² by the errors [1/unit].
+        phasors: Number of used phasors of each of the m channels.
+        amplitude: Median amplitude of the used phasors of each of the m channels [m], 0 where none was used.
     """
 
     names: tuple[str, ...]
@@ -40,9 +45,17 @@ class ChannelEffects:
 
 
 def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> ChannelEffects:
-    """Effects of every channel's gain and run-out that the fit did not identify along.
+    """Compute the effects of every channel's gain and run-out that the fit did not identify along.
 
-    inflation: by which the fit's covariance was widened; the information and the score are worth so much less.
+    Source: score and information after Rao (1948, doi:10.1017/S0305004100023987).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
+
+    Returns:
+        Effects of e errors of channels.
     """
     whole = _with_every_channel(settled(problem, found))
     doubtful = _mostly_left_out(whole)
@@ -79,7 +92,7 @@ def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> 
 
 
 def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
-    """(m,) channels that the fit has given up."""
+    """Mark the channels that the fit has given up (m,)."""
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
     return np.asarray(left_out > MOSTLY_LEFT_OUT * np.maximum(usable, 1))
@@ -92,7 +105,7 @@ def _judged_alone(
     added: NDArray[np.intp],
     effects: tuple[Floats, Floats, Floats],
 ) -> tuple[Floats, Floats, Floats]:
-    """The effects with the errors of doubtful channels from all their phasors, against what the others' fit says of them.
+    """Compute the effects of doubtful channels' errors from all their phasors, against the fit of the others.
 
     Gain and run-out enter a channel's phasors linearly, so that this holds for errors of any size; the fit's own error there
     is small beside them and left out.
@@ -102,7 +115,7 @@ def _judged_alone(
     _, gradient, curvature = restored.linearised(theta, restored.weight(amplitude, 0.0))
     unit = problem.coordinates.unit[added]
     channels = [channel for channel, bad in zip(problem.train.channels, doubtful, strict=True) if bad]
-    theirs = np.array([problem.coordinates.names[place].split(".")[1] in channels for place in added])
+    theirs = np.array([describe(problem.coordinates.names[place]).element_id in channels for place in added])
     bias, information, score = (array.copy() for array in effects)
     bias[:, theirs] = 0.0
     information[theirs], information[:, theirs] = 0.0, 0.0
@@ -113,7 +126,7 @@ def _judged_alone(
 
 
 def _with_every_channel(problem: Problem) -> Problem:
-    """The problem with gain and run-out of each channel among its coordinates."""
+    """Return the problem with gain and run-out of each channel among its coordinates."""
     count = len(problem.train.channels)
     train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
     scale = problem.coordinates.excitation_scale

@@ -1,10 +1,10 @@
-"""What is said of one channel's value in one sample."""
+"""Status of one channel's value in one sample."""
 
 from enum import IntEnum
 
 
 class ChannelStatus(IntEnum):
-    """Stored as this number and written as its name in lower case; only a good value enters a fit."""
+    """Status of a value; stored as this number and written as its name in lower case; only a good value enters a fit."""
 
     GOOD = 0
     NOT_AVAILABLE = 1
@@ -13,5 +13,5 @@ class ChannelStatus(IntEnum):
 
     @property
     def label(self) -> str:
-        """As on the wire and in answers."""
+        """Return the name used on the wire and in answers."""
         return self.name.lower()

@@ -16,7 +16,8 @@ from functools import cached_property
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import probe_rows
 from estimator.machine import Machine
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor
@@ -25,19 +26,32 @@ from estimator.synchronous_force import synchronous_force
 from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
 
 BLOCK = 4096
-"""Steps whose forces are computed at a time."""
+"""Number of steps whose forces are computed at a time."""
 
 
 @dataclass(frozen=True)
 class CoastDown:
-    """Envelopes X (T, m) of the motions Re(X e^{jφ}) at the probes [m], at instants (T,) [s] of a speed law."""
+    """Envelopes of the motions Re(X e^{jφ}) at m probes.
+
+    Attributes:
+        law: Speed law φ(t).
+        time: Instants (T,) of the law [s].
+        phasor: Envelopes X (T, m) [m].
+    """
 
     law: SpeedLaw
     time: Floats
     phasor: Complexes
 
     def envelope(self, time: Floats) -> Complexes:
-        """The envelopes at instants (N,) [s], by cubic splines between the steps: (N, m)."""
+        """Interpolate the envelopes by cubic splines between the steps.
+
+        Args:
+            time: Instants (N,) [s].
+
+        Returns:
+            Envelopes X (N, m) [m].
+        """
         return np.asarray(self._curve(time))
 
     @cached_property
@@ -45,7 +59,14 @@ class CoastDown:
         return scipy.interpolate.CubicSpline(self.time, self.phasor)
 
     def waveforms(self, time: Floats) -> Floats:
-        """Displacement at the probes (m, N) [m] at instants (N,) [s]."""
+        """Compute the displacement at the probes.
+
+        Args:
+            time: Instants (N,) [s].
+
+        Returns:
+            Displacement (m, N) [m].
+        """
         turning = np.exp(1j * self.law.angle(time))
         return np.asarray((self.envelope(time) * turning[:, None]).real.T)
 
@@ -60,8 +81,20 @@ def coast_down(
 ) -> CoastDown:
     """Integrate a machine through a speed law, from the steady state of its first speed on.
 
-    step: [s]. coefficients: as in `system_matrices_over_speed`. excitations: (E,) [SI], by default what the document expects.
-    Raises ValueError for a step that is not positive, a speed that is not, or excitations of another number.
+    The trapezoidal rule (Newmark's of average acceleration) on the equation of the module's docstring.
+
+    Args:
+        machine: The machine.
+        law: Speed law; its speed must stay positive.
+        step: Largest step of time [s].
+        coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+        excitations: Excitations (E,) [SI]; None for the expected ones.
+
+    Returns:
+        Envelopes at the machine's probes.
+
+    Raises:
+        ValueError: The step or a speed is not positive, or the number of excitations is not E.
     """
     if not step > 0.0:
         raise ValueError(f"step is {step} s, it must be positive")
@@ -102,7 +135,7 @@ class _Motion:
     force: Complexes
 
     def at(self, i: int) -> tuple[SystemMatrices, Complexes, Complexes]:
-        """Matrices there, and those of Q̇ and of Q."""
+        """Return the matrices there, and those of Q̇ and of Q."""
         found = self.matrices(float(self.speed[i]))
         omega, alpha = self.speed[i], self.acceleration[i]
         resisting = found.damping + self.direction * omega * found.gyroscopic
@@ -111,14 +144,14 @@ class _Motion:
         return found, rate, elastic + 1j * omega * resisting + (1j * alpha - omega**2) * found.mass
 
     def steady(self) -> tuple[Complexes, Complexes]:
-        """Q and Q̇ = 0 of the steady state at the first instant, with the force of a steady speed."""
+        """Solve for Q and Q̇ = 0 of the steady state at the first instant, with the force of a steady speed."""
         found, _, _ = self.at(0)
         omega = self.speed[0]
         stiffness = found.dynamic_stiffness(1j * omega, spin=self.direction * omega)
         return np.asarray(np.linalg.solve(stiffness, self.force[0])), np.zeros_like(self.force[0])
 
     def integrate(self, state: tuple[Complexes, Complexes], step: float) -> tuple[Complexes, tuple[Complexes, Complexes]]:
-        """Q (n, N) at all instants from that at the first one, and Q and Q̇ at the last."""
+        """Integrate Q (n, N) from the first instant on; return it with Q and Q̇ at the last instant."""
         motion, velocity = state
         moved = np.empty_like(self.force)
         moved[0] = motion

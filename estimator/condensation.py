@@ -12,21 +12,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.arrays import Complexes as Complexes
-from estimator.arrays import Floats as Floats
+from estimator.arrays import Complexes, Floats
 from estimator.elimination import GivenShafts, WhirlElimination
 from estimator.machine import Machine
-from estimator.parameters import Unknowns, dense, unknowns
+from estimator.parameters import ScaleFactor, Unknowns, dense, scale_factors, unknowns
 from estimator.rotor import Rotor, assemble_rotor, plane_columns
 from estimator.shaft import NODE_DOFS
 
 BLOCK = 256
-"""Speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""
+"""Number of speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""
 
 
 @dataclass(frozen=True)
 class CondensedTrain:
-    """A train at S speeds, with n retained degrees of freedom, K coefficients, E excitations and m channels.
+    """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
 
     speed: (S,) spin speed [rad/s], positive. direction: (S,) +1 or -1.
     shafts: dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
@@ -34,7 +33,7 @@ class CondensedTrain:
     output: (m, n) displacement at each probe, along its angle.
     unknowns: names and expectations of coefficients and excitations. channels: the m channel ids.
     gain_spread, run_out_spread: (m,) how far a channel's gain [-] and run-out [m] may be off; empty: not at all.
-    scale_names, scale_spread: of the F scale factors that are not known exactly.
+    scale_factors: the F factors of E and ρ that are not known exactly.
     """
 
     speed: Floats
@@ -47,31 +46,47 @@ class CondensedTrain:
     channels: tuple[str, ...]
     gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
     run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
-    scale_names: tuple[str, ...] = ()
-    scale_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    scale_factors: tuple[ScaleFactor, ...] = ()
+
+    @property
+    def scale_names(self) -> tuple[str, ...]:
+        """Names of the scale factors."""
+        return tuple(one.name for one in self.scale_factors)
+
+    @property
+    def scale_spread(self) -> Floats:
+        """(F,) how far each may be off, relative rms [-]."""
+        return np.array([one.spread for one in self.scale_factors])
 
     @property
     def known(self) -> Complexes:
-        """Dynamic stiffness (S, n, n) of shafts and discs [N/m, N, N m/rad]."""
+        """Return the dynamic stiffness of shafts and discs (S, n, n) [N/m, N, N m/rad]."""
         return self.shafts.known()
 
     @property
     def force(self) -> Complexes:
-        """Force (S, n, 2E) per real and imaginary part of each excitation."""
+        """Return the forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit]."""
         return self.shafts.force()
 
     @property
     def owner(self) -> NDArray[np.intp]:
-        """(T,) the coefficient that each term belongs to."""
+        """Return the coefficient (T,) that each term belongs to, ascending."""
         return np.repeat(np.arange(len(self.unknowns.coefficients)), [len(c.pairs) for c in self.unknowns.coefficients])
 
     @property
     def order(self) -> NDArray[np.intp]:
-        """(K,) power of jω with which each coefficient acts."""
+        """Return the power (K,) of jω with which each coefficient acts."""
         return np.array([c.order for c in self.unknowns.coefficients], dtype=np.intp)
 
     def dynamic_stiffness(self, coefficients: Floats) -> Complexes:
-        """Z = known + Σ (jω)ⁿ p a bᵀ, shape (S, n, n), for coefficients (K,) or, where they follow the speed, (S, K)."""
+        """Assemble Z = known + Σ (jω)ⁿ p a bᵀ.
+
+        Args:
+            coefficients: Coefficients p (K,) or, where they follow the speed, (S, K) [SI].
+
+        Returns:
+            Z (S, n, n) [N/m, N, N m/rad].
+        """
         whole = self.known
         order = self.order[self.owner]
         value = coefficients[..., self.owner]
@@ -82,13 +97,27 @@ class CondensedTrain:
         return whole
 
     def force_of(self, excitations: Complexes) -> Complexes:
-        """F (S, n) for excitations (E,) or, where they differ from sample to sample, (S, E)."""
+        """Assemble the force of excitations.
+
+        Args:
+            excitations: Excitations (E,) or, where they differ from sample to sample, (S, E) [SI].
+
+        Returns:
+            F (S, n) [N, N m].
+        """
         parts = np.stack([excitations.real, excitations.imag], axis=-1)
         parts = parts.reshape(*excitations.shape[:-1], -1)
         return np.asarray((self.force @ parts[..., None])[..., 0])
 
     def pick(self, which: slice) -> "CondensedTrain":
-        """The same train at some of its speeds."""
+        """Return the same train at some of its speeds.
+
+        Args:
+            which: The speeds to keep.
+
+        Returns:
+            The train at these speeds.
+        """
         return replace(
             self,
             speed=self.speed[which],
@@ -97,23 +126,43 @@ class CondensedTrain:
         )
 
     def blocks(self) -> Iterator[slice]:
-        """Pieces of the speeds that together are all of them."""
+        """Divide the speeds into blocks of at most BLOCK.
+
+        Yields:
+            Slices of the speeds that together are all of them.
+        """
         for begin in range(0, self.speed.size, BLOCK):
             yield slice(begin, min(begin + BLOCK, self.speed.size))
 
     def scaled(self, factors: Floats) -> "CondensedTrain":
-        """The train with E and ρ of its materials multiplied by the factors (F,) of `scale_names`."""
+        """Return the train with Young's modulus E and density ρ of its materials multiplied.
+
+        Args:
+            factors: Factors (F,) of `scale_names` [-].
+
+        Returns:
+            The scaled train; the same one where there is nothing to scale.
+        """
         if factors.size == 0 or isinstance(self.shafts, GivenShafts):
             return self
         return replace(self, shafts=self.shafts.scaled(dict(zip(self.scale_names, factors, strict=True))))
 
 
 def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floats | None = None) -> CondensedTrain:
-    """Condense a machine at the given speeds.
+    """Condense a machine at the given speeds (dynamic Schur complement; compare thesis Eq. 4.8-4.20).
 
-    speed: (S,) [rad/s], positive and finite. direction: (S,) +1 for rotation from +x to +y, -1 against it. output: (m, N)
-    rows over all degrees of freedom that are looked at instead of the probes.
-    Raises ValueError for speeds that are not positive, SingularCondensation where elimination is impossible.
+    Args:
+        machine: The machine.
+        speed: Spin speeds (S,) [rad/s], positive and finite.
+        direction: Sense of rotation (S,) [-]: +1 from +x to +y, -1 against it.
+        output: Rows (m, N) over all degrees of freedom to look at [-]; None for the probes.
+
+    Returns:
+        The condensed train.
+
+    Raises:
+        ValueError: A speed is not positive and finite, or direction does not hold +1 or -1 for each speed.
+        SingularCondensation: Elimination is impossible at a speed.
     """
     speed = np.asarray(speed, dtype=float)
     direction = np.asarray(direction, dtype=float)
@@ -133,7 +182,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
     retained = np.flatnonzero(touched[: rotor.plane_size] | touched[rotor.plane_size :])
     kept = np.concatenate([retained, rotor.plane_size + retained])
-    spreads = scale_spreads(machine, rotor)
+    scales = scale_factors(machine, rotor)
     elimination = WhirlElimination.of(
         rotor,
         retained=retained,
@@ -141,7 +190,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         excitations=unknown.excitations,
         speed=speed,
         direction=direction,
-        reusable=bool(spreads),
+        reusable=bool(scales),
     )
     return CondensedTrain(
         speed=speed,
@@ -154,31 +203,26 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         channels=machine.channels,
         gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
         run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
-        scale_names=tuple(spreads),
-        scale_spread=np.array(list(spreads.values())),
+        scale_factors=scales,
     )
 
 
 def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
-    """Vectors (N, count) over (x, y, θx, θy) per node as such over the x-z plane, then the y-z plane."""
+    """Convert vectors (N, count) over (x, y, θx, θy) per node to vectors over the x-z plane, then the y-z plane."""
     x_plane, y_plane = plane_columns(rotor.size)
     return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
 
 
-def scale_spreads(machine: Machine, rotor: Rotor) -> dict[str, float]:
-    """Name and relative spread of every scale factor that is not known exactly."""
-    found: dict[str, float] = {}
-    for name in rotor.materials:
-        material = machine.materials[name]
-        if material.young_modulus_spread > 0.0:
-            found[f"material.{name}.young_modulus"] = material.young_modulus_spread
-        if material.density_spread > 0.0:
-            found[f"material.{name}.density"] = material.density_spread
-    return found
-
-
 def probe_rows(machine: Machine, rotor: Rotor) -> Floats:
-    """What each probe sees (m, N) of the motion of all degrees of freedom."""
+    """Assemble the map from the motion of all degrees of freedom to the probes.
+
+    Args:
+        machine: The machine, with m probes.
+        rotor: Its assembled rotor, with N degrees of freedom.
+
+    Returns:
+        Displacement (m, N) at each probe, along its angle, per motion of each degree of freedom [-].
+    """
     rows = np.zeros((len(machine.probes), rotor.size))
     for row, probe in zip(rows, machine.probes, strict=True):
         x = NODE_DOFS * rotor.node(probe.shaft, probe.station)

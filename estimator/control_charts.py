@@ -14,17 +14,25 @@ import numpy as np
 import scipy.optimize
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 NODES_PER_WIDTH, NODE_STEP, MOST_NODES = 2.0, 24, 360
-"""Nodes of the quadrature per standard deviation of what one value moves the chart by, in such steps: five digits hold."""
+"""Nodes of the quadrature per standard deviation of one value's effect on the chart, the step in which nodes are added, and
+their largest number; five digits hold.
+"""
 LARGEST_LIMIT = 30.0
+"""Limit at which the search for a chart's limit stops [standard deviations]."""
 
 
 def cusum(deviation: Floats, *, reference: float) -> Floats:
-    """Upper CUSUM (n,) of deviations (n,): it grows by what exceeds the reference, and never falls below 0.
+    """Compute the upper CUSUM (Page 1954): it grows by the excess over the reference, and never falls below 0.
 
-    The reference is half of the step that is to be found soonest, in standard deviations.
+    Args:
+        deviation: Standardised deviations (n,) [-].
+        reference: Half of the step that is to be found soonest, in standard deviations [-].
+
+    Returns:
+        Level of the chart (n,) [-].
     """
     grown = np.empty(deviation.size)
     level = 0.0
@@ -35,7 +43,15 @@ def cusum(deviation: Floats, *, reference: float) -> Floats:
 
 
 def change_began(deviation: Floats, *, reference: float) -> int | None:
-    """Index of the first value behind the last zero of the upper CUSUM: where the change is likeliest to have begun."""
+    """Find the likeliest beginning of a change: the first value behind the last zero of the upper CUSUM.
+
+    Args:
+        deviation: Standardised deviations (n,) [-].
+        reference: Reference of the CUSUM, in standard deviations [-].
+
+    Returns:
+        Index of that value; None where the chart stands at 0 at its end.
+    """
     grown = cusum(deviation, reference=reference)
     if not grown.size or grown[-1] == 0.0:
         return None
@@ -44,7 +60,16 @@ def change_began(deviation: Floats, *, reference: float) -> int | None:
 
 
 def cusum_run_length(*, reference: float, limit: float, shift: float = 0.0) -> float:
-    """Values until the upper CUSUM exceeds the limit, on average, when all deviations are shifted by so many σ."""
+    """Compute the average number of values until the upper CUSUM exceeds the limit (Page 1954; Goel and Wu 1971).
+
+    Args:
+        reference: Reference of the CUSUM, in standard deviations [-].
+        limit: Limit of the chart [-].
+        shift: Shift of all deviations, in standard deviations [-].
+
+    Returns:
+        Average run length [-].
+    """
     place, weight = _quadrature(0.0, limit, width=1.0)
     # From 0, where all that is below collects, and from each node to each other.
     start = np.concatenate([[0.0], place])
@@ -55,7 +80,18 @@ def cusum_run_length(*, reference: float, limit: float, shift: float = 0.0) -> f
 
 
 def ewma(deviation: Floats, *, weight: float) -> Floats:
-    """Exponentially weighted mean (n,) of deviations (n,), each divided by its own standard deviation."""
+    """Compute the exponentially weighted mean (Roberts 1959), each value divided by its own standard deviation.
+
+    Args:
+        deviation: Standardised deviations (n,) [-].
+        weight: Weight of the newest deviation, above 0, at most 1 [-].
+
+    Returns:
+        Standardised mean (n,) [-].
+
+    Raises:
+        ValueError: The weight is not above 0 and at most 1.
+    """
     if not 0.0 < weight <= 1.0:
         raise ValueError(f"weight is {weight}: it must lie between 0 and 1")
     found = np.empty(deviation.size)
@@ -68,7 +104,16 @@ def ewma(deviation: Floats, *, weight: float) -> Floats:
 
 
 def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float:
-    """Values until the two-sided EWMA leaves ±limit, its long-run standard deviations, on average."""
+    """Compute the average number of values until the two-sided EWMA leaves ±limit (Crowder 1987).
+
+    Args:
+        weight: Weight of the newest deviation [-].
+        limit: Limit in long-run standard deviations of the mean [-].
+        shift: Shift of all deviations, in standard deviations [-].
+
+    Returns:
+        Average run length [-].
+    """
     edge = limit * math.sqrt(weight / (2.0 - weight))
     place, share = _quadrature(-edge, edge, width=weight)
     start = np.concatenate([[0.0], place])
@@ -78,7 +123,7 @@ def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float
 
 
 def _quadrature(begin: float, end: float, *, width: float) -> tuple[Floats, Floats]:
-    """Nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
+    """Return nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
     count = NODE_STEP * math.ceil(NODES_PER_WIDTH * (end - begin) / width / NODE_STEP)
     place, weight = _rule(min(count, MOST_NODES))
     half = (end - begin) / 2.0
@@ -92,13 +137,24 @@ def _rule(count: int) -> tuple[Floats, Floats]:
 
 
 def _density(value: Floats) -> Floats:
-    """Of the standard normal distribution."""
+    """Compute the density of the standard normal distribution."""
     return np.asarray(np.exp(-0.5 * value**2) / math.sqrt(2.0 * math.pi))
 
 
 @cache
 def cusum_limit(*, reference: float, run_length: float) -> float:
-    """The limit with which a false alarm comes once in so many values on average. Raises ValueError below 2."""
+    """Solve for the limit at which the upper CUSUM has a stated average run length.
+
+    Args:
+        reference: Reference of the CUSUM, in standard deviations [-].
+        run_length: Average number of values from one false alarm to the next, at least 2 [-].
+
+    Returns:
+        Limit [-].
+
+    Raises:
+        ValueError: The run length is below 2.
+    """
     if run_length < 2.0:
         raise ValueError(f"run_length is {run_length}: it must be at least 2")
 
@@ -110,7 +166,18 @@ def cusum_limit(*, reference: float, run_length: float) -> float:
 
 @cache
 def ewma_limit(*, weight: float, run_length: float) -> float:
-    """The same for the two-sided EWMA."""
+    """Solve for the limit at which the two-sided EWMA has a stated average run length.
+
+    Args:
+        weight: Weight of the newest deviation [-].
+        run_length: Average number of values from one false alarm to the next, at least 2 [-].
+
+    Returns:
+        Limit in long-run standard deviations of the mean [-].
+
+    Raises:
+        ValueError: The run length is below 2.
+    """
     if run_length < 2.0:
         raise ValueError(f"run_length is {run_length}: it must be at least 2")
 

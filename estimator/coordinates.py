@@ -1,51 +1,69 @@
-"""The coordinates in which a train is fitted, and the prior that keeps undetermined directions from running away.
+"""Coordinates in which a train is fitted, and the prior that keeps undetermined directions from running away.
 
-Direct terms are fitted as ln(p / expected), so that they stay positive and a factor counts the same up and down;
-cross-coupled terms as p / scale; excitations in units of their own scale, real and imaginary part; scale factors of E and ρ
-as logarithms; gains of channels as real and imaginary part of their error, run-outs in units of their spread.
+Direct terms are fitted as ln(p / expected), so that they stay positive and a factor counts the same up and down; cross-coupled
+terms as p / scale; excitations in units of their own scale, real and imaginary part; scale factors of E and ρ as logarithms;
+gains of channels as real and imaginary part of their error, run-outs in units of their spread.
 """
 
-from dataclasses import dataclass
-from math import log, pi, sqrt
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
-from estimator.machine import SpeedDependence
-from estimator.parameters import Coefficient, Excitation, Quantity
-from estimator.sensitivity import Sensitivity
+from estimator.arrays import Complexes, Floats
+from estimator.bearing_model import CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.coefficient_models import governing_models
+from estimator.condensation import CondensedTrain
+from estimator.parameters import Coefficient, Excitation
+from estimator.quantities import Quantity
+from estimator.response import Sensitivity
 
-KNOWN_SPREAD = log(10.0)
-"""Prior standard deviation of the logarithm of a direct term whose nominal value the document gives: a factor of 10."""
-UNKNOWN_SPREAD = log(1000.0)
-"""The same where the document gives none."""
-CROSS_SPREAD = 10.0
-"""Prior standard deviation of a cross-coupled term in units of its element's direct terms."""
 UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
 
 
 @dataclass(frozen=True)
-class FollowsSpeed:
-    """A coefficient that follows the speed: its coordinates are the `count` from `first` on, at each speed mixed by weights.
+class PlacedModel:
+    """A model whose coefficients follow the speed, with its P parameters at the coordinates from `first` on.
 
-    weight: (S, count). speeds: (count,) the knots [r/min].
+    coefficients: (c,) which of the K; columns: (c,) which of the model's own each of them is. curves: at the train's speeds.
     """
 
-    coefficient: int
+    model: CoefficientModel
+    coefficients: tuple[int, ...]
+    columns: tuple[int, ...]
     first: int
-    weight: Floats
-    speeds: tuple[float, ...]
+    curves: CoefficientCurves
+
+    @cached_property
+    def places(self) -> range:
+        """Coordinates of the parameters."""
+        return range(self.first, self.first + len(self.model.parameters))
+
+    def own(self, theta: Floats) -> Floats:
+        """Parameters (P,) among all coordinates."""
+        return theta[self.first : self.places.stop]
+
+    def values(self, theta: Floats) -> Floats:
+        """Coefficients (S, c) [SI]."""
+        return self.curves.values(self.own(theta))[:, self.columns]
+
+    def derivatives(self, theta: Floats, block: slice) -> Floats:
+        """Derivatives (s, c, P) of the coefficients by the coordinates, at some of the speeds."""
+        return self.curves.derivatives(self.own(theta), block)[:, self.columns]
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """The map between physical parameters and fit coordinates θ (n,).
+    """Map between physical parameters and fit coordinates θ (n,).
 
     names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. origin, unit: origin + unit·θ
     is the value in SI, of positive ones its logarithm. Of the coefficients (K,): logarithmic, True for direct terms;
-    expected, scale in SI; place, the first coordinate of each, -1 where it is fixed; follows, those that follow the speed.
+    expected, scale in SI; place, the coordinate of each constant one, -1 where it is fixed; models, of those that follow the
+    speed. parameters: of all models, which are the first coordinates.
     Of the excitations (E,): excitation_place, -1 where fixed; excitation_scale; held, the value of those that are fixed.
     scale_place (F,), gain_place and run_out_place (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,)
     what each coefficient is; guessed: (K,) True for direct terms whose expected value no document gave.
@@ -60,7 +78,8 @@ class Coordinates:
     expected: Floats
     scale: Floats
     place: NDArray[np.intp]
-    follows: tuple[FollowsSpeed, ...]
+    models: tuple[PlacedModel, ...]
+    parameters: tuple[ModelParameter, ...]
     excitation_place: NDArray[np.intp]
     excitation_scale: Floats
     held: Complexes
@@ -72,47 +91,85 @@ class Coordinates:
 
     @classmethod
     def of(cls, train: CondensedTrain, *, unbalance_scale: float) -> "Coordinates":
-        """Coordinates and prior for the unknowns of a train."""
+        """Build coordinates and prior for the unknowns of a train.
+
+        Args:
+            train: The condensed train.
+            unbalance_scale: Scale of the excitations that have no spread of their own [SI].
+
+        Returns:
+            The coordinates.
+        """
         return _Builder(train, unbalance_scale).build()
 
     @property
     def size(self) -> int:
-        """n."""
+        """Return the number of coordinates n."""
         return len(self.names)
 
     @property
     def channel_count(self) -> int:
-        """Number of coordinates that belong to channels, which a prior keeps small."""
+        """Return the number of coordinates that belong to channels, which a prior keeps small."""
         return 2 * int(np.count_nonzero(self.gain_place >= 0) + np.count_nonzero(self.run_out_place >= 0))
 
     def point(self, theta: Floats) -> Floats:
-        """Physical values (n,) over the coordinates: logarithms of positive ones, everything else in SI."""
+        """Convert fit coordinates to physical values.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Physical values (n,) [SI, logarithms of positive ones].
+        """
         return self.origin + self.unit * theta
 
     def theta(self, point: Floats) -> Floats:
-        """Fit coordinates (n,) of physical values as `point` gives them."""
+        """Convert physical values to fit coordinates.
+
+        Args:
+            point: Physical values (n,) as `point` returns them [SI, logarithms of positive ones].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+        """
         return (point - self.origin) / self.unit
 
+    def at_speeds(self, speed: Floats) -> "Coordinates":
+        """The same coordinates at other speeds (S,) [rad/s, without sign]."""
+        curves = {one.first: one.model.at(speed) for one in self.models}
+        return replace(self, models=tuple(replace(one, curves=curves[one.first]) for one in self.models))
+
     def places(self, coefficient: int) -> range:
-        """Coordinates of a coefficient: one, or one per knot, or none where it is fixed."""
-        for one in self.follows:
-            if one.coefficient == coefficient:
-                return range(one.first, one.first + one.weight.shape[1])
+        """Coordinates of a coefficient: one, or those of the model that gives it, or none where it is fixed."""
+        for one in self.models:
+            if coefficient in one.coefficients:
+                return one.places
         place = int(self.place[coefficient])
         return range(place, place + 1) if place >= 0 else range(0)
 
     def coefficients(self, theta: Floats) -> Floats:
         """Physical coefficients [SI]: (K,), or (S, K) when one of them follows the speed."""
-        at = np.where(self.place >= 0, theta[self.place], self._fixed) if theta.size else self._fixed
-        if self.follows:
-            at = np.repeat(at[None, :], len(self.follows[0].weight), axis=0)
-            for one in self.follows:
-                at[:, one.coefficient] = one.weight @ theta[one.first : one.first + one.weight.shape[1]]
+        fixed = np.where(self.logarithmic, 0.0, self.expected / self.scale)
+        at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
         exponent = np.where(self.logarithmic, at, 0.0)
-        return np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
+        constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
+        if not self.models:
+            return constant
+        following = [one.values(theta) for one in self.models]
+        whole = np.repeat(constant[None, :], len(following[0]), axis=0)
+        for one, values in zip(self.models, following, strict=True):
+            whole[:, one.coefficients] = values
+        return whole
 
     def excitations(self, theta: Floats) -> Complexes:
-        """Complex excitations (E,) [SI]."""
+        """Compute the complex excitations.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Excitations (E,) [SI].
+        """
         free = self.excitation_place >= 0
         found = self.held.copy()
         first = self.excitation_place[free]
@@ -120,41 +177,65 @@ class Coordinates:
         return found
 
     def scales(self, theta: Floats) -> Floats:
-        """Scale factors (F,) of E and ρ [-]."""
+        """Compute the scale factors of Young's moduli E and densities ρ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Factors (F,) [-].
+        """
         return np.exp(theta[self.scale_place])
 
     def gains(self, theta: Floats) -> Complexes:
         """Gain (m,) of each channel [-]: measured over true."""
-        return np.asarray(1.0 + self._pairs(theta, self.gain_place))
+        return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
 
     def run_outs(self, theta: Floats) -> Complexes:
         """Run-out (m,) of each channel in rotation from +x to +y [m]."""
-        return self._pairs(theta, self.run_out_place)
+        return _pairs(self.unit, theta, self.run_out_place)
 
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
-        """θ with the coordinates of coefficients (K,), constant over speed. Raises ValueError for a direct term <= 0."""
+        """θ with the coordinates of coefficients (K,), constant over speed.
+
+        Raises ValueError for a direct term <= 0, and for a model whose coefficients cannot be constant.
+        """
         if np.any(coefficients[self.logarithmic] <= 0):
             raise ValueError("direct terms must be positive")
         positive = np.where(self.logarithmic, coefficients / np.where(self.logarithmic, self.expected, 1.0), 1.0)
         value = np.where(self.logarithmic, np.log(positive), coefficients / self.scale)
         result = theta.copy()
         result[self.place[self.place >= 0]] = value[self.place >= 0]
-        for one in self.follows:
-            result[one.first : one.first + one.weight.shape[1]] = value[one.coefficient]
+        for one in self.models:
+            if len(one.coefficients) == len(one.model.coefficients):  # a tied one of several has no say
+                result[one.first : one.places.stop] = one.model.level(value[list(one.coefficients)])
         return result
 
     def jacobian(self, theta: Floats, found: Sensitivity, coefficients: Floats, direction: Floats, block: slice) -> Complexes:
-        """∂ phasor/∂θ (n, S, m) for some of the speeds, from the derivatives by physical parameters there."""
+        """Compute ∂ phasor/∂θ at some of the speeds, from the derivatives by physical parameters there.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            found: Phasors and their derivatives at the S speeds of the block.
+            coefficients: Coefficients at θ, (K,) or at all speeds of the train (all, K) [SI].
+            direction: Sense of rotation (S,), +1 or -1 [-].
+            block: The speeds, among all of the train.
+
+        Returns:
+            Derivatives (n, S, m) [m].
+        """
         whole = np.zeros((self.size, *found.phasor.shape), dtype=complex)
+        constant = self.place >= 0
         slope = np.where(self.logarithmic, coefficients, self.scale)
         slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
         by_coefficient = found.by_coefficient * slope
-        free = self.place >= 0
-        for k in np.flatnonzero(free):
+        for k in np.flatnonzero(constant).tolist():
             whole[self.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
-        for one in self.follows:
-            for knot in range(one.weight.shape[1]):
-                whole[one.first + knot] += one.weight[block, knot, None] * by_coefficient[one.coefficient]
+        for one in self.models:
+            slopes = one.derivatives(theta, block)
+            for c, k in enumerate(one.coefficients):
+                for p, place in enumerate(one.places):
+                    whole[place] += slopes[:, c, p, None] * found.by_coefficient[k]
         for column in np.flatnonzero(self.excitation_place >= 0):
             first = self.excitation_place[column]
             whole[first : first + 2] = self.excitation_scale[column] * found.by_excitation[2 * column : 2 * column + 2]
@@ -169,17 +250,6 @@ class Coordinates:
             whole[first, :, channel] = self.unit[first]
             whole[first + 1, :, channel] = 1j * self.unit[first] * direction
         return whole
-
-    @property
-    def _fixed(self) -> Floats:
-        """Coordinate of each coefficient (K,) at its expected value."""
-        return np.where(self.logarithmic, 0.0, self.expected / self.scale)
-
-    def _pairs(self, theta: Floats, place: NDArray[np.intp]) -> Complexes:
-        found = np.zeros(place.size, dtype=complex)
-        first = place[place >= 0]
-        found[place >= 0] = self.unit[first] * (theta[first] + 1j * theta[first + 1])
-        return found
 
 
 class _Builder:
@@ -210,7 +280,7 @@ class _Builder:
     def build(self) -> Coordinates:
         train = self.train
         coefficients, excitations = train.unknowns.coefficients, train.unknowns.excitations
-        place, follows = self._coefficients(coefficients)
+        parameters, place, models = self._coefficients(coefficients)
         excitation_scale = np.array([e.spread if e.spread is not None else self.unbalance_scale for e in excitations])
         excitation_place = [
             -1 if one.fixed else self._excitation(one, float(scale))
@@ -229,7 +299,8 @@ class _Builder:
             expected=np.array([c.expected for c in coefficients], dtype=float),
             scale=np.array([c.scale for c in coefficients], dtype=float),
             place=place,
-            follows=follows,
+            models=models,
+            parameters=parameters,
             excitation_place=np.array(excitation_place, dtype=np.intp),
             excitation_scale=excitation_scale,
             held=np.array([(e.nominal or 0j) if e.fixed else 0j for e in excitations], dtype=complex),
@@ -245,37 +316,23 @@ class _Builder:
             return self.add_pair(one.name, UNBALANCE_SPREAD, scale)
         return self.add_pair(one.name, sqrt(0.5), scale, centre=(one.nominal or 0j) / scale)
 
-    def _coefficients(self, coefficients: tuple[Coefficient, ...]) -> tuple[NDArray[np.intp], tuple[FollowsSpeed, ...]]:
+    def _coefficients(
+        self, coefficients: tuple[Coefficient, ...]
+    ) -> tuple[tuple[ModelParameter, ...], NDArray[np.intp], tuple[PlacedModel, ...]]:
         place = np.full(len(coefficients), -1, dtype=np.intp)
-        follows: list[FollowsSpeed] = []
-        for k, one in enumerate(coefficients):
-            if one.fixed or one.tied_to is not None:
-                continue
-            unit, origin = (1.0, log(one.expected)) if one.direct else (one.scale, 0.0)
-            centre = 0.0 if one.direct else one.expected / one.scale
-            if one.speed_dependence is None:
-                place[k] = self.add(one.name, centre, _spread(one), unit, origin)
-                continue
-            knots = one.speed_dependence.knots_rpm
-            first = min([self.add(f"{one.name}@{knot:g}rpm", centre, _spread(one), unit, origin) for knot in knots])
-            follows.append(FollowsSpeed(k, first, knot_weights(one.speed_dependence, self.train.speed), knots))
-        return self._tied(coefficients, place, follows)
-
-    @staticmethod
-    def _tied(
-        coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], follows: list[FollowsSpeed]
-    ) -> tuple[NDArray[np.intp], tuple[FollowsSpeed, ...]]:
-        index = {one.name: k for k, one in enumerate(coefficients)}
-        leaders = {one.coefficient: one for one in follows}
-        for k, one in enumerate(coefficients):
-            if one.tied_to is None:
-                continue
-            leader = index[one.tied_to]
-            place[k] = place[leader]
-            if leader in leaders:
-                of = leaders[leader]
-                follows.append(FollowsSpeed(k, of.first, of.weight, of.speeds))
-        return place, tuple(follows)
+        parameters: list[ModelParameter] = []
+        models: list[PlacedModel] = []
+        for one in governing_models(coefficients):
+            first = len(self.names)
+            for parameter in one.model.parameters:
+                self.add(parameter.name, parameter.centre, parameter.spread, parameter.step, parameter.origin)
+                parameters.append(parameter)
+            if one.model.constant:
+                place[one.coefficients[0]] = first
+            else:
+                columns = tuple(range(len(one.coefficients)))
+                models.append(PlacedModel(one.model, one.coefficients, columns, first, one.model.at(self.train.speed)))
+        return tuple(parameters), place, (*models, *_tied(coefficients, place, models))
 
     def _channels(self, what: str, spread: Floats) -> NDArray[np.intp]:
         if spread.size == 0:
@@ -289,24 +346,22 @@ class _Builder:
         )
 
 
-def knot_weights(dependence: SpeedDependence, speed: Floats) -> Floats:
-    """Weights (S, knots) with which the values at the knots make the value at each speed [rad/s]."""
-    knots = np.array(dependence.knots_rpm) * pi / 30.0
-    unit = np.eye(knots.size)
-    if dependence.form == "piecewise":
-        return np.stack([np.interp(speed, knots, row) for row in unit], axis=1)
-    # Lagrange's polynomials, one per knot.
-    return np.stack(
-        [np.prod([(speed - other) / (own - other) for other in knots if other != own], axis=0) for own in knots],
-        axis=1,
-    )
+def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models: list[PlacedModel]) -> Iterator[PlacedModel]:
+    """Give tied coefficients the coordinates of those that they are tied to: a place, or the model from which both follow."""
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    for k, one in enumerate(coefficients):
+        if one.tied_to is None:
+            continue
+        leader = index[one.tied_to]
+        place[k] = place[leader]
+        for of in models:
+            if leader in of.coefficients:
+                yield replace(of, coefficients=(k,), columns=(of.columns[of.coefficients.index(leader)],))
 
 
-def _spread(coefficient: Coefficient) -> float:
-    if coefficient.spread is not None:
-        # A part of nothing is no spread: a cross-coupled term of zero is measured by the direct terms beside it.
-        part = 1.0 if coefficient.direct else abs(coefficient.expected) / coefficient.scale or 1.0
-        return coefficient.spread * part
-    if not coefficient.direct:
-        return CROSS_SPREAD
-    return UNKNOWN_SPREAD if coefficient.nominal is None else KNOWN_SPREAD
+def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
+    """Complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
+    found = np.zeros(place.size, dtype=complex)
+    first = place[place >= 0]
+    found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])
+    return found

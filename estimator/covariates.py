@@ -12,31 +12,35 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
-from estimator.machine import Condition
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import is_direct
 from estimator.point import Point
+from estimator.rules import Condition
 
 PRIOR_SCATTER = 0.02
-"""Run-to-run standard deviation of a logarithm beside the fits' errors."""
+"""Run-to-run standard deviation of a logarithm beside the fits' errors [-]."""
 PRIOR_EFFECT = 0.01
-"""Standard deviation of what a usual change of one condition does to the logarithm of a parameter, before any run was seen."""
+"""Prior standard deviation [-] of the change of a parameter's logarithm by a usual change of one condition."""
 USUAL_CHANGE = {"degC": 10.0, "K": 10.0, "%": 20.0}
 """Usual change of a condition by its unit, where the document gives none."""
 FEWEST_RUNS = 4
-"""With fewer baseline runs nothing is adjusted."""
+"""Least number of baseline runs for an adjustment."""
 
 Measured = Mapping[str, float | None]
-"""Mean of each condition over a run by name; None, or not there, where it was not measured."""
+"""Mean of each condition over a run by name; None, or no entry, where it was not measured."""
 
 
 @dataclass(frozen=True)
 class Adjustment:
-    """How p parameters of a machine follow k conditions.
+    """Dependence of p parameters of a machine on k conditions.
 
-    parameters: (p,) names of direct terms, as logarithms. conditions: (k,) names; none where nothing can be said. mean: (k,)
-    of the baseline. slope: (p, k) B, per unit of each condition. axes: (p, p) principal axes of the errors, in columns;
-    uncertainty: (p, k, k) covariance of B along each axis.
+    Attributes:
+        parameters: Names (p,) of direct terms, taken as logarithms.
+        conditions: Names (k,) of the conditions; none where nothing can be said.
+        mean: Mean (k,) of each condition over the baseline [unit of the condition].
+        slope: Slopes B (p, k) of the logarithms [1/unit of the condition].
+        axes: Principal axes (p, p) of the errors, in columns [-].
+        uncertainty: Covariance (p, k, k) of B along each axis [1/unit²].
     """
 
     parameters: tuple[str, ...]
@@ -47,9 +51,16 @@ class Adjustment:
     uncertainty: Floats
 
     def adjusted(self, point: Point, measured: Measured) -> Point:
-        """A point moved to the baseline's mean conditions, its covariance larger by how uncertain that is.
+        """Move a point to the baseline's mean conditions and enlarge its covariance by the uncertainty of the move.
 
         A condition that was not measured with it is taken to have been at its mean. Parameters that were not regressed stay.
+
+        Args:
+            point: The point.
+            measured: Conditions that were measured with it.
+
+        Returns:
+            The adjusted point.
         """
         common = [name for name in point.names if name in self.parameters]
         values = [measured.get(name) for name in self.conditions]
@@ -74,11 +85,23 @@ def adjustment(
     effect: float = PRIOR_EFFECT,
     scatter: float = PRIOR_SCATTER,
 ) -> Adjustment:
-    """What a baseline's runs say of how their direct terms follow the conditions that were measured with them.
+    """Regress a baseline's direct terms on the conditions that were measured with its runs.
 
-    measured: of each run. effect: see PRIOR_EFFECT. scatter: run-to-run standard deviation of ln p beside the fits' errors.
-    Conditions measured in fewer than FEWEST_RUNS runs are left out, and runs in which one of the others is missing; with fewer
-    than FEWEST_RUNS left nothing is adjusted. Raises ValueError where runs and measured conditions are not equally many.
+    Ridge regression (Hoerl & Kennard 1970, doi:10.1080/00401706.1970.10488634). Conditions measured in fewer than FEWEST_RUNS
+    runs are left out, and runs in which one of the others is missing; with fewer than FEWEST_RUNS left nothing is adjusted.
+
+    Args:
+        baseline: Points of the baseline's runs.
+        measured: Conditions measured with each run.
+        conditions: The machine's conditions.
+        effect: Prior standard deviation of the effect of a usual change on ln p [-].
+        scatter: Run-to-run standard deviation of ln p beside the fits' errors [-].
+
+    Returns:
+        The adjustment.
+
+    Raises:
+        ValueError: Runs and sets of measured conditions are not equally many.
     """
     if len(baseline) != len(measured):
         raise ValueError(f"{len(measured)} sets of conditions for {len(baseline)} runs")
@@ -103,7 +126,7 @@ def adjustment(
 
 
 def _ridge(change: Floats, points: Sequence[Point], *, prior: Floats, scatter: float) -> tuple[Floats, Floats, Floats]:
-    """Slopes (p, k), axes (p, p) and covariances (p, k, k) from changes (n, k); prior: standard deviations (k,)."""
+    """Regress on changes (n, k): slopes (p, k), axes (p, p), covariances (p, k, k); prior: standard deviations (k,)."""
     values = np.array([point.value for point in points])
     own = np.mean([point.covariance for point in points], axis=0)
     variance, axes = np.linalg.eigh(own + scatter**2 * np.eye(own.shape[0]))
@@ -119,12 +142,19 @@ def _number(value: float | None) -> float:
 
 
 def usual_change(condition: Condition) -> float | None:
-    """What is nothing unusual of a condition, in its unit; None where neither document nor unit tell."""
+    """Return the usual change of a condition.
+
+    Args:
+        condition: The condition.
+
+    Returns:
+        Change [unit of the condition]; None where neither document nor unit tells.
+    """
     return condition.usual_change or USUAL_CHANGE.get(condition.unit)
 
 
 def _width(condition: Condition, values: Floats) -> float:
-    """Usual change of a condition, by the baseline where nothing else tells it."""
+    """Return the usual change of a condition, by the baseline where nothing else tells it."""
     given = usual_change(condition)
     return given if given is not None else float(np.std(values, ddof=1))
 

@@ -1,4 +1,4 @@
-"""What the samples of a run cover: part of the speed range, density, usable channels. Needs no model of the machine."""
+"""Coverage of a run by its samples: part of the speed range, density, usable channels. Needs no model of the machine."""
 
 from dataclasses import dataclass
 
@@ -13,9 +13,12 @@ from estimator.units import rad_per_s_to_rpm
 class Coverage:
     """Coverage of one run.
 
-    part: of the machine's speed range, 0 to 1. samples_per_rpm: their number over the speeds covered. largest_hole_rpm:
-    between neighbours in speed [r/min]. usable: per channel the part of the samples that are good. duration_s: from the first
-    sample to the last [s].
+    Attributes:
+        part: Part of the machine's speed range, 0 to 1 [-].
+        samples_per_rpm: Number of samples over the range of speeds covered [min/r].
+        largest_hole_rpm: Largest distance between neighbours in speed [r/min].
+        usable: Part of the samples that are good, by channel [-].
+        duration_s: Time from the first sample to the last [s].
     """
 
     part: float
@@ -26,7 +29,16 @@ class Coverage:
 
 
 def coverage(machine: Machine, measurement: Measurement, *, duration_s: float) -> Coverage:
-    """Coverage of a run's samples, at least one."""
+    """Compute the coverage of a run.
+
+    Args:
+        machine: The machine.
+        measurement: Samples of the run, at least one.
+        duration_s: Time from the first sample to the last [s].
+
+    Returns:
+        The coverage.
+    """
     speed = np.sort(measurement.speed)
     lowest, highest = float(speed[0]), float(speed[-1])
     covered = rad_per_s_to_rpm(highest - lowest)

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.linalg
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.crossing_correction import corrected, mode_of
 from estimator.machine import Machine
 from estimator.modal_reduction import SMALL, modal_basis
@@ -23,24 +23,30 @@ from estimator.system_matrices import CoefficientsOverSpeed, SystemMatrices, sys
 from estimator.whirl import whirl
 
 HEAVILY_DAMPED = 0.9
-"""Damping ratio above which a crossing is no critical speed."""
+"""Damping ratio from which on a crossing is no critical speed [-]."""
 EVEN_SAMPLES = 12
-"""Speeds looked at beside those between the undamped critical speeds."""
+"""Number of even steps of speed looked at beside the speeds between the undamped critical speeds."""
 STEEPEST = 2.0
-"""Rate at which a frequency is taken to come nearer to the synchronous line, or leave it, at most."""
+"""Largest rate at which a frequency is taken to approach the synchronous line or leave it [-]."""
 FINEST = 2e-3
-"""Part of the highest speed below which two crossings of one curve are not told apart."""
+"""Part of the highest speed below which two crossings of one curve are not told apart [-]."""
 TOLERANCE = 1e-9
-"""Relative error of a crossing."""
+"""Relative error of a crossing [-]."""
 SEARCHED_PART = 1e-3
-"""Shapes of a large train's modes that are left out while its crossings are looked for, and …"""
+"""Threshold below which shapes of a large train's modes are left out while its crossings are searched [-]."""
 SEARCHED_WITHIN = 1e-2
-"""… relative distance within which they are corrected then."""
+"""Relative distance within which a correction must stay from the crossing that was found in the search [-]."""
 
 
 @dataclass(frozen=True)
 class CriticalSpeed:
-    """One crossing. speed: [rad/s]. eigenvalue: λ [rad/s] with Im λ = speed. whirl: +1 forward to -1 backward; see `whirl`."""
+    """One crossing of a natural frequency with the synchronous line.
+
+    Attributes:
+        speed: Critical speed [rad/s].
+        eigenvalue: Eigenvalue λ with Im λ = speed [rad/s].
+        whirl: Sense of whirl from +1 forward to -1 backward [-]; see `whirl`.
+    """
 
     speed: float
     eigenvalue: complex
@@ -48,45 +54,66 @@ class CriticalSpeed:
 
     @property
     def damping_ratio(self) -> float:
-        """-Re λ / |λ|."""
+        """Return the damping ratio -Re λ / |λ| [-]."""
         return -self.eigenvalue.real / abs(self.eigenvalue)
 
     @property
     def log_decrement(self) -> float:
-        """-2π Re λ / Im λ."""
+        """Return the logarithmic decrement -2π Re λ / Im λ [-]."""
         return -2 * np.pi * self.eigenvalue.real / self.eigenvalue.imag
 
 
 MatricesOverSpeed = Callable[[float], SystemMatrices]
-"""What gives the matrices at a spin speed [rad/s, without sign]."""
+"""Function that returns the matrices at a spin speed [rad/s, without sign]."""
 
 
 def critical_speed_table(
     machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None
 ) -> tuple[CriticalSpeed, ...]:
-    """Critical speeds up to `highest` [rad/s], ascending, those of modes that are hardly felt in passing left out.
+    """Compute the critical speeds of a machine, those of modes that are hardly felt in passing left out.
 
-    coefficients: (K,) in SI or what gives them at a speed, by default what the document expects.
+    Args:
+        machine: The machine.
+        highest: Highest speed [rad/s].
+        coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+
+    Returns:
+        Critical speeds [rad/s], ascending.
     """
     matrices = system_matrices_over_speed(machine, coefficients=coefficients, basis=modal_basis(machine, highest))
     return felt_crossings(matrices, direction=machine.direction, highest=highest)
 
 
 def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
-    """Speeds up to `highest` [rad/s] at which a damped natural frequency equals the spin speed, ascending.
+    """Compute the speeds at which a damped natural frequency equals the spin speed.
 
-    The crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so heavily
-    damped that nothing is felt in passing are left out.
+    These are the crossings of the Campbell diagram's curves with the synchronous line, both whirl directions counted. Modes so
+    heavily damped that nothing is felt in passing are left out.
+
+    Args:
+        machine: The machine.
+        highest: Highest speed [rad/s].
+        coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+
+    Returns:
+        Critical speeds (c,) [rad/s], ascending.
     """
     found = critical_speed_table(machine, highest=highest, coefficients=coefficients)
     return np.array([one.speed for one in found])
 
 
 def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Floats:
-    """All critical speeds [rad/s] of constant matrices without damping, ascending, from one generalised eigenvalue problem.
+    """Solve K q = Ω² (M - jG) q for the critical speeds of constant matrices without damping.
 
-    direction: +1 for rotation from +x to +y, else -1. Unequal cross-coupled stiffnesses make some of them complex; their
-    real part is given then.
+    Source: Nelson & McVaugh (1976, doi:10.1115/1.3438942). Unequal cross-coupled stiffnesses make some speeds complex; their
+    real part is returned then.
+
+    Args:
+        matrices: Matrices of the train.
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+
+    Returns:
+        All critical speeds (c,) [rad/s], ascending.
     """
     inertia = matrices.mass - 1j * direction * matrices.gyroscopic
     # Solved for 1/Ω², which is negative where gyroscopic moments keep a disc from ever being overtaken.
@@ -97,7 +124,16 @@ def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Flo
 
 
 def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
-    """The synchronous crossings of modes that are not so heavily damped that nothing is felt in passing."""
+    """Find the synchronous crossings of modes whose damping ratio is below HEAVILY_DAMPED.
+
+    Args:
+        matrices: Matrices over the spin speed.
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+        highest: Highest speed, positive [rad/s].
+
+    Returns:
+        Critical speeds [rad/s], ascending.
+    """
     large = matrices(highest).mass.shape[0] > SMALL
     search = _searched if large else synchronous_crossings
     found = search(matrices, direction=direction, highest=highest)
@@ -105,7 +141,7 @@ def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: floa
 
 
 def _searched(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
-    """The crossings that a large train's modes at a few speeds make, each corrected."""
+    """Find the crossings of a large train in the basis of its modes at a few speeds, and correct each."""
     basis = snapshot_basis(matrices, direction=direction, fastest=highest, highest=highest, smallest=SEARCHED_PART)
     narrow = narrowed(matrices, basis)
     found: list[Modes] = []
@@ -131,9 +167,18 @@ def _same(one: Modes, other: Modes) -> bool:
 
 
 def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
-    """Every crossing of a damped natural frequency with the synchronous line up to `highest` [rad/s], ascending.
+    """Find every crossing of a damped natural frequency with the synchronous line.
 
-    Raises ValueError when `highest` is not positive.
+    Args:
+        matrices: Matrices over the spin speed.
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+        highest: Highest speed, positive [rad/s].
+
+    Returns:
+        Critical speeds [rad/s], ascending.
+
+    Raises:
+        ValueError: The highest speed is not positive.
     """
     found = []
     for root, shape in crossing_modes(matrices, direction=direction, highest=highest):
@@ -143,13 +188,23 @@ def synchronous_crossings(matrices: MatricesOverSpeed, *, direction: int, highes
 
 
 def crossing_modes(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[tuple[complex, Complexes], ...]:
-    """The modes that cross the synchronous line up to `highest` [rad/s]: eigenvalue λ [rad/s] and shape (N,), ascending.
+    """Find the modes that cross the synchronous line.
 
     Frequencies in ascending order, zero for overdamped modes, are continuous in the spin speed, so that a change of sign of
     (frequency - spin) between two speeds holds a crossing. The speeds looked at separate the undamped critical speeds from
     each other; between them intervals are halved while some frequency is so near the line that it could cross it and come
     back. Where coefficients follow the speed, the undamped critical speeds are those of either end and the middle.
-    Raises ValueError when `highest` is not positive.
+
+    Args:
+        matrices: Matrices over the spin speed.
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+        highest: Highest speed, positive [rad/s].
+
+    Returns:
+        Eigenvalue λ [rad/s] and shape (N,) [-] of each, by ascending speed.
+
+    Raises:
+        ValueError: The highest speed is not positive.
     """
     if not highest > 0:
         raise ValueError(f"the highest speed must be positive, not {highest}")
@@ -181,7 +236,7 @@ def _samples(undamped: list[Floats], highest: float) -> list[float]:
 
 
 def _intervals(frequencies: Callable[[float], Floats], lower: float, upper: float, finest: float) -> list[tuple[float, float]]:
-    """Pieces of an interval in which no frequency can cross the line twice, or that are as fine as `finest`."""
+    """Divide an interval into pieces in which no frequency can cross the line twice, or that are as fine as `finest`."""
     distance = np.abs(frequencies(lower) - lower) + np.abs(frequencies(upper) - upper)
     if upper - lower <= finest or not np.any(distance < STEEPEST * (upper - lower)):
         return [(lower, upper)]
@@ -200,7 +255,7 @@ def _crossing(frequencies: Callable[[float], Floats], mode: int, lower: float, u
 
 
 def _at(matrices: MatricesOverSpeed, direction: int, speed: float, mode: int) -> tuple[complex, Complexes]:
-    """The crossing of the mode that is `mode`-th in ascending order of frequency, overdamped ones counted as zero."""
+    """Return the crossing of the `mode`-th mode in ascending order of frequency, overdamped ones counted as zero."""
     here = matrices(speed)
     roots, vectors = np.linalg.eig(here.state_matrix(spin=direction * speed))
     size = here.mass.shape[0]

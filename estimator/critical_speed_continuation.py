@@ -13,8 +13,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.campbell import assurance
-from estimator.condensation import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
 from estimator.crossing_correction import corrected
 from estimator.machine import Machine
@@ -26,27 +26,30 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model
 
 HIGHEST_ABOVE_TRIP = 1.25
-"""Critical speeds are those of the document's model up to this part of the speed range's end."""
+"""Highest critical speed of the document's model as a multiple of the speed range's end [-]."""
 SEARCH_MODES, MODES_PER_MODE = 16, 2
-"""Size of the basis of undamped modes in which the document's crossings are looked for before they are corrected in full:
-so many modes, and so many for each below the highest speed."""
+"""Size of the basis of undamped modes in which the document's crossings are searched before they are corrected in full: a
+fixed number, and so many for each mode below the highest speed.
+"""
 SAME_SHAPE = 0.8
-"""Modal assurance above which a shape is still the same after a step."""
+"""Modal assurance from which on a shape is still the same after a step [-]."""
 SMALLEST_STEP = 1 / 128
-"""Part of the way below which a crossing counts as lost."""
+"""Part of the way below which a crossing counts as lost [-]."""
 SAME_ROOT = 1e-6
-"""Relative distance of two eigenvalues below which they may be one crossing."""
+"""Relative distance of two eigenvalues up to which they may be one crossing [-]."""
 ALIKE = 0.6
-"""Assurance of two deflection lines above which the modes are one bending mode in two planes."""
+"""Assurance of two deflection lines from which on the modes are one bending mode in two planes [-]."""
 REMEMBERED = 256
-"""Documents whose crossings are kept at hand."""
+"""Number of documents whose crossings are cached."""
 
 
 @dataclass(frozen=True)
 class NominalCrossings:
-    """The c critical speeds of a document's model, ascending: the modes that cross, on the whole mesh, and which are pairs.
+    """Critical speeds of a document's model, ascending.
 
-    pairs: numbers of two that are one bending mode in two planes, the lower one first.
+    Attributes:
+        modes: The c modes that cross the synchronous line, on the whole mesh.
+        pairs: Numbers of two modes that are one bending mode in two planes, the lower one first.
     """
 
     modes: Modes
@@ -55,10 +58,15 @@ class NominalCrossings:
 
 @dataclass(frozen=True)
 class FollowedCrossings:
-    """The critical speeds of an updated model: `modes` of those that were followed, ascending, `number` (f,) of each.
+    """Critical speeds of an updated model that were followed from the document's model.
 
-    Shapes are over the model's basis. count: how many the document's model has; a number that is not there is so damped that
-    nothing is felt of it any more, or could not be followed.
+    A number that is missing is so heavily damped that nothing is felt of it any more, or could not be followed.
+
+    Attributes:
+        modes: The f modes that were followed, ascending, over the model's basis.
+        number: Number (f,) of each among those of the document's model.
+        count: Number of critical speeds of the document's model.
+        pairs: Numbers of two modes that are one bending mode in two planes, the lower one first.
     """
 
     modes: Modes
@@ -68,9 +76,15 @@ class FollowedCrossings:
 
 
 def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
-    """The critical speeds of a model, those of its document's model one by one.
+    """Follow the critical speeds of a document's model to the updated model, one by one.
 
     They are numbered in ascending order: where two have passed each other, each takes the other's number, and no trend jumps.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        The crossings that were followed.
     """
     nominal = _nominal(model.machine.model_dump_json())
     begins = [_over(model.basis, one) for one in _each(nominal.modes)]
@@ -108,11 +122,11 @@ class _Way:
 
     @property
     def mass(self) -> Floats:
-        """At the end."""
+        """Return the mass matrix at the end."""
         return self.at(1.0)(1.0).mass
 
     def followed(self, mode: Modes) -> Modes | None:
-        """Where a crossing at the beginning is at the end; None where it is lost."""
+        """Follow a crossing from the beginning to the end; None where it is lost."""
         done, step = 0.0, 1.0
         while done < 1.0:
             reached = min(done + step, 1.0)
@@ -127,7 +141,7 @@ class _Way:
 
 
 def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
-    """A felt crossing with the deflection line of a mode that is none of those known.
+    """Find a felt crossing with the deflection line of a mode that is none of those known.
 
     Equal planes make circles out of which any difference makes lines: no step is small enough for such a mode's shape.
     """
@@ -144,7 +158,7 @@ def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *
 
 
 def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
-    """A deflection line (N/2,) in the one plane, in the other, and turning either way."""
+    """Place a deflection line (N/2,) in the one plane, in the other, and turning either way."""
     displacement, slope = line[::PLANE_DOFS], line[1::PLANE_DOFS]
     for x, y in ((1.0, 0.0), (0.0, 1.0), (1.0, -1j), (1.0, 1j)):
         shape = np.stack([x * displacement, y * displacement, -y * slope, x * slope], axis=1).reshape(-1, 1)
@@ -153,7 +167,7 @@ def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
 
 @lru_cache(maxsize=REMEMBERED)
 def _nominal(document: str) -> NominalCrossings:
-    """document: in JSON, of a machine with exact probes."""
+    """Compute the crossings of a document in JSON, of a machine with exact probes."""
     model = expected_model(Machine.model_validate_json(document))
     direction = model.machine.direction
     highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
@@ -183,7 +197,7 @@ def _nominal(document: str) -> NominalCrossings:
 
 
 def _basis(matrices: SystemMatrices, highest: float) -> Floats:
-    """Undamped modes (N, r) of the symmetric part at standstill, enough for what happens below a frequency [rad/s]."""
+    """Compute undamped modes (N, r) of the symmetric part at standstill, enough for motions below a frequency [rad/s]."""
     stiffness = (matrices.stiffness + matrices.stiffness.T) / 2
     squares, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
     count = SEARCH_MODES + MODES_PER_MODE * int(np.count_nonzero(squares < highest**2))
@@ -191,7 +205,7 @@ def _basis(matrices: SystemMatrices, highest: float) -> Floats:
 
 
 def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
-    """Modes with the same deflection line, the most alike first, each in one pair at most; ascending."""
+    """Pair modes with the same deflection line, the most alike first, each in one pair at most; ascending."""
     lines = np.array([_deflection_line(shape, mass) for shape in found.shape.T]).T
     pairs: list[tuple[int, int]] = []
     if lines.size:
@@ -205,7 +219,7 @@ def _pairs(found: Modes, mass: Floats) -> tuple[tuple[int, int], ...]:
 
 
 def _deflection_line(shape: Complexes, mass: Floats) -> Complexes:
-    """What a mode's deflections in the two planes, (displacement, slope) per node (N/2,), have most in common."""
+    """Compute the common part of a mode's deflections in the two planes, (displacement, slope) per node (N/2,)."""
     x, y, about_x, about_y = (shape[dof::NODE_DOFS] for dof in range(NODE_DOFS))
     planes = np.stack([np.stack([x, about_y], 1).reshape(-1), np.stack([y, -about_x], 1).reshape(-1)], axis=1)
     _, main = np.linalg.eigh(np.conj(planes).T @ _plane(mass) @ planes)
@@ -213,7 +227,7 @@ def _deflection_line(shape: Complexes, mass: Floats) -> Complexes:
 
 
 def _plane(mass: Floats) -> Floats:
-    """Of the masses (N, N) those of displacements along x and slopes in that plane (N/2, N/2)."""
+    """Pick from the masses (N, N) those of displacements along x and slopes in that plane (N/2, N/2)."""
     first = np.arange(0, mass.shape[0], NODE_DOFS)
     own = np.stack([first, first + NODE_DOFS - 1], axis=1).reshape(-1)
     return mass[np.ix_(own, own)]
@@ -229,7 +243,7 @@ def _coincide(one: Modes, other: Modes, mass: Floats) -> bool:
 
 
 def _over(basis: Basis, found: Modes) -> Modes:
-    """Modes of the whole mesh over a basis."""
+    """Convert modes of the whole mesh to a basis."""
     return Modes(found.eigenvalue, basis.coordinates(found.shape), basis.coordinates(found.left))
 
 
@@ -238,7 +252,7 @@ def _each(found: Modes) -> list[Modes]:
 
 
 def _joined(found: Sequence[Modes], size: int) -> Modes:
-    """Single modes of `size` degrees of freedom as one set, by ascending frequency."""
+    """Join single modes of `size` degrees of freedom to one set, by ascending frequency."""
     ascending = sorted(found, key=lambda one: float(one.eigenvalue[0].imag))
     none = np.empty((size, 0), dtype=complex)
     return Modes(

@@ -9,22 +9,31 @@ from collections.abc import Callable
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes
+from estimator.arrays import Complexes
 from estimator.modes import Modes
 from estimator.system_matrices import SystemMatrices
 
 CORRECTIONS = 15
-"""Most of them for one crossing."""
+"""Most corrections of one crossing."""
 TOLERANCE = 1e-10
-"""Relative change of λ below which it is found."""
+"""Relative change of λ at which a crossing is found [-]."""
 BESIDE = 1e-9
-"""Relative distance from an eigenvalue at which inverse iteration finds its vectors, …"""
+"""Relative distance from an eigenvalue at which inverse iteration finds its vectors [-]."""
 ITERATIONS = 3
-"""… in so many steps."""
+"""Number of steps of inverse iteration."""
 
 
 def corrected(matrices: Callable[[float], SystemMatrices], guess: Modes, *, direction: int) -> Modes | None:
-    """The crossing with the synchronous line near a single mode; None where Newton's method does not find it."""
+    """Correct a crossing with the synchronous line by Newton's method (Schreiber 2008, module's docstring).
+
+    Args:
+        matrices: Function that returns the matrices at a spin speed [rad/s].
+        guess: A single mode near the crossing.
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+
+    Returns:
+        The mode at the crossing; None where Newton's method does not find it.
+    """
     root, shape, left = complex(guess.eigenvalue[0]), guess.shape[:, 0], guess.left[:, 0]
     for turn in range(CORRECTIONS):
         here = matrices(root.imag)
@@ -53,7 +62,16 @@ def corrected(matrices: Callable[[float], SystemMatrices], guess: Modes, *, dire
 
 
 def mode_of(matrices: SystemMatrices, eigenvalue: complex, *, spin: float) -> tuple[Complexes, Complexes]:
-    """Shape and left vector, as of `Modes`, of a mode whose eigenvalue [rad/s] is known, by inverse iteration."""
+    """Compute shape and left vector of a mode whose eigenvalue is known, by inverse iteration.
+
+    Args:
+        matrices: Matrices of the train with N degrees of freedom.
+        eigenvalue: Eigenvalue λ [rad/s].
+        spin: Spin speed with sign [rad/s].
+
+    Returns:
+        Shape and left vector (N,), scaled as in `Modes` [-].
+    """
     near = eigenvalue * (1.0 + BESIDE)
     factor = scipy.linalg.lu_factor(matrices.dynamic_stiffness(near, spin=spin))
     by_root = 2 * eigenvalue * matrices.mass + matrices.damping + spin * matrices.gyroscopic

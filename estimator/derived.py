@@ -1,4 +1,4 @@
-"""What follows from an identification: quantities of the updated model that a person trends beside its parameters.
+"""Quantities that follow from an identification and are trended beside its parameters.
 
 Each comes with a 95 % interval, to first order from the identification's covariance, or with the reason why it has no value.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.amplification import SurePeak, sure_peaks
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed_continuation import HIGHEST_ABOVE_TRIP, FollowedCrossings, followed_crossings
 from estimator.error_propagation import standard_errors
 from estimator.estimates import CONFIDENCE_95
@@ -23,12 +23,21 @@ from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, updated_model
 
 NEAR_PEAK = 3.0
-"""A response peak belongs to the nearest critical speed, if it lies within so many of its half bandwidths ζΩ."""
+"""Farthest distance of a response peak from the critical speed it belongs to, in its half bandwidths ζΩ [-]."""
 
 
 @dataclass(frozen=True)
 class Derived:
-    """One derived quantity, in SI units. value, lower, upper (95 %): None where there is none, for what `reason` says."""
+    """One derived quantity.
+
+    Attributes:
+        name: Name, as in docs/analysts.md.
+        unit: SI unit of the values.
+        value: Value [unit]; None where there is none.
+        lower: Lower end of the 95 % interval [unit]; None where there is none.
+        upper: Upper end of the 95 % interval [unit]; None where there is none.
+        reason: Reason why there is no value.
+    """
 
     name: str
     unit: str
@@ -41,10 +50,19 @@ class Derived:
 def derived_quantities(
     machine: Machine, identification: Identification, runs: Sequence[Orders] = (), *, direction: int | None = None
 ) -> tuple[Derived, ...]:
-    """Everything that follows from an accepted identification of a machine, named as in docs/analysts.md.
+    """Derive every quantity that follows from an accepted identification of a machine, named as in docs/analysts.md.
 
-    runs: what it was identified from, for the 2×. direction: sense in which it turned, by default the document's.
-    Raises ValueError for an identification of another machine.
+    Args:
+        machine: The machine.
+        identification: Its accepted identification.
+        runs: Runs it was identified from, for the 2× component.
+        direction: Sense in which it turned, +1 or -1; None for the document's.
+
+    Returns:
+        Derived quantities with their units.
+
+    Raises:
+        ValueError: The identification is of another machine.
     """
     model = updated_model(machine, identification).turning(machine.direction if direction is None else direction)
     speed = running_speed(machine, identification)
@@ -52,7 +70,15 @@ def derived_quantities(
 
 
 def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...]:
-    """What follows from a model alone, loads at a speed [rad/s]."""
+    """Derive the quantities that follow from a model alone.
+
+    Args:
+        model: The updated model.
+        speed: Speed at which coupling loads are stated [rad/s].
+
+    Returns:
+        Derived quantities with their units.
+    """
     crossings = followed_crossings(model)
     return (
         *_critical_speeds(model, crossings),
@@ -62,7 +88,15 @@ def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...
 
 
 def running_speed(machine: Machine, identification: Identification) -> float:
-    """Speed [rad/s] at which loads are stated: the machine's running speed, else the highest that was identified from."""
+    """Return the speed at which loads are stated: the machine's running speed, else the highest that was identified from.
+
+    Args:
+        machine: The machine.
+        identification: Its identification.
+
+    Returns:
+        Speed [rad/s].
+    """
     given = machine.operation.running_rpm
     return identification.speed_maximum if given is None else rpm_to_rad_per_s(given)
 
@@ -91,14 +125,14 @@ def _critical_speeds(model: UpdatedModel, crossings: FollowedCrossings) -> Itera
 
 
 def _damping_ratio(root: complex, slope: Complexes) -> tuple[float, Floats]:
-    """-Re λ / |λ| with its slopes, from those of λ."""
+    """Compute -Re λ / |λ| with its slopes, from those of λ."""
     size = abs(root)
     along = (np.conj(root) * slope).real / size
     return -root.real / size, np.asarray(-slope.real / size + root.real * along / size**2)
 
 
 def _splitting(speed: Floats, slope: Floats) -> tuple[float, Floats]:
-    """Distance of two speeds (2,) in parts of their mean, with its slopes, from those of the speeds (2, n)."""
+    """Compute the distance of two speeds (2,) in parts of their mean, with its slopes, from those of the speeds (2, n)."""
     total = float(speed.sum())
     return 2.0 * float(speed[1] - speed[0]) / total, 4.0 * (speed[0] * slope[1] - speed[1] * slope[0]) / total**2
 
@@ -132,7 +166,7 @@ def _amplification_factors(model: UpdatedModel, crossings: FollowedCrossings) ->
 
 
 def _owners(peaks: Sequence[SurePeak], crossings: FollowedCrossings) -> dict[int, SurePeak]:
-    """The highest of the peaks that belong to each critical speed, by its number."""
+    """Find the highest of the peaks that belong to each critical speed, by its number."""
     root = crossings.modes.eigenvalue
     owners: dict[int, SurePeak] = {}
     for one in peaks if root.size else ():

@@ -1,10 +1,10 @@
-"""Which further speeds or probes would help most: an identification's Fisher information read the other way round.
+"""Choice of further speeds or probes: the gain in Fisher information that each would bring to an identification.
 
-A further measurement with weighted sensitivities J (rows: its real numbers) turns the covariance C of the unknowns into
-(C⁻¹ + JᵀJ)⁻¹, whatever will be measured. Candidates are taken one by one, each the best beside those taken before: the one
-that makes the geometric mean of the wanted standard errors smallest (optimal design in the sense of Atkinson, Donev and
-Tobias, Optimum Experimental Designs, Oxford 2007, with a criterion that does not depend on units). Every channel counts as
-measured with the noise model's error; trial weights of the run take no part.
+A further measurement with weighted sensitivities J (rows: its real numbers) turns the covariance C of the unknowns into (C⁻¹ +
+JᵀJ)⁻¹, whatever will be measured. Candidates are taken one by one, each the best beside those taken before: the one that makes
+the geometric mean of the wanted standard errors smallest (optimal design in the sense of Atkinson, Donev and Tobias, Optimum
+Experimental Designs, Oxford 2007, with a criterion that does not depend on units). Every channel counts as measured with the
+noise model's error; trial weights of the run take no part.
 """
 
 from collections.abc import Sequence
@@ -12,22 +12,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import CondensedTrain, Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
-from estimator.machine import Machine, Probe
+from estimator.machine import Machine
 from estimator.measurement import Measurement
+from estimator.mesh import node_stations
 from estimator.noise import error_size
-from estimator.rotor import node_stations
-from estimator.sensitivity import sensitivity
+from estimator.parts import Probe
+from estimator.response import sensitivity
 
 
 @dataclass(frozen=True)
 class Help:
-    """What one further measurement would do, beside those before it in the list.
+    """Effect of one further measurement, beside those before it in the list.
 
-    what: in words. shrinkage: factor on the geometric mean of the targets' standard errors (below 1 is better).
-    standard_error: (N,) of all coordinates afterwards, logarithms of direct terms, else SI.
+    Attributes:
+        what: Description of the measurement.
+        shrinkage: Factor on the geometric mean of the targets' standard errors [-]; below 1 is better.
+        standard_error: Standard errors (N,) of all coordinates afterwards [SI, logarithms of direct terms].
     """
 
     what: str
@@ -37,14 +41,22 @@ class Help:
 
 @dataclass(frozen=True)
 class HelpfulSpeed(Help):
-    """speed: [rad/s]."""
+    """Effect of one more sample at a speed.
+
+    Attributes:
+        speed: Speed [rad/s].
+    """
 
     speed: float
 
 
 @dataclass(frozen=True)
 class HelpfulProbe(Help):
-    """probe: where, measured at all speeds of the run."""
+    """Effect of a further probe that measures at all speeds of the run.
+
+    Attributes:
+        probe: The probe and its place.
+    """
 
     probe: Probe
 
@@ -57,9 +69,20 @@ def helpful_speeds(
     count: int = 3,
     targets: Sequence[str] | None = None,
 ) -> tuple[HelpfulSpeed, ...]:
-    """The `count` speeds [rad/s] among the candidates (C,) that one more sample each helps most.
+    """Choose the speeds at which one more sample each helps most (Atkinson, Donev and Tobias 2007).
 
-    targets: names of coordinates to be known better, by default all. Raises ValueError for a target that is none.
+    Args:
+        machine: The machine.
+        identification: Its identification.
+        candidates: Candidate speeds (C,) [rad/s].
+        count: Number of speeds to choose.
+        targets: Names of coordinates to be known better; None for all.
+
+    Returns:
+        Chosen speeds [rad/s] with their effect, in the order in which they were chosen.
+
+    Raises:
+        ValueError: A target is no coordinate of the identification, or the identification is of other unknowns.
     """
     candidates = np.asarray(candidates, dtype=float)
     rows = _rows(machine, identification, candidates)
@@ -78,9 +101,22 @@ def helpful_probes(
     count: int = 3,
     targets: Sequence[str] | None = None,
 ) -> tuple[HelpfulProbe, ...]:
-    """The `count` probes, x or y at a node of the model, that would help most had they measured the same run.
+    """Choose the probes, x or y at a node of the model, that would help most had they measured the same run.
 
-    Raises ValueError for a target that is no coordinate of the identification.
+    Source: Atkinson, Donev and Tobias (2007).
+
+    Args:
+        machine: The machine.
+        identification: Its identification.
+        measurement: The run.
+        count: Number of probes to choose.
+        targets: Names of coordinates to be known better; None for all.
+
+    Returns:
+        Chosen probes with their effect, in the order in which they were chosen.
+
+    Raises:
+        ValueError: A target is no coordinate of the identification, or the identification is of other unknowns.
     """
     probes = _candidate_probes(machine)
     extended = machine.model_copy(update={"probes": (*machine.probes, *probes)})
@@ -103,7 +139,7 @@ def _place(probe: Probe) -> str:
 
 
 def _candidate_probes(machine: Machine) -> list[Probe]:
-    """x and y at every node that has no probe yet."""
+    """List x and y at every node that has no probe yet."""
     taken = {(p.shaft, round(p.station, 6)) for p in machine.probes}
     return [
         Probe(id=f"candidate-{shaft.id}-{k}-{angle}", shaft=shaft.id, station=float(station), angle_deg=angle)
@@ -122,7 +158,7 @@ def _rows(
     direction: Floats | None = None,
     nuisance: Machine | None = None,
 ) -> Floats:
-    """Weighted sensitivities (S, m, 2, N) of what would be measured, over the identification's coordinates.
+    """Compute weighted sensitivities (S, m, 2, N) of further phasors over the identification's coordinates.
 
     nuisance: the machine whose probes had gains and run-outs identified; further probes are taken as exact.
     """
@@ -153,7 +189,7 @@ def _block(
 def _greedy(
     rows: list[Floats], identification: Identification, count: int, targets: Sequence[str] | None
 ) -> list[tuple[int, float, Floats]]:
-    """(candidate, shrinkage, standard errors afterwards) of the best candidates, one after the other."""
+    """Choose the best candidates one after the other: (candidate, shrinkage, standard errors afterwards)."""
     unknown = [name for name in targets or () if name not in identification.coordinates]
     if unknown:
         raise ValueError(f"not among the identification's coordinates: {', '.join(unknown)}")
@@ -176,7 +212,7 @@ def _greedy(
 
 
 def _updated(covariance: Floats, rows: Floats) -> Floats:
-    """(C⁻¹ + JᵀJ)⁻¹; few rows by Woodbury's identity."""
+    """Compute (C⁻¹ + JᵀJ)⁻¹; for few rows by Woodbury's identity."""
     if len(rows) >= len(covariance):
         return np.asarray(np.linalg.inv(np.linalg.inv(covariance) + rows.T @ rows))
     spread = covariance @ rows.T

@@ -17,25 +17,32 @@ from itertools import groupby
 import numpy as np
 import scipy.special
 
-from estimator.between_run_scatter import COMPONENTS, between_run_scatter
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.between_run_scatter import between_run_scatter
+from estimator.parameter_description import describe, is_direct
 from estimator.point import Point
 
 LARGEST_FREEDOM = 1e6
 """Degrees of freedom beyond which the scatter counts as known."""
 CONFIDENCE = 0.95
-"""Of the intervals."""
+"""Probability of the intervals [-]."""
 
 
 @dataclass(frozen=True)
 class ParameterDeviation:
-    """How far one parameter is from its baseline.
+    """Deviation of one parameter from its baseline.
 
-    change: part of its baseline value, of the direct terms beside a cross-coupled one, or of an unbalance's magnitude, there
-    never negative; lower, upper: its 95 % interval. sigma: in standard deviations, with sign; of a complex one the distance
-    of both components. probability: of one as large, either way, while nothing has changed. vector: of a complex one the
-    change itself [SI]: an unbalance that came on top of the baseline's.
+    Attributes:
+        name: Name of the parameter.
+        element: Name of its element.
+        change: Change as a part of the baseline value, of the direct terms beside a cross-coupled one, or of an unbalance's
+            magnitude, there never negative [-].
+        lower: Lower end of its 95 % interval [-].
+        upper: Upper end of its 95 % interval [-].
+        sigma: Change in standard deviations, with sign; of a complex parameter the distance of both components [-].
+        degrees_of_freedom: Degrees of freedom with which the scatter in it is known [-].
+        probability: Probability of a change as large, either way, while nothing has changed [-].
+        vector: Change of a complex parameter itself [SI]: an unbalance that came on top of the baseline's.
     """
 
     name: str
@@ -51,10 +58,14 @@ class ParameterDeviation:
 
 @dataclass(frozen=True)
 class ElementDistance:
-    """How far all parameters of an element have moved together.
+    """Distance of all parameters of an element together from the baseline.
 
-    names: of the real coordinates. distance: Mahalanobis's [-], about the root of their number while nothing has changed.
-    degrees_of_freedom: with which the scatter in it is known. probability: of such a distance or a larger one by chance.
+    Attributes:
+        element: Name of the element.
+        names: Names of the real coordinates.
+        distance: Mahalanobis's distance [-], about the root of their number while nothing has changed.
+        degrees_of_freedom: Degrees of freedom with which the scatter in it is known [-].
+        probability: Probability of such a distance or a larger one by chance [-].
     """
 
     element: str
@@ -66,7 +77,12 @@ class ElementDistance:
 
 @dataclass(frozen=True)
 class Deviations:
-    """Of all parameters that the baseline and the identification determine, in the identification's order."""
+    """Deviations of everything that both the baseline and the identification determine, in the identification's order.
+
+    Attributes:
+        parameters: Deviation of each parameter.
+        elements: Distance of each element.
+    """
 
     parameters: tuple[ParameterDeviation, ...]
     elements: tuple[ElementDistance, ...]
@@ -74,10 +90,16 @@ class Deviations:
 
 @dataclass(frozen=True)
 class Whitening:
-    """What changes of N coordinates are measured by, from a baseline of n runs.
+    """Measure of changes of N coordinates, from a baseline of n runs.
 
-    centre: (N,) mean of the baseline. size: (N,) unit of the changes, see `between_run_scatter`. scatter: (N,) run-to-run
-    variance of the changes [-]. own: (N, N) covariance of the baseline's mean by the fits' errors alone [-].
+    Attributes:
+        names: Names of the N coordinates.
+        count: Number n of runs.
+        centre: Mean (N,) of the baseline [unit of the coordinate].
+        size: Unit (N,) of the changes, see `between_run_scatter` [unit of the coordinate].
+        scatter: Run-to-run variance (N,) of the changes [-].
+        own: Covariance (N, N) of the baseline's mean by the fits' errors alone [-].
+        degrees_of_freedom: Degrees of freedom (N,) with which each variance is known [-].
     """
 
     names: tuple[str, ...]
@@ -90,7 +112,18 @@ class Whitening:
 
     @classmethod
     def of(cls, baseline: Sequence[Point], names: Sequence[str]) -> "Whitening":
-        """From a baseline's points, for some of their coordinates. Raises ValueError for an empty one or unknown names."""
+        """Compute the measure from a baseline's points, for some of their coordinates.
+
+        Args:
+            baseline: Points of n runs.
+            names: Names of the coordinates.
+
+        Returns:
+            The measure.
+
+        Raises:
+            ValueError: The baseline is empty, or a name is unknown.
+        """
         points = [point.of(names) for point in baseline]
         found = between_run_scatter(points)
         covariance = np.mean([point.covariance for point in points], axis=0)
@@ -105,7 +138,14 @@ class Whitening:
         )
 
     def part(self, names: Sequence[str]) -> "Whitening":
-        """The same for fewer coordinates."""
+        """Return the measure for fewer coordinates.
+
+        Args:
+            names: Names of the coordinates to keep.
+
+        Returns:
+            The measure of these.
+        """
         index = [self.names.index(name) for name in names]
         return Whitening(
             names=tuple(names),
@@ -118,17 +158,42 @@ class Whitening:
         )
 
     def change(self, now: Point) -> Floats:
-        """Changes (N,) of a point that has all names [-]."""
+        """Compute the changes of a point from the baseline.
+
+        Args:
+            now: A point that has all names.
+
+        Returns:
+            Changes (N,) [-].
+        """
         return (now.of(self.names).value - self.centre) / self.size
 
     def covariance(self, now: Point) -> Floats:
-        """Covariance (N, N) of `change` [-]."""
+        """Compute the covariance of `change`.
+
+        Args:
+            now: A point that has all names.
+
+        Returns:
+            Covariance (N, N) [-].
+        """
         fit = now.of(self.names).covariance / np.outer(self.size, self.size)
         return fit + self.own + np.diag(self.scatter) * (1.0 + 1.0 / self.count)
 
 
 def deviations(baseline: Sequence[Point], now: Point) -> Deviations:
-    """Deviations of an identification from a baseline. Raises ValueError for an empty baseline."""
+    """Compute the deviations of an identification from a baseline (method and sources in the module's docstring).
+
+    Args:
+        baseline: Points of the baseline.
+        now: Point of the identification.
+
+    Returns:
+        Deviations of parameters and elements.
+
+    Raises:
+        ValueError: The baseline is empty.
+    """
     if not baseline:
         raise ValueError("a baseline needs at least one identification")
     names = comparable(baseline, now)
@@ -148,31 +213,56 @@ def deviations(baseline: Sequence[Point], now: Point) -> Deviations:
 
 
 def comparable(baseline: Sequence[Point], now: Point) -> tuple[str, ...]:
-    """Coordinates that all of them determine, in the order of the last."""
+    """List the coordinates that all of them determine.
+
+    Args:
+        baseline: Points of the baseline.
+        now: Point of the identification.
+
+    Returns:
+        Names in the order of the identification.
+    """
     common = set(now.names).intersection(*(point.names for point in baseline))
     return tuple(name for name in now.names if name in common)
 
 
 def parameter_of(coordinate: str) -> str:
     """`disc.D1.unbalance` of `disc.D1.unbalance.real`."""
-    return coordinate.rsplit(".", 1)[0] if coordinate.endswith(COMPONENTS) else coordinate
+    said = describe(coordinate)
+    return coordinate if said.component is None else said.whole
 
 
 def element_of(name: str) -> str:
     """`bearing.B1` of `bearing.B1.kxx`."""
-    return ".".join(name.split(".", 2)[:2])
+    return describe(name).element
 
 
 def element_distance(white: Whitening, now: Point) -> ElementDistance:
-    """Distance of the element that all coordinates of `white` belong to, of a point that has them."""
+    """Compute the distance of one element.
+
+    Args:
+        white: Measure of the element's coordinates and no others.
+        now: A point that has these coordinates.
+
+    Returns:
+        The element's distance.
+    """
     return _element(white, white.change(now), white.covariance(now), list(range(len(white.names))))
 
 
 def chance_of_distance(squared: float, *, size: int, degrees_of_freedom: float) -> float:
-    """Probability of a sum of so many squared, independent t values or a larger one.
+    """Compute the probability of a sum of squared, independent t values, or of a larger one.
 
     Their sum has mean kν/(ν - 2) and the relative variance 2(ν - 1)/((ν - 4)k); so has F with k and m degrees of freedom, for
-    the m and the scale used here. Exact for k = 1. degrees_of_freedom: ν, above 4.
+    the m and the scale used here. Exact for k = 1.
+
+    Args:
+        squared: Sum of squares [-].
+        size: Number k of values.
+        degrees_of_freedom: Degrees of freedom ν of each value, above 4 [-].
+
+    Returns:
+        Probability [-].
     """
     freedom = min(degrees_of_freedom, LARGEST_FREEDOM)
     other = ((size - 2.0) * (freedom - 4.0) + 4.0 * (freedom - 1.0)) / 3.0

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy.special
 
+from estimator.arrays import Floats
 from estimator.causes import Hypothesis, hypotheses
-from estimator.condensation import Floats
 from estimator.healthy_variation import run_variation, slow_variation, typical_amplitude
 from estimator.machine import Machine
 from estimator.observation import Observation

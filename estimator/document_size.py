@@ -14,9 +14,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from estimator.machine import Bearing, DocumentError, Machine, Probe, Seal, parse_machine
-from estimator.references import ELEMENTS, coefficient_names
-from estimator.rotor import element_count
+from estimator.bearing_registry import CONSTANT
+from estimator.machine import DocumentError, Machine, parse_machine
+from estimator.mesh import element_count
+from estimator.part_coefficients import ELEMENTS, coefficient_names
+from estimator.parts import Bearing, Probe, Seal
 from estimator.units import rpm_to_rad_per_s
 
 LARGEST_SECTIONS = 400
@@ -87,7 +89,7 @@ def document_size(machine: Machine) -> DocumentSize:
         sections=_sections(machine),
         elements=sum(element_count(machine, shaft) for shaft in machine.shafts),
         modes=_modes(machine),
-        coefficients=sum(len(coefficient_names(kind, part)) for kind in ELEMENTS for part in getattr(machine, kind)),
+        coefficients=sum(len(coefficient_names(part)) for kind in ELEMENTS for part in getattr(machine, kind)),
         unknowns=_unknowns(machine),
         probes=len(machine.probes),
         places=_places(machine),
@@ -149,11 +151,10 @@ def _unknowns(machine: Machine) -> int:
     count = 2 * len(machine.discs)
     for kind in ELEMENTS:
         for part in getattr(machine, kind):
-            names = coefficient_names(kind, part)
-            dependence = part.speed_dependence
-            following = 0 if dependence is None else len(set(dependence.coefficients or names))
-            knots = 1 if dependence is None else len(dependence.knots_rpm)
-            count += len(names) + following * (knots - 1)
+            names = coefficient_names(part)
+            form = part.speed_dependence or CONSTANT
+            governed = [name for name in names if form.governs(name)]
+            count += len(names) - len(governed) + form.parameter_count(governed)
     count += 2 * sum(shaft.bow_spread > 0.0 for shaft in machine.shafts)
     count += 8 * sum(coupling.load is not None for coupling in machine.couplings)
     count += 2 * sum((probe.gain_spread > 0.0) + (probe.run_out_spread > 0.0) for probe in machine.probes)

@@ -20,11 +20,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from estimator.parameters import Excitation
-from estimator.rotor import PlaneMatrices, Rotor
+from estimator.arrays import Complexes, Floats
+from estimator.parameters import Excitation, ScaleFactor
+from estimator.rotor import Rotor
+from estimator.scaled_rotor import ScaledRotor
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 BLOCK = 256
@@ -112,7 +112,7 @@ class WhirlElimination:
     ) -> "WhirlElimination":
         """Eliminate. Raises SingularCondensation where a speed makes that impossible."""
         scales = factors or {}
-        plan = _Plan(rotor, retained, excitations, scales)
+        plan = _Plan(ScaledRotor(rotor, excitations, scales), retained)
         return cls(
             rotor=rotor,
             retained=retained,
@@ -169,8 +169,8 @@ class WhirlElimination:
         whole[:, :, 1::2] = 1j * self.direction[:, None, None] * along
         return whole
 
-    def scale_force(self, name: str, displacement: Complexes, excitations: Complexes) -> Complexes:
-        """-(∂Z/∂ ln s) q + (∂F/∂ ln s) u, shape (S, 2r), for the scale factor s of that name.
+    def scale_force(self, scale: ScaleFactor, displacement: Complexes, excitations: Complexes) -> Complexes:
+        """-(∂Z/∂ ln s) q + (∂F/∂ ln s) u, shape (S, 2r), for a scale factor s.
 
         displacement: (S, 2r) of the retained degrees of freedom. excitations: (E,) or (S, E).
         """
@@ -178,77 +178,31 @@ class WhirlElimination:
         turned = np.where(self.direction[:, None] > 0, excitations, np.conj(excitations))
         x_plane, y_plane = displacement[:, :size], displacement[:, size:]
         sense = 1j * self.direction[:, None]
-        plan = _Plan(self.rotor, self.retained, self.excitations, self.factors)
-        forward = plan.scale_force(name, self.forward, self.speed, x_plane + sense * y_plane, 2 * turned, whirl=1)
-        backward = plan.scale_force(name, self.backward, self.speed, x_plane - sense * y_plane, 0 * turned, whirl=-1)
+        plan = _Plan(ScaledRotor(self.rotor, self.excitations, self.factors), self.retained)
+        forward = plan.scale_force(scale, self.forward, self.speed, x_plane + sense * y_plane, 2 * turned, whirl=1)
+        backward = plan.scale_force(scale, self.backward, self.speed, x_plane - sense * y_plane, 0 * turned, whirl=-1)
         return np.concatenate([(forward + backward) / 2, (forward - backward) / (2 * sense)], axis=1)
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """The plane matrices of a scaled rotor, split into retained and eliminated degrees of freedom."""
+    """How the degrees of freedom of a scaled rotor are split into retained and eliminated ones, and these eliminated."""
 
-    rotor: Rotor
+    scaled: ScaledRotor
     retained: NDArray[np.intp]
-    excitations: tuple[Excitation, ...]
-    factors: dict[str, float]
 
     @cached_property
     def eliminated(self) -> NDArray[np.intp]:
         """(e,) plane degrees of freedom that go."""
-        return np.setdiff1d(np.arange(self.rotor.plane_size), self.retained)
-
-    def factor(self, material: str, what: str) -> float:
-        """Scale factor of a material's `young_modulus` or `density`."""
-        return self.factors.get(f"material.{material}.{what}", 1.0)
-
-    @cached_property
-    def length(self) -> float:
-        """A length [m] that makes slopes comparable with displacements."""
-        return max(float(stations[-1]) for stations in self.rotor.stations.values())
-
-    def matrices(self, whirl: int) -> tuple[Floats, Floats, Floats]:
-        """Plane stiffness, inertia and damping (N/2, N/2) so that A = stiffness - ω² inertia + jω damping."""
-        alpha, beta = self.rotor.rayleigh
-        stiffness = self.rotor.discs.stiffness.copy()
-        inertia = self.rotor.discs.mass - whirl * self.rotor.discs.gyroscopic
-        damping = np.zeros_like(stiffness)
-        for name, part in self.rotor.materials.items():
-            elastic = self.factor(name, "young_modulus") * part.stiffness
-            heavy = self.factor(name, "density")
-            stiffness += elastic
-            inertia = inertia + heavy * (part.mass - whirl * part.gyroscopic)
-            damping += (beta + (1 - whirl) * self.rotor.internal[name]) * elastic + alpha * heavy * part.mass
-        return stiffness, inertia, damping
-
-    @cached_property
-    def _shapes(self) -> tuple[Floats | None, ...]:
-        """Of each excitation, the force (N/2,) per its power of ω, of what turns with the shaft."""
-
-        def force(item: Excitation) -> Floats | None:
-            if item.shape is None or not item.stiffened:
-                return item.shape
-            shape = item.shape
-            parts = (self.factor(n, "young_modulus") * (m.stiffness @ shape) for n, m in self.rotor.materials.items())
-            return sum(parts, np.zeros_like(shape))
-
-        return tuple(force(item) for item in self.excitations)
-
-    def shapes(self, speed: Floats) -> Floats:
-        """Force shapes (S, N/2, E) of what turns with the shaft."""
-        whole = np.zeros((speed.size, self.rotor.plane_size, len(self.excitations)))
-        for column, (item, shape) in enumerate(zip(self.excitations, self._shapes, strict=True)):
-            if shape is not None:
-                whole[:, :, column] = speed[:, None] ** item.speed_power * shape
-        return whole
+        return np.setdiff1d(np.arange(self.scaled.rotor.plane_size), self.retained)
 
     @cached_property
     def _forward(self) -> "_BandedSystem":
-        return _BandedSystem(self.matrices(1), self.eliminated, self.retained)
+        return _BandedSystem(self.scaled.matrices(1), self.eliminated, self.retained)
 
     @cached_property
     def _backward(self) -> "_BandedSystem":
-        return _BandedSystem(self.matrices(-1), self.eliminated, self.retained)
+        return _BandedSystem(self.scaled.matrices(-1), self.eliminated, self.retained)
 
     def _system(self, whirl: int) -> "_BandedSystem":
         return self._forward if whirl > 0 else self._backward
@@ -262,7 +216,7 @@ class _Plan:
         """Eliminate in one sense of whirl, in blocks of speeds."""
         if self.banded:
             return self._banded_side(speed, whirl=whirl)
-        matrices = self.matrices(whirl)
+        matrices = self.scaled.matrices(whirl)
         blocks = [self._block(matrices, speed[i : i + BLOCK], whirl, keep) for i in range(0, speed.size, BLOCK)]
         return _Side(*(np.concatenate(parts) for parts in zip(*blocks, strict=True)))
 
@@ -277,11 +231,11 @@ class _Plan:
             return real + 1j * speed[:, None, None] * damping if np.any(damping) else real
 
         own, across, kept = part(inner, inner), part(inner, outer), part(outer, outer)
-        shapes = self.shapes(speed)
+        shapes = self.scaled.shapes(speed)
         if whirl < 0:
             shapes = shapes[:, :, :0]
         inside = np.concatenate([across, shapes[:, inner]], axis=2)
-        solved = _solve(own, inside, speed, self._motion_scale(inner, outer))
+        solved = _solve(own, inside, speed, self.scaled.transfer_unit(inner, outer))
         transfer, response = solved[:, :, : outer.size], solved[:, :, outer.size :]
         stiffness = kept - across.swapaxes(1, 2) @ transfer
         force = shapes[:, outer] - across.swapaxes(1, 2) @ response
@@ -292,12 +246,12 @@ class _Plan:
     def _banded_side(self, speed: Floats, *, whirl: int) -> _Side:
         inner, outer = self.eliminated, self.retained
         system = self._system(whirl)
-        scale = self._motion_scale(inner, outer)
-        forced = len(self.excitations) if whirl > 0 else 0
+        scale = self.scaled.transfer_unit(inner, outer)
+        forced = len(self.scaled.excitations) if whirl > 0 else 0
         stiffness = np.empty((speed.size, outer.size, outer.size), dtype=system.dtype)
         force = np.empty((speed.size, outer.size, forced), dtype=system.dtype)
         for place, omega in enumerate(speed):
-            shapes = self.shapes(speed[[place]])[0, :, :forced]
+            shapes = self.scaled.shapes(speed[[place]])[0, :, :forced]
             across = system.across(omega)
             solved = system.solved(np.concatenate([across, shapes[inner]], axis=1), omega, scale)
             condensed = across.T @ solved
@@ -315,7 +269,7 @@ class _Plan:
         for place, omega in enumerate(speed):
             pushed = -(system.across(omega) @ retained[place])
             if whirl > 0:
-                pushed = pushed + self.shapes(speed[[place]])[0, inner] @ excitations[place]
+                pushed = pushed + self.scaled.shapes(speed[[place]])[0, inner] @ excitations[place]
             moved[place] = system.solved(pushed[:, None], omega)[:, 0]
         return moved
 
@@ -332,39 +286,19 @@ class _Plan:
             ]
         )
 
-    def _motion_scale(self, inner: NDArray[np.intp], outer: NDArray[np.intp]) -> Floats:
-        """Factors (e, r) that turn transfers between displacements and slopes into numbers without dimension."""
-        unit = np.where(np.arange(self.rotor.plane_size) % 2 == 0, 1.0, self.length)
-        return np.asarray(unit[inner][:, None] / unit[outer])
-
     def scale_force(
-        self, name: str, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int
+        self, scale: ScaleFactor, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int
     ) -> Complexes:
         """-(∂A/∂ ln s) q + (∂F/∂ ln s) u condensed to the retained degrees of freedom of one sense of whirl, (S, r)."""
-        _, material, what = name.rsplit(".", 2)
-        part = self.rotor.materials[material]
-        whole = np.zeros((speed.size, self.rotor.plane_size), dtype=complex)
-        excitations = np.broadcast_to(excitations, (speed.size, len(self.excitations)))
+        whole = np.zeros((speed.size, self.scaled.rotor.plane_size), dtype=complex)
+        excitations = np.broadcast_to(excitations, (speed.size, len(self.scaled.excitations)))
         whole[:, self.retained] = retained
         whole[:, self.eliminated] = self._motion(side, speed, retained, excitations, whirl=whirl)
-        change = self.factor(material, what) * self._rate(part, what, material, speed, whole, whirl)
-        if whirl > 0 and what == "young_modulus":
-            for column, item in enumerate(self.excitations):
-                if item.stiffened and item.shape is not None:
-                    lifted = self.factor(material, what) * (part.stiffness @ item.shape)
-                    change = change - lifted * excitations[:, column, None]
+        change = self.scaled.stiffness_rate(scale, speed, whole, whirl)
+        if whirl > 0:
+            change = change - self.scaled.stiffness_force(scale, excitations)
         outer = -change[:, self.retained]
         return np.asarray(outer + self._carried(side, speed, change[:, self.eliminated], whirl=whirl))
-
-    def _rate(self, part: PlaneMatrices, what: str, material: str, speed: Floats, whole: Complexes, whirl: int) -> Complexes:
-        """(∂A/∂s) q, (S, N/2)."""
-        alpha, beta = self.rotor.rayleigh
-        omega = speed[:, None]
-        if what == "young_modulus":
-            loss = beta + (1 - whirl) * self.rotor.internal[material]
-            return np.asarray((1 + 1j * omega * loss) * (whole @ part.stiffness))
-        inertia = -(omega**2) * (whole @ (part.mass - whirl * part.gyroscopic))
-        return np.asarray(inertia + 1j * omega * alpha * (whole @ part.mass))
 
 
 class _BandedSystem:

@@ -1,4 +1,4 @@
-"""From fit coordinates to estimates that a person can use: SI values with intervals, or the reason why there is none."""
+"""Conversion of fit coordinates to estimates in SI units with intervals, or the reason why there is none."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -7,32 +7,51 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import CondensedTrain, Floats
+from estimator.arrays import Floats
+from estimator.bearing_model import ModelParameter
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
-from estimator.parameters import UNITS, Coefficient, Excitation, Quantity
+from estimator.parameters import Coefficient, Excitation
+from estimator.quantities import UNITS, Quantity
 
 CONFIDENCE_95 = 1.959964
 """Half width of a 95 % interval in standard errors."""
 LARGEST_RELATIVE_ERROR = 1.0
-"""A cross-coupled term or unbalance whose standard error exceeds this part of its scale is not estimable."""
+"""Largest standard error of an estimable cross-coupled term or unbalance, as a part of its scale [-]."""
 LARGEST_DIRECT_ERROR = 0.4
-"""The same for a direct term and its own value: beyond it the term may be zero, and its logarithm has no sound interval."""
+"""Largest standard error of an estimable direct term's logarithm [-]: beyond it the term may be zero, and its logarithm has no
+sound interval.
+"""
 
+Common = tuple[str, str, str, str]
+"""Name, element, quantity and unit of an estimate."""
 Reason = Callable[[str], str] | None
-"""Says why the data leave the coordinate of that name open, where something can say it."""
+"""Function that says why the data leave the coordinate of that name open; None where nothing can say it."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """One estimated parameter, in SI units.
+    """One estimated parameter.
 
-    value, standard_error, lower, upper (95 %): None where the data do not determine it; `reason` then says why. A complex
-    one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
+    A complex one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.
+
+    Attributes:
+        name: Name of the parameter.
+        element: Name of its element.
+        quantity: Physical quantity.
+        unit: SI unit of the values.
+        value: Value or real part [unit]; None where the data do not determine it.
+        standard_error: Standard error of the value [unit]; None where the data do not determine it.
+        lower: Lower end of the 95 % interval [unit]; None where the data do not determine it.
+        upper: Upper end of the 95 % interval [unit]; None where the data do not determine it.
+        imaginary: Imaginary part of a complex parameter [unit].
+        imaginary_standard_error: Standard error of the imaginary part [unit].
+        reason: Reason why there is no value.
     """
 
     name: str
     element: str
-    quantity: Quantity
+    quantity: str
     unit: str
     value: float | None
     standard_error: float | None
@@ -44,14 +63,14 @@ class Estimate:
 
     @property
     def estimable(self) -> bool:
-        """Whether the data determine this parameter."""
+        """Return whether the data determine this parameter."""
         return self.value is not None
 
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
     """Coordinates of coefficients whose standard error alone does not rule an estimate out."""
-    limit = np.where(coordinates.logarithmic, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR)
-    return tuple(p for k in range(coordinates.logarithmic.size) for p in coordinates.places(k) if error[p] <= limit[k])
+    limits = [LARGEST_DIRECT_ERROR if one.positive else LARGEST_RELATIVE_ERROR for one in coordinates.parameters]
+    return tuple(place for place, limit in enumerate(limits) if error[place] <= limit)
 
 
 def estimates(
@@ -62,9 +81,18 @@ def estimates(
     reason: Reason,
     doubtful: frozenset[int] = frozenset(),
 ) -> tuple[Estimate, ...]:
-    """Estimates of all parameters, from fit coordinates (n,) and their standard errors (n,).
+    """Convert fit coordinates to estimates of all parameters.
 
-    doubtful: coordinates whose interval the likelihood's profile does not confirm.
+    Args:
+        train: The condensed train.
+        coordinates: Coordinates of the fit.
+        theta: Fit coordinates θ (n,) [-].
+        error: Standard errors (n,) of θ [-].
+        reason: Function that says why a coordinate is left open, or None.
+        doubtful: Coordinates whose interval the likelihood's profile does not confirm.
+
+    Returns:
+        Estimates of coefficients, excitations, scale factors and channels, with their units.
     """
     return (
         *_coefficients(train, coordinates, theta, error, reason, doubtful),
@@ -85,6 +113,7 @@ def _coefficients(
     values = coordinates.coefficients(theta)
     typical = values if values.ndim == 1 else np.exp(np.mean(np.log(np.abs(values) + 1e-300), axis=0))
     size = dict(zip((c.name for c in train.unknowns.coefficients), typical, strict=True))
+    told: set[int] = set()
     for k, coefficient in enumerate(train.unknowns.coefficients):
         if coefficient.fixed:
             yield _without(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
@@ -92,54 +121,54 @@ def _coefficients(
             yield _without(coefficient, f"tied to {coefficient.tied_to}")
         else:
             for place in coordinates.places(k):
+                if place in told:
+                    continue  # a parameter of several coefficients is told once
+                told.add(place)
+                parameter = coordinates.parameters[place]
+                common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
                 if place in doubtful:
-                    name = coordinates.names[place]
-                    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
-                    yield _open(common, f"the data leave it open far beyond its standard error{_because(reason, name)}")
+                    why = _because(reason, parameter.name)
+                    yield _open(common, f"the data leave it open far beyond its standard error{why}")
                     continue
-                yield _coefficient(coefficient, coordinates, place, theta, error, beside(coefficient, size), reason)
+                judged_by = parameter.scale if parameter.coefficient is None else beside(coefficient, size)
+                yield _parameter(parameter, common, float(theta[place]), float(error[place]), judged_by, reason)
 
 
 def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
-    """What a cross-coupled term is judged by: the direct terms beside it; its own value may well be zero.
+    """Return the size that a coefficient's error is compared with: of a cross-coupled term, the direct terms beside it.
 
-    size: magnitudes of all coefficients by name.
+    A cross-coupled term's own value may well be zero.
+
+    Args:
+        coefficient: The coefficient.
+        size: Magnitude of every coefficient by name [SI].
+
+    Returns:
+        Size [SI].
     """
     if coefficient.direct:
         return size[coefficient.name]
-    stem, name = coefficient.name.rsplit(".", 1)
-    if name.startswith("k_phi"):
-        pair = ("k_phix", "k_phiy")
-    elif "_phi" in name:
-        pair = (f"k{name[1]}{name[1]}", f"k_phi{name[-1]}")
-    else:
-        pair = (f"{name[0]}xx", f"{name[0]}yy")
-    return math.sqrt(size[f"{stem}.{pair[0]}"] * size[f"{stem}.{pair[1]}"])
+    first, second = (size[f"{coefficient.element}.{name}"] for name in coefficient.term.beside)
+    return math.sqrt(first * second)
 
 
-def _coefficient(
-    coefficient: Coefficient,
-    coordinates: Coordinates,
-    place: int,
-    theta: Floats,
-    error: Floats,
-    judged_by: float,
-    reason: Reason,
+def _parameter(
+    parameter: ModelParameter, common: Common, fitted: float, error: float, judged_by: float, reason: Reason
 ) -> Estimate:
-    name = coordinates.names[place]
-    common = (name, coefficient.element, coefficient.quantity, coefficient.unit)
-    spread = float(coordinates.unit[place] * error[place])
-    if coefficient.direct:
+    """fitted, error: fitted number and its standard error."""
+    spread = parameter.step * error
+    if parameter.positive:
         if spread > LARGEST_DIRECT_ERROR:
             limit = f"its standard error; {100 * LARGEST_DIRECT_ERROR:.0f} % at most"
             words = f"the data leave it uncertain by {100 * spread:.0f} % of its value ({limit})"
-            return _open(common, words + _because(reason, name))
-        return _positive(common, coefficient.expected * math.exp(float(theta[place])), spread)
+            return _open(common, words + _because(reason, parameter.name))
+        return _positive(common, parameter.expected * math.exp(fitted), spread)
     if spread > LARGEST_RELATIVE_ERROR * judged_by:
-        part, why = 100 * spread / judged_by, _because(reason, name)
+        part, why = 100 * spread / judged_by, _because(reason, parameter.name)
         limit = f"its standard error; {100 * LARGEST_RELATIVE_ERROR:.0f} % at most"
-        return _open(common, f"the data leave it uncertain by {part:.0f} % of the direct terms of its element ({limit}){why}")
-    value, half = float(coordinates.unit[place] * theta[place]), CONFIDENCE_95 * spread
+        whole = "what is expected of it" if parameter.coefficient is None else "the direct terms of its element"
+        return _open(common, f"the data leave it uncertain by {part:.0f} % of {whole} ({limit}){why}")
+    value, half = parameter.step * fitted, CONFIDENCE_95 * spread
     return Estimate(*common, value, spread, value - half, value + half)
 
 
@@ -166,8 +195,8 @@ def _excitations(
 
 
 def _scale_factors(train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats) -> Iterator[Estimate]:
-    for name, place in zip(train.scale_names, coordinates.scale_place, strict=True):
-        common: tuple[str, str, Quantity, str] = (name, name.rsplit(".", 1)[0], "scale factor", UNITS["scale factor"])
+    for one, place in zip(train.scale_factors, coordinates.scale_place, strict=True):
+        common: Common = (one.name, one.element, "scale factor", UNITS["scale factor"])
         yield _positive(common, math.exp(float(theta[place])), float(error[place]))
 
 
@@ -185,13 +214,13 @@ def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, er
                 yield _complex(common, complex(value), coordinates.unit[place] * error[place : place + 2])
 
 
-def _positive(common: tuple[str, str, Quantity, str], value: float, error: float) -> Estimate:
+def _positive(common: Common, value: float, error: float) -> Estimate:
     """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*common, value, value * error, lower, upper)
 
 
-def _complex(common: tuple[str, str, Quantity, str], value: complex, error: Floats) -> Estimate:
+def _complex(common: Common, value: complex, error: Floats) -> Estimate:
     half = CONFIDENCE_95 * float(np.max(error))
     return Estimate(
         *common,
@@ -212,5 +241,5 @@ def _without(item: Coefficient | Excitation, reason: str) -> Estimate:
     return _open((item.name, item.element, item.quantity, item.unit), reason)
 
 
-def _open(common: tuple[str, str, Quantity, str], reason: str) -> Estimate:
+def _open(common: Common, reason: str) -> Estimate:
     return Estimate(*common, None, None, None, None, reason=reason)

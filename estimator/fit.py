@@ -15,38 +15,46 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.coordinates import Coordinates
 from estimator.elimination import SingularCondensation
-from estimator.machine import Noise
 from estimator.measurement import Measurement
 from estimator.noise import channel_noise, error_size, estimated_noise, outlier_limit, outliers
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
+from estimator.rules import Noise
 
 STAGE_MISFITS = (0.5, 0.05, 0.0)
-"""Relative misfit allowed beside the noise in each stage."""
+"""Relative misfit allowed beside the noise in each stage [-]."""
 STAGE_ITERATIONS = (40, 40, 80)
+"""Most steps in each stage."""
 FINAL_PASSES = 8
-"""Most times the last stage is repeated with weights, outliers and noise from the response just fitted."""
+"""Most repetitions of the last stage with weights, outliers and noise from the response just fitted."""
 SAME_NOISE = 0.01
-"""A relative change of the estimated noise below this is none."""
+"""Relative change of the estimated noise up to which it counts as unchanged [-]."""
 SMALLEST_AMPLITUDE = 0.01
-"""Part of a sample's largest amplitude below which no channel's is taken at its word before there is a fit."""
+"""Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 STEP_LIMIT = 1.0
-"""Largest change of a coordinate in one step: a factor e of a direct term."""
+"""Largest change of a coordinate in one step [-]: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
-"""A stage ends when a full Newton step promises to lower χ² by less than this; a change of 1 is one standard error."""
+"""Decrease of χ² promised by a full Newton step below which a stage ends [-]; a change of 1 is one standard error."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Where one start led.
+    """End of a fit from one start.
 
-    theta: fit coordinates (n,). chi_square: of the data at the final weights. information: Fisher information of the data
-    in the coordinates, (n, n). converged: whether the last stage met its tolerance. iterations: steps tried. noise: as used
-    at the end. channel_noise: as in `Problem`. outlier: (S, m) True for phasors left out. misfit: what tells a better start
-    from a worse one, χ² with what the outliers cost; where the noise is estimated, times the mean size of its variance.
+    Attributes:
+        theta: Fit coordinates θ (n,) [-].
+        chi_square: χ² of the data at the final weights [-].
+        information: Fisher information (n, n) of the data in the coordinates [-].
+        converged: Whether the last stage met its tolerance.
+        iterations: Number of steps tried.
+        noise: Noise model used at the end.
+        outlier: True for phasors left out (S, m).
+        misfit: Measure by which starts are compared [-]: χ² with the cost of the outliers; where the noise is estimated, times
+            the mean size of its variance.
+        channel_noise: Noise of each channel over the noise model's, (m,) or (1,) [-].
     """
 
     theta: Floats
@@ -64,7 +72,14 @@ class Fit:
 class Problem:
     """One data set, one train, one set of coordinates.
 
-    outlier: (S, m) phasors left out. channel_noise: (m,) or (1,) how many times as noisy as the noise model each channel is.
+    Attributes:
+        train: The condensed train.
+        measurement: Measured phasors at the train's S speeds.
+        coordinates: Coordinates of the fit.
+        noise: Noise model.
+        outlier: True for phasors left out (S, m).
+        robust: Whether outliers are left out at all.
+        channel_noise: Noise of each channel over the noise model's, (m,) or (1,) [-].
     """
 
     train: CondensedTrain
@@ -78,17 +93,27 @@ class Problem:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """(S, m) phasors that count."""
+        """Return which phasors count (S, m)."""
         return self.measurement.usable & ~self.outlier
 
     @property
     def first_amplitude(self) -> Floats:
-        """Amplitudes (S, m) [m] to weigh with before there is a fit: a dead channel must not pass for a precise one."""
+        """Return the amplitudes (S, m) to weigh with before there is a fit [m].
+
+        A dead channel must not pass for a precise one.
+        """
         amplitude = np.abs(self.measurement.phasor)
         return np.asarray(np.maximum(amplitude, SMALLEST_AMPLITUDE * amplitude.max(axis=1, keepdims=True)))
 
     def scaled_train(self, theta: Floats) -> CondensedTrain:
-        """The train with the scale factors of θ; the last few are remembered."""
+        """Return the train with the scale factors of θ; the last two are cached.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The scaled train.
+        """
         if self.coordinates.scale_place.size == 0:
             return self.train
         factors = self.coordinates.scales(theta)
@@ -100,7 +125,14 @@ class Problem:
         return self._scaled[key]
 
     def excitations(self, theta: Floats) -> Complexes:
-        """(E,), or (S, E) where known unbalances were added to some samples."""
+        """Compute the excitations at θ, with known unbalances that were added.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Excitations (E,), or (S, E) where known unbalances were added to some samples [SI].
+        """
         own = self.coordinates.excitations(theta)
         added = self.measurement.added
         if added is None:
@@ -110,7 +142,14 @@ class Problem:
         return whole
 
     def model(self, theta: Floats) -> Complexes:
-        """What the channels should show (S, m) [m] at θ."""
+        """Compute the phasors that the channels should show at θ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Phasors (S, m) [m].
+        """
         phasor = response(
             self.scaled_train(theta),
             coefficients=self.coordinates.coefficients(theta),
@@ -119,7 +158,15 @@ class Problem:
         return self._as_measured(theta, phasor, self.measurement.direction)
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
-        """χ² of the data, -½ of its gradient and its Gauss-Newton curvature at θ, for weights (S, m) [1/m]."""
+        """Linearise the problem at θ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            χ² of the data [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
+        """
         train = self.scaled_train(theta)
         coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
         weight = np.where(self.used, weight, 0.0)
@@ -144,24 +191,55 @@ class Problem:
         return chi_square, gradient, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
-        """Sum of squared weighted residuals, real and imaginary parts counted apart."""
+        """Compute χ²: the sum of squared weighted residuals, real and imaginary parts counted apart.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            χ² [-].
+        """
         residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
         return float(np.vdot(residual, residual).real)
 
     def error(self, amplitude: Floats) -> Floats:
-        """Rms of the complex error (S, m) [m] of phasors of an amplitude (S, m) [m]."""
+        """Compute the rms of the complex error of phasors.
+
+        Args:
+            amplitude: Amplitude of the phasors (S, m) [m].
+
+        Returns:
+            Rms error (S, m) [m].
+        """
         scatter = self.measurement.scatter
         return error_size(self.noise, amplitude, scatter) * np.where(scatter > 0.0, 1.0, self.channel_noise)
 
     def weight(self, amplitude: Floats, misfit: float) -> Floats:
-        """Weights (S, m) [1/m]: one over the error of each real part, with a relative misfit allowed beside it."""
+        """Compute the weights of phasors: one over the error of each real part, with a relative misfit allowed beside it.
+
+        Args:
+            amplitude: Amplitude of the phasors (S, m) [m].
+            misfit: Relative misfit [-].
+
+        Returns:
+            Weights (S, m) [1/m]; 0 where the error is zero and so unknown.
+        """
         error = self.error(amplitude)
         whole = np.sqrt(error**2 + (misfit * amplitude) ** 2)
         # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
     def best_excitations(self, theta: Floats, weight: Floats) -> Floats:
-        """θ with the unbalances, bows and loads that fit best while everything else stays: a linear problem."""
+        """Solve for the excitations that fit best while everything else stays: a linear problem.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            θ (n,) with these unbalances, bows and loads [-].
+        """
         first = self.coordinates.excitation_place
         free = np.concatenate([first[first >= 0], first[first >= 0] + 1])
         if free.size == 0:
@@ -175,7 +253,15 @@ class Problem:
         return result
 
     def without_outliers(self, theta: Floats, misfit: float) -> "Problem":
-        """The problem without the phasors that cannot be noise at θ, where a relative misfit is allowed beside it."""
+        """Return the problem without the phasors that cannot be noise at θ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            misfit: Relative misfit allowed beside the noise [-].
+
+        Returns:
+            The problem with its outliers marked.
+        """
         if not self.robust:
             return self
         model = self.model(theta)
@@ -187,7 +273,14 @@ class Problem:
         return replace(self, outlier=np.concatenate(each, axis=1))
 
     def with_estimated_noise(self, theta: Floats) -> "Problem":
-        """The problem with the noise that the residuals at θ show, where the document asks for that."""
+        """Return the problem with the noise that the residuals at θ show, where the document asks for that.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The problem with that noise, or the same one.
+        """
         modelled = self.used & ~(self.measurement.scatter > 0.0)
         if not self.noise.estimated or not np.any(modelled):
             return self
@@ -200,14 +293,26 @@ class Problem:
         return replace(self, noise=noise, channel_noise=channel_noise(size, modelled, spent=spent))
 
     def _as_measured(self, theta: Floats, phasor: Complexes, direction: Floats) -> Complexes:
-        """Phasors through the channels' gains, with their run-out: a pattern on the shaft, so mirrored with the rotation."""
+        """Convert phasors to readings, through the channels' gains and with run-out.
+
+        Run-out is a pattern on the shaft, so it is mirrored with the rotation.
+        """
         run_out = self.coordinates.run_outs(theta)
         turned = np.where(direction[:, None] > 0, run_out, np.conj(run_out))
         return np.asarray(phasor * self.coordinates.gains(theta) + turned)
 
 
 def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
-    """Fit from one start θ (n,). near: the start is an earlier fit's end, which needs no coarse stages."""
+    """Fit from one start (Marquardt 1963, doi:10.1137/0111030; method in the module's docstring).
+
+    Args:
+        problem: Data, train and coordinates.
+        start: Fit coordinates θ (n,) to start from [-].
+        near: Whether the start is an earlier fit's end, which needs no coarse stages.
+
+    Returns:
+        End of the fit.
+    """
     measured = problem.first_amplitude
     theta = start
     iterations = 0
@@ -245,7 +350,15 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
 
 
 def settled(problem: Problem, found: Fit) -> Problem:
-    """The problem with the noise and the outliers of a fit."""
+    """Return the problem with the noise and the outliers of a fit.
+
+    Args:
+        problem: The problem.
+        found: Its fit.
+
+    Returns:
+        The problem at the fit's end.
+    """
     return replace(problem, outlier=found.outlier, noise=found.noise, channel_noise=found.channel_noise)
 
 
@@ -257,7 +370,7 @@ def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
 
 
 def _settled(before: Problem, after: Problem) -> bool:
-    """Whether a pass has changed neither outliers nor noise."""
+    """Check whether a pass has changed neither outliers nor noise."""
     return (
         np.array_equal(before.outlier, after.outlier)
         and np.allclose(before.channel_noise, after.channel_noise, rtol=3 * SAME_NOISE)
@@ -267,9 +380,18 @@ def _settled(before: Problem, after: Problem) -> bool:
 
 
 def descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
-    """Levenberg-Marquardt at fixed weights: (θ, converged, steps tried).
+    """Run Levenberg-Marquardt at fixed weights.
 
     The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) to start from [-].
+        weight: Weights (S, m) [1/m].
+        limit: Most steps.
+
+    Returns:
+        θ (n,) [-], whether it converged, and the number of steps tried.
     """
     precision = problem.coordinates.spread**-2
     centre = problem.coordinates.centre

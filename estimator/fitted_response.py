@@ -1,28 +1,40 @@
-"""What an identification says that each channel shows: the updated model's response, through gains and with run-out."""
+"""Response that an identification predicts for each channel: the updated model's, through gains and with run-out."""
 
 import numpy as np
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
 from estimator.machine import Machine
-from estimator.sensitivity import sensitivity
-
-CHANNEL = "probe."
-"""How names of coordinates of measuring chains begin."""
+from estimator.parameter_description import describe
+from estimator.response import sensitivity
 
 
 def fitted_response(
     machine: Machine, coordinates: tuple[str, ...], point: Floats, covariance: Floats, *, speed: Floats, direction: Floats
 ) -> PhasorBand:
-    """Phasors (S, m) [m] of the fit at speeds (S,) [rad/s], with their 95 % bands.
+    """Compute the phasors of a fit with their 95 % bands.
 
-    coordinates, point (n,), covariance (n, n): as in `Identification`. direction: (S,) +1 or -1. A channel of which the
-    identification has no gain or run-out is taken as exact. Raises ValueError for an identification of another machine.
+    A channel of which the identification has no gain or run-out is taken as exact.
+
+    Args:
+        machine: The machine, with m probes.
+        coordinates: Names of the identification's n coordinates.
+        point: Values (n,) over the coordinates, as in `Identification` [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) of the coordinates [SI²].
+        speed: Speeds (S,) [rad/s].
+        direction: Sense of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        Phasors (S, m) [m].
+
+    Raises:
+        ValueError: The identification is of another machine.
     """
     train = condense(machine, speed=speed, direction=direction)
     own = Coordinates.of(train, unbalance_scale=1.0)
-    missing = [name for name in own.names if name not in coordinates and not name.startswith(CHANNEL)]
+    missing = [name for name in own.names if name not in coordinates and describe(name).element_kind != "probe"]
     if missing:
         raise ValueError(f"the identification is not of machine '{machine.id}': it lacks {', '.join(missing)}")
     known = np.array([name in coordinates for name in own.names], dtype=bool)

@@ -1,22 +1,26 @@
-"""Response of the updated model to what excites it, at any linear combinations of its degrees of freedom, with slopes."""
+"""Response of the updated model to its excitations, at any linear combinations of its degrees of freedom, with slopes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.error_propagation import PhasorBand, phasor_band
-from estimator.sensitivity import sensitivity
+from estimator.response import sensitivity
 from estimator.updated_model import UpdatedModel
 
 
 @dataclass(frozen=True)
 class ForcedResponse:
-    """Phasors at S speeds.
+    """Phasors of m outputs at S speeds.
 
-    phasor: (S, m). slope: (S, m, n) by the model's coordinates. influence: (S, m, 2E) by real and imaginary part of each
-    excitation. coefficients: (S, K) at these speeds [SI].
+    Attributes:
+        phasor: Phasors (S, m) [m].
+        slope: Derivatives (S, m, n) of the phasors by the model's coordinates [m per unit of the coordinate].
+        influence: Derivatives (S, m, 2E) by real and imaginary part of each excitation [m per unit of the excitation].
+        coefficients: Coefficients (S, K) at these speeds [SI].
     """
 
     phasor: Complexes
@@ -25,17 +29,33 @@ class ForcedResponse:
     coefficients: Floats
 
     def band(self, model: UpdatedModel) -> PhasorBand:
-        """The phasors with their uncertainty."""
+        """Compute the uncertainty of the phasors.
+
+        Args:
+            model: The model that responded.
+
+        Returns:
+            Phasors with their bands (S, m) [m].
+        """
         return phasor_band(self.phasor, self.slope, model.covariance)
 
 
 def forced_response(
     model: UpdatedModel, *, speed: Floats, output: Floats | None = None, added: Complexes | None = None
 ) -> ForcedResponse:
-    """Response of a machine in its sense of rotation.
+    """Compute the response of a machine in its sense of rotation.
 
-    speed: (S,) [rad/s], positive. output: (m, N) rows over all degrees of freedom, by default the probes. added: (E,) to the
-    identified excitations, exactly known, such as correction masses. Raises ValueError for speeds that are not positive.
+    Args:
+        model: The updated model.
+        speed: Speeds (S,) [rad/s], positive.
+        output: Rows (m, N) over all degrees of freedom [-]; None for the probes.
+        added: Excitations (E,) added to the identified ones, exactly known, such as correction masses [SI].
+
+    Returns:
+        The response.
+
+    Raises:
+        ValueError: A speed is not positive.
     """
     speed = np.asarray(speed, dtype=float)
     train = condense(model.machine, speed=speed, direction=np.full(speed.size, float(model.machine.direction)), output=output)
@@ -46,7 +66,7 @@ def forced_response(
     found = sensitivity(train.scaled(coordinates.scales(theta)), coefficients=coefficients, excitations=excitations)
     slope = np.zeros((coordinates.size, *found.phasor.shape), dtype=complex)
     # The probes' gains, which the coordinates' own slopes deal with, are none of the shaft's motion.
-    for k, places in coefficient_slopes(coordinates, coefficients).items():
+    for k, places in coefficient_slopes(coordinates, theta, coefficients).items():
         for place, by_coordinate in places.items():
             slope[place] += found.by_coefficient[k] * by_coordinate[:, None]
     for number, first in enumerate(coordinates.excitation_place):
@@ -61,15 +81,17 @@ def forced_response(
     )
 
 
-def coefficient_slopes(coordinates: Coordinates, coefficients: Floats) -> dict[int, dict[int, Floats]]:
-    """Per coefficient and coordinate, the derivative (S,) of the one by the other, for coefficients (S, K)."""
+def coefficient_slopes(coordinates: Coordinates, theta: Floats, coefficients: Floats) -> dict[int, dict[int, Floats]]:
+    """Return per coefficient and coordinate the derivative (S,) of the one by the other's value, see `Coordinates.point`.
+
+    theta: (n,) fit coordinates. coefficients: (S, K) there [SI].
+    """
     slopes: dict[int, dict[int, Floats]] = {}
-    following = {one.coefficient: one for one in coordinates.follows}
     for k, logarithmic in enumerate(coordinates.logarithmic):
-        own = coefficients[:, k] if logarithmic else np.ones(len(coefficients))
-        if k in following:
-            one = following[k]
-            slopes[k] = {one.first + knot: own * one.weight[:, knot] for knot in range(one.weight.shape[1])}
-        elif coordinates.place[k] >= 0:
-            slopes[k] = {int(coordinates.place[k]): own}
+        if coordinates.place[k] >= 0:
+            slopes[k] = {int(coordinates.place[k]): coefficients[:, k] if logarithmic else np.ones(len(coefficients))}
+    for one in coordinates.models:
+        by_coordinate = one.derivatives(theta, slice(None)) / coordinates.unit[one.first : one.places.stop]
+        for c, k in enumerate(one.coefficients):
+            slopes[k] = {place: by_coordinate[:, c, p] for p, place in enumerate(one.places)}
     return slopes

@@ -13,37 +13,44 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.identification import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
 from estimator.quality import Flag, Quality, assess, own_noise, too_few
 from estimator.recorded import Recorded
+from estimator.rules import QualityRules
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 
 NEGLIGIBLE = 0.1
-"""Predicted deviations below this part of the noise are left alone."""
+"""Part of the noise up to which predicted deviations are left alone [-]."""
 LARGEST_UNFITTED = 1.0
-"""With the document's model, points that deviate by more than this times their noise are left out …"""
+"""Largest deviation, over the noise, at which a point is kept when the document's model predicts it [-]."""
 LARGEST_FITTED = 2.0
-"""… and with the fitted one by more than this."""
+"""Largest deviation, over the noise, at which a point is kept when the fitted model predicts it [-]."""
 PREDICTION_ERROR = 0.3
-"""Part of a predicted deviation by which the prediction may be wrong, rms."""
+"""Rms error of a predicted deviation, as a part of it [-]."""
 PASSES = 3
 """Most times the points are judged anew with the model fitted to those that were left."""
 SETTLED = 0.1
-"""A change of the predicted deviations below this part of the noise, rms, is none."""
+"""Rms change of the predicted deviations, over the noise, below which they count as unchanged [-]."""
 CERTAIN = 25.0
-"""Difference of twice the log-likelihoods from which on the data contradict the times."""
+"""Difference of twice the log-likelihoods from which on the data contradict the times [-]."""
 LARGEST_SQUARE = 25.0
-"""What one phasor can say at most, as a squared multiple of its noise."""
+"""Largest contribution of one phasor, as a squared multiple of its noise [-]."""
 
 
 @dataclass(frozen=True)
 class Gated:
-    """qualities: of the runs. identification: None where the points left do not allow one, for the reason in `error`."""
+    """Outcome of an identification behind the quality gate.
+
+    Attributes:
+        qualities: Quality of each run.
+        identification: The identification; None where the points left do not allow one.
+        error: Reason why there is no identification.
+    """
 
     qualities: tuple[Quality, ...]
     identification: Identification | None
@@ -52,7 +59,7 @@ class Gated:
 
 @dataclass(frozen=True)
 class _Treatment:
-    """How the sweep is dealt with: predicted deviation and error of each phasor (S, m) [m], size the one over the other."""
+    """Treatment of the sweep: predicted deviation and error of each phasor (S, m) [m], size the one over the other."""
 
     deviation: Complexes
     error: Floats
@@ -61,7 +68,7 @@ class _Treatment:
     corrected: NDArray[np.bool_]
 
     def applied(self, base: Measurement) -> Measurement:
-        """The measurement without what the sweep added."""
+        """Return the measurement without the predicted effect of the sweep."""
         # What was not corrected, with the document's model, counts as an error in full.
         off = np.where(self.corrected, self.deviation, 0.0)
         part = np.where(self.corrected, PREDICTION_ERROR, 1.0) * np.abs(self.deviation)
@@ -81,9 +88,23 @@ def identify_gated(
 ) -> Gated:
     """Judge runs and identify the machine from what may be used of all of them together.
 
-    measurements: the same samples, with trial weights where there were any. rules: by default the document's. gate: without
-    it the quality is told, but nothing is left out beside what the source itself calls unusable. beginning: as `identify`.
-    Raises as `identify`, except for NotEnoughData, which becomes the error of the result.
+    Args:
+        machine: The machine.
+        runs: Recorded runs.
+        measurements: The same samples, run by run, with trial weights where there were any.
+        options: Options of the fit.
+        rules: Rules of quality; None for the document's.
+        gate: Whether points are left out; without it the quality is stated, but only what the source itself calls unusable is
+            left out.
+        beginning: Values (N,) of an earlier identification to start from, as in `identify` [SI, logarithms of direct terms].
+
+    Returns:
+        Qualities and identification; a lack of data becomes its error.
+
+    Raises:
+        FitFailed: No start leads anywhere.
+        SingularCondensation: The train cannot be condensed at a speed.
+        ValueError: The channels are not the machine's.
     """
     rules = rules or machine.quality
     qualities = tuple(assess(run, noise=machine.noise, rules=rules) for run in runs)
@@ -126,7 +147,7 @@ def _without_sweep(
     correct: bool,
     beginning: Floats | None,
 ) -> tuple[tuple[Quality, ...], Identification]:
-    """The identification from what the sweeps left usable."""
+    """Identify from the points that the sweeps left usable."""
     pieces = _pieces(runs)
     plain = identify(machine, base, replace(options or Options(), starts=1), beginning=beginning)
     used, found = base, plain
@@ -157,7 +178,7 @@ def _without_sweep(
 def _by_the_document(
     machine: Machine, runs: Sequence[Recorded], base: Measurement, options: Options | None, *, correct: bool
 ) -> tuple[Measurement, Identification]:
-    """What may be used by the document's own model, and the fit of that: for sweeps with which nothing fits as it is."""
+    """Find the usable points by the document's own model, and fit them: for sweeps with which nothing fits as it is."""
     model = model_at(machine, *expected_point(machine, base))
     transient = _transient(model, runs, base, _pieces(runs))
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
@@ -171,7 +192,7 @@ def _by_the_document(
 
 
 def _pieces(runs: Sequence[Recorded]) -> list[slice]:
-    """Where each run's samples are among those of all."""
+    """Return the slice of each run's samples among those of all."""
     ends = np.cumsum([run.speed.size for run in runs])
     return [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
 
@@ -184,7 +205,7 @@ def _identified_if_enough(machine: Machine, measurement: Measurement, options: O
 
 
 def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
-    """What the model predicts for all runs, one after the other, each in its sense of rotation and with its trial weight."""
+    """Predict the transients of all runs, one after the other, each in its sense of rotation and with its trial weight."""
     each = []
     for run, piece in zip(runs, pieces, strict=True):
         if run.time is None:
@@ -205,7 +226,7 @@ def _treatment(
 
 
 def _nearer(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
-    """What the sweep added: as phasors of an instant have it, or means over a block, whichever the data are nearer to."""
+    """Choose the predicted transient that is nearer to the data: of phasors of an instant, or of means over a block."""
     error = error_size(machine.noise, np.abs(steady), base.scatter)
     telling = base.usable & (np.abs(transient.instant) > NEGLIGIBLE * error)
     rest = np.where(telling, base.phasor - steady, 0.0)
@@ -219,9 +240,10 @@ def _nearer(machine: Machine, base: Measurement, steady: Complexes, transient: S
 def _steady_fits_better(
     machine: Machine, base: Measurement, plain: Identification, treatment: _Treatment, steady: Complexes
 ) -> bool:
-    """Whether the fit that knows nothing of the sweep explains the data clearly better than the one with it taken off.
+    """Check whether the fit without the sweep explains the data clearly better than the one with it taken off.
 
-    Twice the negative log-likelihood of all phasors under either, each with its own fit; what one phasor can say is limited.
+    Twice the negative log-likelihood of all phasors under either, each with its own fit; the contribution of one phasor is
+    limited.
     """
     there = base.usable & (treatment.error > 0.0)
     if not np.any((treatment.size > NEGLIGIBLE) & there):
@@ -245,7 +267,7 @@ def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
 
 
 def _doubted(quality: Quality, piece: slice, base: Measurement, treatment: _Treatment, *, fitted: bool) -> Quality:
-    """The quality of a run whose phasors are those of a steady state, although by its times they should not be."""
+    """Return the quality of a run with phasors of a steady state, although by its times they should not be."""
     beyond = int(np.count_nonzero(base.usable[piece] & (treatment.size[piece] > LARGEST_UNFITTED)))
     if not beyond:
         return quality
@@ -261,7 +283,7 @@ def _doubted(quality: Quality, piece: slice, base: Measurement, treatment: _Trea
 
 
 def _told(quality: Quality, piece: slice, treatment: _Treatment, base: Measurement) -> Quality:
-    """The quality of one run, a piece of all samples, with flags and words on what was done."""
+    """Return the quality of one run, a piece of all samples, with flags and findings on what was done."""
     usable = base.usable[piece]
     excluded, corrected = treatment.excluded[piece] & usable, treatment.corrected[piece] & usable
     if not excluded.any() and not corrected.any():

@@ -13,14 +13,26 @@ from dataclasses import replace
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.estimates import Estimate
 from estimator.identification import Identification
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 
 
 def combined(results: Sequence[Identification]) -> Identification:
-    """One identification from those of single runs of the same machine. Raises ValueError for fewer than two."""
+    """Combine the identifications of single runs of the same machine into one.
+
+    Source: random-effects mean (DerSimonian and Laird 1986, doi:10.1016/0197-2456(86)90046-2) with equal weights.
+
+    Args:
+        results: Identifications of at least two runs, with the same coordinates.
+
+    Returns:
+        One identification.
+
+    Raises:
+        ValueError: There are fewer than two.
+    """
     count = len(results)
     if count < 2:
         raise ValueError("at least two identifications are needed to combine them")
@@ -57,7 +69,7 @@ def combined(results: Sequence[Identification]) -> Identification:
 
 
 def _coordinates(result: Identification) -> Floats:
-    """Values over `result.coordinates`: direct terms as logarithms, NaN where not estimable."""
+    """Return the values over `result.coordinates`: direct terms as logarithms, NaN where not estimable."""
     values: dict[str, float] = {}
     for one in result.estimates:
         if one.value is None:
@@ -70,7 +82,7 @@ def _coordinates(result: Identification) -> Floats:
 
 
 def _estimate(one: Estimate, found: dict[str, tuple[float, float]], half: float) -> Estimate:
-    """The averaged estimate; not estimable where a single run could not determine it."""
+    """Build the averaged estimate; not estimable where a single run could not determine it."""
     common = (one.name, one.element, one.quantity, one.unit)
     parts = [found[name] for name in (one.name, f"{one.name}.real", f"{one.name}.imaginary") if name in found]
     if not parts:

@@ -13,20 +13,26 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from estimator.arrays import Floats
+
 Excitation = Literal["unbalance", "constant force"]
 
 
 class HalfPowerNotReached(ValueError):
-    """The curve does not fall to the half-power level on one side of the peak."""
+    """Raised when the curve does not fall to the half-power level on one side of the peak."""
 
 
 @dataclass(frozen=True)
 class HalfPowerPoints:
     """A resonance between its half-power points.
 
-    peak, lower, upper: speeds or frequencies [those of the curve]. amplitude: at the peak. damping_ratio: exact for a single
-    degree of freedom; (upper - lower) / (2 peak) where damping is small [-].
+    Attributes:
+        peak: Speed or frequency of the peak [unit of the curve].
+        amplitude: Amplitude at the peak [unit of the curve].
+        lower: Lower half-power point [unit of the curve].
+        upper: Upper half-power point [unit of the curve].
+        damping_ratio: Damping ratio, exact for a single degree of freedom; (upper - lower) / (2 peak) where damping is small
+            [-].
     """
 
     peak: float
@@ -39,12 +45,22 @@ class HalfPowerPoints:
 def half_power_points(
     speed: Floats, amplitude: Floats, *, excitation: Excitation, near: float | None = None
 ) -> HalfPowerPoints:
-    """Half-power points of the largest peak, or of the peak nearest to the speed `near`.
+    """Find the half-power points of the largest peak, or of the peak nearest to a speed (thesis §2.3).
 
-    speed: (S,) ascending and positive [rad/s, Hz or r/min]. amplitude: (S,) positive. Two resonances between which the curve
-    stays above the half-power level count as one.
-    Raises ValueError for a curve without a peak inside it or with other than positive, finite values; HalfPowerNotReached
-    when the curve ends, or rises above the peak, before it has fallen to the half-power level.
+    Two resonances between which the curve stays above the half-power level count as one.
+
+    Args:
+        speed: Speeds or frequencies (S,), ascending and positive [rad/s, Hz or r/min].
+        amplitude: Amplitudes (S,), positive [any unit].
+        excitation: Kind of the excitation, which decides how the curve is interpolated.
+        near: Speed whose nearest peak is taken [unit of speed]; None for the largest peak.
+
+    Returns:
+        The half-power points in the units of the arguments, and the damping ratio [-].
+
+    Raises:
+        ValueError: The curve has no peak inside it, or values that are not positive and finite.
+        HalfPowerNotReached: The curve ends, or rises above the peak, before it has fallen to the half-power level.
     """
     speed, amplitude = np.asarray(speed, dtype=float), np.asarray(amplitude, dtype=float)
     _require_curve(speed, amplitude)
@@ -70,13 +86,28 @@ def half_power_points(
 
 
 def peak_samples(amplitude: Floats) -> NDArray[np.intp]:
-    """Indices of the samples inside a curve (S,) that are larger than the one before and not smaller than the one behind."""
+    """Find the samples inside a curve that are larger than the one before and not smaller than the one behind.
+
+    Args:
+        amplitude: Amplitudes (S,) [any unit].
+
+    Returns:
+        Indices (k,) of these samples.
+    """
     inner = amplitude[1:-1]
     return np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:])) + 1
 
 
 def outside(speed: Floats, resonances: Sequence[HalfPowerPoints]) -> NDArray[np.bool_]:
-    """Which speeds (S,) lie outside the half-power points of all resonances."""
+    """Mark the speeds that lie outside the half-power points of all resonances.
+
+    Args:
+        speed: Speeds (S,) [unit of the resonances].
+        resonances: The resonances.
+
+    Returns:
+        True for speeds outside (S,).
+    """
     inside = np.zeros(np.shape(speed), dtype=bool)
     for one in resonances:
         inside |= (one.lower <= speed) & (speed <= one.upper)
@@ -93,7 +124,7 @@ def _require_curve(speed: Floats, amplitude: Floats) -> None:
 
 
 def _vertex(place: Floats, inverse: Floats) -> tuple[float, float]:
-    """Where the parabola through three samples is smallest, and how small it is there."""
+    """Find the minimum of the parabola through three samples: its place and its value."""
     centre = place[1]
     a, b, c = np.polyfit((place - centre) / centre, inverse / inverse[1], 2)
     at = -b / (2.0 * a)
@@ -104,7 +135,7 @@ def _vertex(place: Floats, inverse: Floats) -> tuple[float, float]:
 
 
 def _crossing(speed: Floats, place: Floats, inverse: Floats, peak: int, level: float, step: int) -> float:
-    """Place, going from the peak in one direction, where 1/X² first reaches the level."""
+    """Find the place, going from the peak in one direction, where 1/X² first reaches the level."""
     side = "below" if step < 0 else "above"
     if inverse[peak] >= level:
         raise HalfPowerNotReached(f"the peak near {speed[peak]:.6g} is narrower than three samples: sample more densely")
@@ -126,7 +157,7 @@ def _crossing(speed: Floats, place: Floats, inverse: Floats, peak: int, level: f
 
 
 def _root(place: Floats, height: Floats) -> float:
-    """Zero of the parabola through three samples between the last two, whose heights have opposite signs."""
+    """Find the zero of the parabola through three samples between the last two, whose heights have opposite signs."""
     width = place[2] - place[1]
     a, b, c = np.polyfit((place - place[1]) / width, height, 2)
     slope = math.sqrt(b * b - 4.0 * a * c)

@@ -1,4 +1,4 @@
-"""Why the data leave a parameter open, in words an analyst can act on."""
+"""Reasons why the data leave a parameter open, in words an analyst can act on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import Fit, Problem
 from estimator.machine import Machine
@@ -16,13 +16,15 @@ from estimator.rotor import assemble_rotor
 from estimator.units import rad_per_s_to_rpm
 
 SMALLEST_SHARE = 0.005
-"""A mode moves an element when the element holds this part of the mode's energy, or takes as much out of it in a radian."""
+"""Part of a mode's energy that an element must hold, or take out in a radian, for the mode to move it [-]."""
 
 MODES_ABOVE = 2.0
-"""Of a long train, modes above this multiple of the highest speed are told of as nearly as its reduction has them."""
+"""Multiple of the highest speed up to which a long train's reduction keeps its modes [-]; those above are only approximate."""
 
 Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]
-"""For a fit and the covariance of its coordinates: what says why it leaves the coordinate of some name open."""
+"""Function that, for a fit and the covariance of its coordinates, returns the function that says why a coordinate is left
+open.
+"""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class _Modes:
 
 
 class OpenParameters:
-    """Says of a fit of a machine why a coordinate is not determined."""
+    """Reasons why a fit of a machine does not determine a coordinate."""
 
     def __init__(self, machine: Machine, problem: Problem, found: Fit, covariance: Floats) -> None:
         self.machine = machine
@@ -43,7 +45,14 @@ class OpenParameters:
         self.covariance = covariance
 
     def reason(self, name: str) -> str:
-        """For the coordinate of that name."""
+        """State why a coordinate is not determined.
+
+        Args:
+            name: Name of the coordinate.
+
+        Returns:
+            The reason in words.
+        """
         place = self.problem.coordinates.names.index(name)
         coefficient = self._coefficient(place)
         if coefficient is not None:
@@ -78,7 +87,7 @@ class OpenParameters:
         return f"{words} this way; the nearest that does lies at {rad_per_s_to_rpm(nearest):.0f} rpm"
 
     def _mistaken_for(self, place: int) -> str | None:
-        """The parameter that a change of this one looks most like, if alone it would be determined much better."""
+        """Name the parameter whose effect is most like this one's, if this one alone would be determined much better."""
         size = np.sqrt(np.diag(self.covariance))
         alone = self.found.information[place, place] ** -0.5 if self.found.information[place, place] > 0.0 else np.inf
         if alone > 0.5 * size[place]:
@@ -93,7 +102,7 @@ class OpenParameters:
 
     @cached_property
     def _modes(self) -> _Modes:
-        """At the middle of the speed range, with the fitted coefficients."""
+        """Compute the modes at the middle of the speed range, with the fitted coefficients."""
         coordinates: Coordinates = self.problem.coordinates
         values = coordinates.coefficients(self.found.theta)
         if values.ndim > 1:
@@ -123,10 +132,17 @@ class OpenParameters:
 
 
 def _work(left: Floats, right: Floats, shape: Complexes) -> Complexes:
-    """ψᴴ a bᵀ ψ summed over the pairs, (M,)."""
+    """Compute ψᴴ a bᵀ ψ summed over the pairs, (M,)."""
     return np.asarray(np.sum((left.T @ shape).conj() * (right.T @ shape), axis=0))
 
 
 def reasons_for(machine: Machine) -> Reasons:
-    """What says why a fit of a machine leaves a parameter open."""
+    """Return the function that says why a fit of a machine leaves a parameter open.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Function of a fit and the covariance of its coordinates.
+    """
     return lambda problem, found, covariance: OpenParameters(machine, problem, found, covariance).reason

@@ -1,48 +1,53 @@
-"""One identification: from a machine and its measured phasors to estimates with uncertainties, or to the reason why not."""
+"""Identification of a machine: from measured phasors to estimates with uncertainties, or to the reason why there are none."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.channel_effects import ChannelEffects, channel_effects
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates
 from estimator.fit import STAGE_MISFITS, Problem
 from estimator.identifiability import Reasons, reasons_for
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.profile import flat
+from estimator.rules import Noise
 from estimator.starts import BestFit, best_fit
 from estimator.verdict import Remark, judge, remark
 
 LARGEST_SAMPLE_COUNT = 5000
-"""Samples that one fit uses; more are thinned out."""
+"""Most samples that one fit uses; more are thinned out."""
 LARGEST_AMPLITUDE = 1e6
-"""Amplitudes above this [m] are slips that arithmetic may not survive."""
+"""Amplitude [m] above which the data are refused as a slip that arithmetic may not survive."""
 LARGEST_ECCENTRICITY = 0.05
-"""An unbalance that would put a disc's centre of mass farther out [m] is most likely a slip of the units."""
+"""Eccentricity [m] of a disc's centre of mass above which an unbalance is most likely a slip of the units."""
 SCALE_PASSES = 10
-"""Most times the unbalances' scale is looked for; each can find one a thousand times larger."""
+"""Most searches for the unbalances' scale; each can find one a thousand times larger."""
 LARGEST_CONDITION = 1e5
-"""Condition number above which intervals are tried against the likelihood's profile; full run-downs have some thousands."""
+"""Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
+thousands."""
 SAME_SPEED = 1e-6
-"""Speeds that differ by less than this part are one: samples there repeat each other."""
+"""Relative difference of speeds that count as one [-]: samples there repeat each other."""
 THINNING_BINS = 200
-"""Pieces of the speed range in which samples are thinned out."""
+"""Number of pieces of the speed range in which samples are thinned out."""
 
 
 class NotEnoughData(ValueError):
-    """The data cannot determine the unknowns, whatever their values."""
+    """Raised when the data cannot determine the unknowns, whatever their values."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to identify.
+    """Options of an identification.
 
-    starts: most starts tried before a misfit is reported. seed: of the random starts. robust: leave out phasors that cannot be
-    noise.
+    Attributes:
+        starts: Most starts tried before a misfit is reported.
+        seed: Seed of the random starts.
+        robust: Whether phasors that cannot be noise are left out.
     """
 
     starts: int = 10
@@ -52,14 +57,27 @@ class Options:
 
 @dataclass(frozen=True)
 class Identification:
-    """The outcome of one fit.
+    """Outcome of one fit, over N coordinates.
 
-    estimates: one per parameter name. covariance: (N, N) over `coordinates`, the real fit coordinates named there, with
-    direct terms as logarithms, [SI² or 1]. chi_square over degrees_of_freedom judges the fit: accepted says the verdict,
-    verdict says it in words. condition_number: of the correlation form of the information matrix. samples: used in the fit.
-    point: (N,) the values over `coordinates`, of what is not estimable too: for computing on, never for showing.
-    noise: as stated or estimated. outliers: per channel the number of phasors that were left out as no noise explains them.
-    channel_effects: what errors of single channels would do to the fit; None where several fits are combined.
+    Attributes:
+        estimates: One estimate per parameter name.
+        coordinates: Names of the real fit coordinates.
+        covariance: Covariance (N, N) of the coordinates, direct terms as logarithms [SI² or 1].
+        point: Values (N,) of the coordinates, also of those that are not estimable: for computing on, never for showing [SI or
+            1].
+        chi_square: χ² of the data [-].
+        degrees_of_freedom: Degrees of freedom of χ².
+        accepted: Whether the fit passed the χ² test.
+        verdict: The verdict in words.
+        condition_number: Condition number of the correlation form of the information matrix [-].
+        starts: Number of starts tried.
+        iterations: Number of steps tried.
+        samples: Number of samples used in the fit.
+        speed_minimum: Lowest speed used [rad/s].
+        speed_maximum: Highest speed used [rad/s].
+        noise: Noise model as stated or estimated.
+        outliers: Number of phasors left out because no noise explains them, by channel.
+        channel_effects: Effects of errors of single channels on the fit; None where several fits are combined.
     """
 
     estimates: tuple[Estimate, ...]
@@ -82,12 +100,22 @@ class Identification:
 
     @property
     def correlation(self) -> Floats:
-        """Correlation coefficients (N, N) between the errors of the coordinates."""
+        """Return the correlation coefficients (N, N) between the errors of the coordinates [-]."""
         size = np.sqrt(np.diag(self.covariance))
         return np.asarray(self.covariance / np.outer(size, size))
 
     def estimate(self, name: str) -> Estimate:
-        """The estimate of that name. Raises KeyError."""
+        """Return the estimate of a name.
+
+        Args:
+            name: Name of the parameter.
+
+        Returns:
+            Its estimate.
+
+        Raises:
+            KeyError: There is no estimate of that name.
+        """
         for one in self.estimates:
             if one.name == name:
                 return one
@@ -99,11 +127,24 @@ def identify(
 ) -> Identification:
     """Identify every bearing and coupling coefficient and every disc's unbalance of a machine.
 
-    Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model
-    states. Starts from the nominal values; where the χ² test fails, random starts around them follow. beginning: the `point`
-    of an earlier identification of this machine, from which to start in the place of the nominal values.
-    Raises NotEnoughData when there are fewer measured numbers than unknowns, FitFailed when no start leads anywhere,
-    SingularCondensation for a speed that cannot be condensed at, ValueError when the channels are not the machine's.
+    Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model states.
+    Starts from the nominal values; where the χ² test fails, random starts around them follow.
+
+    Args:
+        machine: The machine.
+        measurement: Its measured phasors.
+        options: Options of the fit; None for the usual ones.
+        beginning: The `point` (N,) of an earlier identification of this machine to start from, in place of the nominal values
+            [SI or 1].
+
+    Returns:
+        The identification.
+
+    Raises:
+        NotEnoughData: There are fewer measured numbers than unknowns.
+        FitFailed: No start leads anywhere.
+        SingularCondensation: The train cannot be condensed at a speed.
+        ValueError: The channels are not the machine's.
     """
     measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
     _require_enough(machine, measurement)
@@ -115,9 +156,19 @@ def identify(
 
 
 def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[str, ...], Floats]:
-    """Names and values of all coordinates before any fit: the document's, with the excitations that explain the data best.
+    """Return all coordinates before any fit: the document's values, with the excitations that explain the data best.
 
-    Raises as `identify`.
+    Args:
+        machine: The machine.
+        measurement: Its measured phasors.
+
+    Returns:
+        Names of the N coordinates and their values (N,) [SI or 1].
+
+    Raises:
+        NotEnoughData: No phasor is usable, or every usable one is zero.
+        SingularCondensation: The train cannot be condensed at a speed.
+        ValueError: The channels are not the machine's.
     """
     measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
     _require_enough(machine, measurement)
@@ -129,9 +180,17 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
 
 
 def expected_phasors(machine: Machine, measurement: Measurement, point: Floats) -> Complexes:
-    """What the channels should show (S, m) [m] in the samples of a measurement at the `point` of an identification.
+    """Compute the phasors that the channels should show in the samples of a measurement.
 
-    In each sample's sense of rotation, with trial weights, and through the channels' gains with their run-outs.
+    They are those of each sample's sense of rotation, with trial weights, and through the channels' gains with their run-outs.
+
+    Args:
+        machine: The machine.
+        measurement: S samples of m channels.
+        point: The `point` (N,) of an identification [SI or 1].
+
+    Returns:
+        Phasors (S, m) [m].
     """
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
@@ -148,9 +207,23 @@ def identify_train(
     reasons: Reasons | None = None,
     beginning: Floats | None = None,
 ) -> Identification:
-    """Identify a train that is condensed at the speeds of the measurement; what `identify` does for a machine.
+    """Identify a train that is condensed at the speeds of the measurement; `identify` does this for a machine.
 
-    reasons: says in words why a parameter is not estimable. beginning, and what is raised: as `identify`.
+    Args:
+        train: The condensed train.
+        measurement: Its measured phasors.
+        noise: Noise model.
+        options: Options of the fit; None for the usual ones.
+        reasons: Function that says in words why a parameter is not estimable.
+        beginning: The `point` (N,) of an earlier identification to start from [SI or 1].
+
+    Returns:
+        The identification.
+
+    Raises:
+        NotEnoughData: There are fewer measured numbers than unknowns, or every usable phasor is zero.
+        FitFailed: No start leads anywhere.
+        SingularCondensation: The train cannot be condensed at a speed.
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
@@ -173,7 +246,7 @@ def identify_train(
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:
-    """A word on unbalances that no disc can have."""
+    """Describe unbalances that no disc can have."""
     for disc in machine.discs:
         one = found.estimate(f"disc.{disc.id}.unbalance")
         if one.value is not None and one.imaginary is not None:
@@ -184,7 +257,7 @@ def _eccentric(machine: Machine, found: Identification) -> str:
 
 
 def _independent_numbers(measurement: Measurement) -> int:
-    """Real numbers that were measured, those at the same speed, sense of rotation and trial weight counted once."""
+    """Count the real numbers that were measured, those at the same speed, sense of rotation and trial weight once."""
     bins = np.round(np.log(measurement.speed) / SAME_SPEED)
     keys = [bins, measurement.direction]
     if measurement.added is not None:
@@ -200,12 +273,19 @@ def _without_empty_samples(measurement: Measurement) -> Measurement:
 
 
 def most_samples(machine: Machine) -> int:
-    """Samples of a machine that one fit uses at most: fewer of a long train."""
+    """Return the most samples of a machine that one fit uses: fewer of a long train.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Number of samples.
+    """
     return min(LARGEST_SAMPLE_COUNT, max(FEWEST_SAMPLES, document_size(machine).samples))
 
 
 def _thinned(measurement: Measurement, *, most: int) -> Measurement:
-    """At most so many samples, taken away where speeds are most crowded: hours at speed add little."""
+    """Pick at most so many samples, taking away where speeds are most crowded: hours at speed add little."""
     if measurement.speed.size <= most:
         return measurement
     edges = np.linspace(measurement.speed.min(), measurement.speed.max(), THINNING_BINS + 1)
@@ -237,7 +317,7 @@ def _require_enough(machine: Machine, measurement: Measurement) -> None:
 
 
 def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, robust: bool) -> Problem:
-    """The fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
+    """Build the fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
     # Unusable phasors become zero, so that arithmetic on whole arrays stays finite.
     silenced = replace(measurement, phasor=np.where(measurement.usable, measurement.phasor, 0.0))
     coordinates = Coordinates.of(train, unbalance_scale=1.0)

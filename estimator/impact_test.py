@@ -8,26 +8,29 @@ from typing import Literal
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.critical_speed import HEAVILY_DAMPED
-from estimator.machine import ImpactTest
 from estimator.modal_uncertainty import modes_at, natural_frequency_errors
 from estimator.modes import Modes
 from estimator.rotor import assemble_rotor
+from estimator.rules import ImpactTest
 from estimator.shaft import NODE_DOFS
 from estimator.updated_model import UpdatedModel
 
 LARGEST_DEVIATION = math.log(1.25)
-"""Frequencies further apart than 25 % are not taken for the same mode."""
+"""Largest logarithm of the ratio of two frequencies that are taken for the same mode [-]: 25 %."""
 LEAST_SHARE = 0.1
-"""A hammer along x does not show a mode with less than this part of its kinetic energy in the x-z plane."""
+"""Least part of a mode's kinetic energy in the x-z plane for a hammer along x to show it [-]."""
 
 
 @dataclass(frozen=True)
 class MeasuredFrequency:
     """A peak of an impact test at standstill.
 
-    frequency, standard_deviation: [Hz], None where not known. direction: of hammer and sensor, None where not known.
+    Attributes:
+        frequency: Natural frequency [Hz].
+        standard_deviation: Its standard deviation [Hz]; None where not known.
+        direction: Direction of hammer and sensor; None where not known.
     """
 
     frequency: float
@@ -45,8 +48,12 @@ class MeasuredFrequency:
 class ComparedFrequency:
     """A measured frequency and the mode of the model that it is taken for.
 
-    model, model_error: its damped natural frequency and standard error [Hz]. deviation: model over measured, minus 1 [-].
-    standard_deviations: the difference in units of its own uncertainty, None where there is none.
+    Attributes:
+        measured: The measured frequency.
+        model: Damped natural frequency of the mode [Hz].
+        model_error: Its standard error [Hz].
+        deviation: Model over measured, minus 1 [-].
+        standard_deviations: Difference in units of its own uncertainty [-]; None where there is none.
     """
 
     measured: MeasuredFrequency
@@ -60,8 +67,10 @@ class ComparedFrequency:
 class ImpactComparison:
     """An impact test beside the updated model, ascending.
 
-    unmatched: measured peaks without a mode near them, of the foundation, say. unseen: the model's frequencies up to the
-    highest measured one that no peak was taken for [Hz].
+    Attributes:
+        compared: Measured frequencies with their modes.
+        unmatched: Measured peaks without a mode near them, of the foundation, say.
+        unseen: The model's frequencies up to the highest measured one that no peak was taken for [Hz].
     """
 
     compared: tuple[ComparedFrequency, ...]
@@ -70,23 +79,37 @@ class ImpactComparison:
 
     @property
     def rms_deviation(self) -> float | None:
-        """Root mean square of the deviations [-]; None where nothing was matched."""
+        """Return the root mean square of the deviations [-]; None where nothing was matched."""
         if not self.compared:
             return None
         return math.sqrt(math.fsum(one.deviation**2 for one in self.compared) / len(self.compared))
 
 
 def measured_frequencies(test: ImpactTest) -> tuple[MeasuredFrequency, ...]:
-    """The impact test of a machine document."""
+    """Convert the impact test of a machine document.
+
+    Args:
+        test: Impact test of the document.
+
+    Returns:
+        Measured frequencies with their standard deviations [Hz].
+    """
     return tuple(MeasuredFrequency(one, test.relative_error * one) for one in test.frequencies_hz)
 
 
 def compare_impact_test(model: UpdatedModel, measured: Sequence[MeasuredFrequency]) -> ImpactComparison:
-    """Pair measured natural frequencies with the modes of the updated model at standstill.
+    """Pair measured natural frequencies with the modes of the updated model at standstill (thesis §5.5, Table 5.6).
 
     Pairs are those with the least sum of squared logarithms of the frequencies' ratio (Kuhn, Naval Res. Logist. Q. 2 (1955)
-    83, doi:10.1002/nav.3800020109); leaving a peak alone costs as much as a deviation of 25 %.
-    Coefficients that follow the speed are taken at zero speed; oil-film bearings are others at standstill anyway.
+    83, doi:10.1002/nav.3800020109); leaving a peak alone costs as much as a deviation of 25 %. Coefficients that follow the
+    speed are taken at zero speed; oil-film bearings are others at standstill anyway.
+
+    Args:
+        model: The updated model.
+        measured: The measured frequencies.
+
+    Returns:
+        Pairs, and frequencies without a partner.
     """
     found = modes_at(model, speed=0.0)
     felt = np.flatnonzero(found.damping_ratio < HEAVILY_DAMPED)
@@ -106,7 +129,15 @@ def compare_impact_test(model: UpdatedModel, measured: Sequence[MeasuredFrequenc
 
 
 def share_along_x(found: Modes, mass: Floats) -> Floats:
-    """Part of each mode's kinetic energy in the x-z plane, (modes,)."""
+    """Compute the part of each mode's kinetic energy in the x-z plane.
+
+    Args:
+        found: k modes.
+        mass: Mass matrix (N, N) [SI].
+
+    Returns:
+        Parts (k,), 0 to 1 [-].
+    """
     along_x = np.zeros(mass.shape[0], dtype=bool)
     along_x[0::NODE_DOFS] = along_x[3::NODE_DOFS] = True
     shape = np.where(along_x[:, None], found.shape, 0.0)
@@ -115,7 +146,7 @@ def share_along_x(found: Modes, mass: Floats) -> Floats:
 
 
 def _costs(measured: Sequence[MeasuredFrequency], frequency: Floats, share: Floats) -> Floats:
-    """(measured, modes + measured): each peak may also stay alone."""
+    """Compute the costs (measured, modes + measured) of the pairs: each peak may also stay alone."""
     cost = np.full((len(measured), frequency.size + len(measured)), LARGEST_DEVIATION**2)
     for i, one in enumerate(measured):
         shows = {None: np.ones(share.size), "x": share, "y": 1.0 - share}[one.direction] >= LEAST_SHARE

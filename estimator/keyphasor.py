@@ -14,7 +14,7 @@ import scipy.interpolate
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 Edge = Literal["rising", "falling"]
 
@@ -215,32 +215,11 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     anchors = np.flatnonzero(good[:-1] & good[1:])
     if not anchors.size:
         raise InconsistentIntervals(f"no two intervals in a row of the {interval.size} between the pulses agree")
-
-    at = int(anchors[0])
-    kept, counts = [at], [0]
-    repairs: list[Repair] = []
-    gaps: list[Gap] = []
-    while at < times.size - 1:
-        found = _next_edge(times, at, float(local[at]))
-        if found is not None:
-            following, count = found
-            repairs += [Repair("extra", float(time)) for time in times[at + 1 : following]]
-            due = np.linspace(times[at], times[following], count + 1)[1:-1]
-            repairs += [Repair("missing", float(time)) for time in due]
-        else:
-            later = anchors[anchors > at]
-            if not later.size or pulses_per_turn > 1:
-                break
-            following = int(later[0])
-            # Only the phase goes on behind a gap; the count must not pass for one of neighbouring edges.
-            count = max(MISSING_IN_A_ROW + 2, round(float((times[following] - times[at]) / local[at])))
-            gaps.append(Gap(float(times[at]), float(times[following]), "the intervals between the pulses do not fit together"))
-        at = following
-        kept.append(at)
-        counts.append(counts[-1] + count)
+    edges = _good_edges(times, local, anchors, may_leave_gaps=pulses_per_turn == 1)
+    repairs, gaps, kept = edges.repairs, edges.gaps, edges.kept
 
     spacing = 2.0 * math.pi / pulses_per_turn
-    edge_time, number = times[kept], np.array(counts)
+    edge_time, number = times[kept], np.array(edges.counts)
     whole = ShaftAngle(edge_time, spacing * number, 0.0, tuple(sorted(repairs, key=lambda one: one.time)), tuple(gaps))
     scatter = _scatter(edge_time, number)
     known = sum(end - begin for begin, end in whole.pieces)
@@ -253,6 +232,42 @@ def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
     if scatter > LARGEST_JITTER:
         raise InconsistentIntervals(f"the edges scatter by {100 * scatter:.1f} % of the interval between pulses")
     return ShaftAngle(edge_time, whole.edge_angle, scatter * spacing, whole.repairs, whole.gaps)
+
+
+@dataclass(frozen=True)
+class _GoodEdges:
+    """Edges that fit together: kept (G,) by index, counts (G,) marks passed up to each, and what was repaired or left out."""
+
+    kept: list[int]
+    counts: list[int]
+    repairs: list[Repair]
+    gaps: list[Gap]
+
+
+def _good_edges(times: Floats, local: Floats, anchors: NDArray[np.intp], *, may_leave_gaps: bool) -> _GoodEdges:
+    """Go from edge to edge, from the first anchor on; local: (P-1,) interval expected at each edge [s]."""
+    at = int(anchors[0])
+    found = _GoodEdges([at], [0], [], [])
+    while at < times.size - 1:
+        step = _next_edge(times, at, float(local[at]))
+        if step is not None:
+            following, count = step
+            found.repairs.extend(Repair("extra", float(time)) for time in times[at + 1 : following])
+            due = np.linspace(times[at], times[following], count + 1)[1:-1]
+            found.repairs.extend(Repair("missing", float(time)) for time in due)
+        else:
+            later = anchors[anchors > at]
+            if not later.size or not may_leave_gaps:
+                break
+            following = int(later[0])
+            # Only the phase goes on behind a gap; the count must not pass for one of neighbouring edges.
+            count = max(MISSING_IN_A_ROW + 2, round(float((times[following] - times[at]) / local[at])))
+            reason = "the intervals between the pulses do not fit together"
+            found.gaps.append(Gap(float(times[at]), float(times[following]), reason))
+        at = following
+        found.kept.append(at)
+        found.counts.append(found.counts[-1] + count)
+    return found
 
 
 def repeated_pattern(interval: Floats) -> int | None:

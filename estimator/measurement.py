@@ -1,4 +1,4 @@
-"""What an identification is fed with: 1× phasors over speed, which of them count, and how well each is known."""
+"""Input of an identification: 1× phasors over speed, which of them count, and how well each is known."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -13,10 +13,14 @@ from estimator.arrays import Complexes, Floats
 class Measurement:
     """S samples of m channels.
 
-    speed: (S,) spin speed [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 0-to-peak displacement [m], phase
-    lead. usable: (S, m) False where a value must not be used. scatter: (S, m) rms of the complex error [m] as the source
-    measured it, NaN where it did not. added: (S, P) known unbalance beside the residual one [kg m], such as a trial weight
-    that was on during some of the samples; None for none.
+    Attributes:
+        speed: Spin speeds (S,) [rad/s].
+        direction: Sense of rotation (S,), +1 or -1 [-].
+        phasor: Complex 0-to-peak displacements (S, m), phase lead [m].
+        usable: False where a value must not be used (S, m).
+        scatter: Rms of the complex error (S, m) as the source measured it [m], NaN where it did not.
+        added: Known unbalances (S, P) beside the residual ones [kg m], such as a trial weight that was on during some of the
+            samples; None for none.
     """
 
     speed: Floats
@@ -28,7 +32,16 @@ class Measurement:
 
     @classmethod
     def of(cls, *, speed: Floats, phasor: Complexes, direction: float = 1.0) -> Self:
-        """A measurement in one sense of rotation in which every finite phasor is usable and no scatter is known."""
+        """Build a measurement in one sense of rotation in which every finite phasor is usable and no scatter is known.
+
+        Args:
+            speed: Spin speeds (S,) [rad/s].
+            phasor: Complex 0-to-peak displacements (S, m) [m].
+            direction: Sense of rotation, +1 or -1 [-].
+
+        Returns:
+            The measurement.
+        """
         return cls(
             speed=np.asarray(speed, dtype=float),
             direction=np.full(len(speed), float(direction)),
@@ -50,7 +63,14 @@ class Measurement:
             raise ValueError("a phasor marked usable is not finite")
 
     def pick(self, which: NDArray[np.bool_]) -> "Measurement":
-        """Some of the samples, (S,) True for those wanted."""
+        """Return some of the samples.
+
+        Args:
+            which: True for the samples wanted (S,).
+
+        Returns:
+            The measurement with these samples.
+        """
         return Measurement(
             self.speed[which],
             self.direction[which],
@@ -61,12 +81,29 @@ class Measurement:
         )
 
     def with_trial_weight(self, unbalances: Complexes) -> "Measurement":
-        """The same samples, taken while known unbalances (P,) [kg m] were added at the discs."""
+        """Return the same samples as taken while known unbalances were added at the discs.
+
+        Args:
+            unbalances: Added unbalances (P,) [kg m].
+
+        Returns:
+            The measurement with these unbalances.
+        """
         return replace(self, added=np.tile(unbalances, (self.speed.size, 1)))
 
 
 def joined(measurements: list[Measurement]) -> Measurement:
-    """Several measurements of the same machine and channels as one. Raises ValueError when there is none."""
+    """Join several measurements of the same machine and channels.
+
+    Args:
+        measurements: The measurements.
+
+    Returns:
+        One measurement.
+
+    Raises:
+        ValueError: There is no measurement.
+    """
     if not measurements:
         raise ValueError("no measurement to join")
     planes = max(0 if one.added is None else one.added.shape[1] for one in measurements)

@@ -1,10 +1,19 @@
-"""Where a misalignment shows: at its coupling, and at the bearings on either side of it (thesis §5.7-5.8)."""
+"""Place where a misalignment shows: at its coupling, and at the bearings on either side of it (thesis §5.7-5.8)."""
 
-from estimator.machine import Bearing, Coupling, Machine
+from estimator.machine import Machine
+from estimator.parts import Bearing, Coupling
 
 
 def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
-    """Ids of the last bearing before a coupling and of the first one behind it, past shafts that have none."""
+    """Find the last bearing before a coupling and the first one behind it, past shafts that have none (thesis §5.7-5.8).
+
+    Args:
+        machine: The machine.
+        coupling: One of its couplings.
+
+    Returns:
+        Ids of up to two bearings, the driver's side first.
+    """
     towards_driver = {one.driven: one.driver for one in machine.couplings}
     towards_driven = {one.driver: one.driven for one in machine.couplings}
     before = _first_with_bearings(machine, coupling.driver, towards_driver)
@@ -15,7 +24,10 @@ def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ..
 
 
 def _first_with_bearings(machine: Machine, shaft: str | None, onward: dict[str, str]) -> list[Bearing]:
-    """Bearings of a shaft, or of the next one onward that has any. A train's couplings make no ring, so this ends."""
+    """Find the bearings of a shaft, or of the next one onward that has any.
+
+    A train's couplings make no ring, so this ends.
+    """
     while shaft is not None:
         found = [bearing for bearing in machine.bearings if bearing.shaft == shaft]
         if found:

@@ -16,7 +16,7 @@ from typing import TypeVar
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
 from estimator.remembered import remembered
@@ -28,52 +28,89 @@ Numbers = TypeVar("Numbers", Floats, Complexes)
 SMALL = 200
 """Degrees of freedom up to which a mesh is left as it is."""
 HIGHEST_MODE = 6.0
-"""Free modes up to this multiple of the highest frequency of interest are taken."""
+"""Highest free mode that is kept, as a multiple of the highest frequency of interest [-]."""
 HIGHEST_TURNED = 1.5
-"""What gyroscopic moments and internal damping do in free modes up to this multiple of it is taken."""
+"""Highest free mode whose gyroscopic moments and internal damping are kept, as a multiple of the highest frequency of interest
+[-].
+"""
 MOST_MODES = 160
-"""Free modes that are taken at most; a document that needs more is refused where it enters."""
+"""Most free modes that are kept; a document that needs more is refused where it enters."""
 SMALLEST_PART = 1e-6
-"""A shape that is so nearly made of the others is left out."""
+"""Singular value, over the largest, up to which a shape is left out as a combination of the others [-]."""
 
 
 @dataclass(frozen=True)
 class Basis:
-    """Shapes (N/2, k) of one bending plane, k even; None: every degree of freedom is one.
+    """Shapes of one bending plane that span the motions of a train.
 
     A motion is written over 2k coordinates, in the order of a train with k/2 nodes: (x, y, θx, θy) of each.
+
+    Attributes:
+        plane: Shapes (N/2, k), k even [-]; None: every degree of freedom is a coordinate.
     """
 
     plane: Floats | None
 
     @property
     def shapes(self) -> Floats:
-        """The motion (N, 2k) of all degrees of freedom that each coordinate is. Raises ValueError where each is its own."""
+        """Return the motion (N, 2k) of all degrees of freedom per coordinate [-].
+
+        Raises:
+            ValueError: Every degree of freedom is a coordinate of its own.
+        """
         if self.plane is None:
             raise ValueError("every degree of freedom is a coordinate of its own")
         return self.expanded(np.eye(2 * self.plane.shape[1]))
 
     def onto(self, vectors: Numbers) -> Numbers:
-        """What vectors (N, n) of forces do to the coordinates, (2k, n)."""
+        """Project forces on the coordinates.
+
+        Args:
+            vectors: Forces (N, n) on all degrees of freedom [N, N m].
+
+        Returns:
+            Generalised forces (2k, n) on the coordinates [N].
+        """
         if self.plane is None:
             return vectors
         return _joined(*(self.plane.T @ part for part in in_planes(vectors)))
 
     def expanded(self, shapes: Numbers) -> Numbers:
-        """The motion (N, n) of all degrees of freedom from that of the coordinates (2k, n)."""
+        """Expand motions of the coordinates to all degrees of freedom.
+
+        Args:
+            shapes: Motions (2k, n) of the coordinates [-].
+
+        Returns:
+            Motions (N, n) of all degrees of freedom [m, rad].
+        """
         if self.plane is None:
             return shapes
         return _joined(*(self.plane @ part for part in in_planes(shapes)))
 
     def coordinates(self, shapes: Numbers) -> Numbers:
-        """The coordinates (2k, n) of motions (N, n), as nearly as they have any."""
+        """Compute the coordinates of motions, in the sense of least squares.
+
+        Args:
+            shapes: Motions (N, n) of all degrees of freedom [m, rad].
+
+        Returns:
+            Motions (2k, n) of the coordinates [-].
+        """
         if self.plane is None:
             return shapes
         inverse = np.linalg.pinv(self.plane)
         return _joined(*(inverse @ part for part in in_planes(shapes)))
 
     def reduced(self, rotor: Rotor) -> Rotor:
-        """The rotor over the coordinates."""
+        """Project a rotor on the coordinates.
+
+        Args:
+            rotor: The rotor over all degrees of freedom.
+
+        Returns:
+            The rotor over the coordinates.
+        """
         plane = self.plane
         if plane is None:
             return rotor
@@ -85,14 +122,22 @@ class Basis:
 
 
 EVERYTHING = Basis(None)
-"""No reduction."""
+"""Basis without reduction: every degree of freedom is a coordinate."""
 
 
 @remembered
 def modal_basis(machine: Machine, highest: float) -> Basis:
-    """Shapes in which modes of a machine up to a frequency [rad/s], at spin speeds of that size, are as on its whole mesh.
+    """Compute shapes in which the modes of a machine up to a frequency are as on its whole mesh.
 
-    Whatever its coefficients are. A mesh that is small anyway is left as it is.
+    This holds whatever the machine's coefficients are, at spin speeds up to that size. Component mode synthesis (MacNeal 1971,
+    Rubin 1975; module's docstring). A mesh that is small anyway is left as it is.
+
+    Args:
+        machine: The machine.
+        highest: Highest frequency [rad/s].
+
+    Returns:
+        The basis.
     """
     rotor = assemble_rotor(machine)
     if rotor.size <= SMALL:
@@ -102,7 +147,7 @@ def modal_basis(machine: Machine, highest: float) -> Basis:
 
 
 def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
-    """Independent shapes (N/2, k), orthogonal with the masses."""
+    """Compute independent shapes (N/2, k), orthogonal with the masses."""
     mass = rotor.discs.mass + sum(part.mass for part in rotor.materials.values())
     stiffness = rotor.discs.stiffness + sum(part.stiffness for part in rotor.materials.values())
     loads = _unit_loads(machine, rotor)
@@ -126,13 +171,13 @@ def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
 
 
 def _uneven_damping(rotor: Rotor) -> Iterator[Floats]:
-    """Stiffness (N/2, N/2) of each material with internal damping, where that is not the same everywhere."""
+    """Yield the stiffness (N/2, N/2) of each material with internal damping, where that is not the same everywhere."""
     if len(set(rotor.internal.values())) > 1:
         yield from (part.stiffness for name, part in rotor.materials.items() if rotor.internal[name] > 0.0)
 
 
 def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
-    """A unit load (N/2, n) at each plane degree of freedom that a coefficient acts at."""
+    """Build a unit load (N/2, n) at each plane degree of freedom that a coefficient acts at."""
     pairs = [pair for one in unknowns(machine, rotor).coefficients for pair in one.pairs]
     acting = dense([vector for pair in pairs for vector in pair], rotor.size)
     touched = np.flatnonzero(np.any(np.concatenate(in_planes(acting), axis=1), axis=1))
@@ -140,13 +185,20 @@ def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
 
 
 def in_planes(vectors: Numbers) -> tuple[Numbers, Numbers]:
-    """Vectors over (x, y, θx, θy) per node as such over (displacement, slope) per node of the x-z and of the y-z plane."""
+    """Divide vectors over (x, y, θx, θy) per node into the two bending planes.
+
+    Args:
+        vectors: Vectors (N, n) [any unit].
+
+    Returns:
+        Vectors (N/2, n) over (displacement, slope) per node of the x-z plane and of the y-z plane [unit of the argument].
+    """
     x, y, about_x, about_y = (vectors[dof::NODE_DOFS] for dof in range(NODE_DOFS))
     return _alternating(x, about_y), _alternating(y, -about_x)
 
 
 def _joined(x_plane: Numbers, y_plane: Numbers) -> Numbers:
-    """The opposite of `_planes`."""
+    """Join vectors of the two planes to vectors over (x, y, θx, θy) per node: the opposite of `in_planes`."""
     whole = np.empty((2 * len(x_plane), x_plane.shape[1]), dtype=x_plane.dtype)
     whole[0::NODE_DOFS], whole[3::NODE_DOFS] = x_plane[0::PLANE_DOFS], x_plane[1::PLANE_DOFS]
     whole[1::NODE_DOFS], whole[2::NODE_DOFS] = y_plane[0::PLANE_DOFS], -y_plane[1::PLANE_DOFS]

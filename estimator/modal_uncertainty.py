@@ -1,10 +1,10 @@
-"""How sure the modes of the updated model are: natural frequencies and critical speeds with standard errors."""
+"""Standard errors of the updated model's natural frequencies and critical speeds."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import CriticalSpeed
 from estimator.crossing_correction import mode_of
 from estimator.error_propagation import standard_errors
@@ -14,27 +14,42 @@ from estimator.modes import Modes, eigenvalue_slopes, modes
 from estimator.updated_model import UpdatedModel
 
 SCALE_STEP = 1e-3
-"""Change of the logarithm of E or ρ in a central difference of matrices that are all but linear in it."""
+"""Change of the logarithm of E or ρ in a central difference of matrices that are all but linear in it [-]."""
 SPEED_STEP = 1e-4
-"""Change of the spin speed, in parts of it, in a central difference: coefficients may follow the speed in any way."""
+"""Relative change of the spin speed in a central difference [-]: coefficients may follow the speed in any way."""
 
 
 def modes_at(model: UpdatedModel, *, speed: float) -> Modes:
-    """Oscillating modes of the updated model at a spin speed [rad/s], in the machine's sense of rotation."""
+    """Compute the oscillating modes of the updated model in the machine's sense of rotation.
+
+    Args:
+        model: The updated model.
+        speed: Spin speed [rad/s, without sign].
+
+    Returns:
+        The modes.
+    """
     return modes(model.matrices(speed), spin=model.machine.direction * speed)
 
 
 def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed: float | Floats) -> Complexes:
-    """Derivatives (modes, n) [rad/s] of the eigenvalues by the model's coordinates, the spin speed held.
+    """Compute the derivatives of the eigenvalues by the model's n coordinates, the spin speed held.
 
-    speed: spin speed of all modes, or of each (modes,) [rad/s].
+    Args:
+        model: The updated model.
+        found: k modes.
+        speed: Spin speed of all modes, or of each (k,) [rad/s].
+
+    Returns:
+        Derivatives (k, n) [rad/s per unit of the coordinate].
     """
     speeds = np.broadcast_to(np.asarray(speed, dtype=float), found.eigenvalue.shape)
     coordinates = model.coordinates_at(speeds)
-    coefficients = coordinates.coefficients(coordinates.theta(model.values))
+    theta = coordinates.theta(model.values)
+    coefficients = coordinates.coefficients(theta)
     by_coefficient = eigenvalue_slopes(model.machine, found, model.basis)
     slopes = np.zeros((found.eigenvalue.size, model.values.size), dtype=complex)
-    for k, places in coefficient_slopes(coordinates, np.broadcast_to(coefficients, by_coefficient.shape)).items():
+    for k, places in coefficient_slopes(coordinates, theta, np.broadcast_to(coefficients, by_coefficient.shape)).items():
         for place, by_coordinate in places.items():
             slopes[:, place] += by_coefficient[:, k] * by_coordinate
     for place in map(int, coordinates.scale_place):
@@ -49,15 +64,31 @@ def eigenvalue_slopes_by_coordinate(model: UpdatedModel, found: Modes, *, speed:
 
 
 def natural_frequency_errors(model: UpdatedModel, found: Modes, *, speed: float) -> Floats:
-    """Standard errors (modes,) [rad/s] of the damped natural frequencies."""
+    """Compute the standard errors of the damped natural frequencies.
+
+    Args:
+        model: The updated model.
+        found: k modes.
+        speed: Spin speed of the modes [rad/s].
+
+    Returns:
+        Standard errors (k,) [rad/s].
+    """
     return standard_errors(eigenvalue_slopes_by_coordinate(model, found, speed=speed).imag, model.covariance)
 
 
 def crossing_slopes(model: UpdatedModel, found: Modes) -> Complexes:
-    """Derivatives (c, n) [rad/s] of the eigenvalues at c crossings with the synchronous line by the model's coordinates.
+    """Compute the derivatives of the eigenvalues at crossings with the synchronous line by the model's n coordinates.
 
-    found: the mode that crosses, of each. The spin speed follows, so that the imaginary part is that of the critical speed:
-    from Im λ(Ω, p) = Ω, dΩ = Im ∂λ/∂p dp / (1 - Im ∂λ/∂Ω).
+    The spin speed follows, so that the imaginary part is that of the critical speed: from Im λ(Ω, p) = Ω, dΩ = Im ∂λ/∂p dp /
+    (1 - Im ∂λ/∂Ω).
+
+    Args:
+        model: The updated model.
+        found: The c modes that cross.
+
+    Returns:
+        Derivatives (c, n) [rad/s per unit of the coordinate].
     """
     held = eigenvalue_slopes_by_coordinate(model, found, speed=found.eigenvalue.imag)
     by_speed = np.array([_by_speed(model, found, crossing) for crossing in range(found.eigenvalue.size)])[:, None]
@@ -65,7 +96,15 @@ def crossing_slopes(model: UpdatedModel, found: Modes) -> Complexes:
 
 
 def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...]) -> Floats:
-    """Standard errors [rad/s] of the model's critical speeds."""
+    """Compute the standard errors of the model's critical speeds.
+
+    Args:
+        model: The updated model.
+        table: Its c critical speeds.
+
+    Returns:
+        Standard errors (c,) [rad/s].
+    """
     crossing = [_vectors(model, one) for one in table]
     if not crossing:
         return np.empty(0)
@@ -75,7 +114,7 @@ def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...])
 
 
 def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Complexes]:
-    """Shape and left vector of the mode that crosses."""
+    """Compute shape and left vector of the mode that crosses."""
     if model.basis is not EVERYTHING:
         return mode_of(model.matrices(one.speed), one.eigenvalue, spin=model.machine.direction * one.speed)
     found = modes_at(model, speed=one.speed)
@@ -84,7 +123,7 @@ def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Comple
 
 
 def _by_speed(model: UpdatedModel, found: Modes, crossing: int) -> complex:
-    """∂λ/∂Ω of one of the crossing modes."""
+    """Compute ∂λ/∂Ω of one of the crossing modes."""
     root, direction = complex(found.eigenvalue[crossing]), model.machine.direction
     speed = root.imag
     ahead, behind = (

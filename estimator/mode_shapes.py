@@ -1,10 +1,10 @@
-"""Mode shapes of a train: what each shaft does in a mode, and the orbit of every node."""
+"""Mode shapes of a train: motion of each shaft in a mode, and the orbit of every node."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.critical_speed import HEAVILY_DAMPED
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis
@@ -19,8 +19,14 @@ from estimator.whirl import Orbit, orbit, whirl
 class ShaftShape:
     """One shaft in one mode, at its n nodes.
 
-    station: (n,) [m] from the shaft's driver-side end. x, y: (n,) complex displacement; theta_x, theta_y: (n,) complex slope
-    [1/m]. orbit: ellipses of the nodes; a semi_minor above zero whirls forward.
+    Attributes:
+        shaft: Id of the shaft.
+        station: Stations (n,) from the shaft's driver-side end [m].
+        x: Complex displacements (n,) along x, over the train's largest [-].
+        y: Complex displacements (n,) along y, over the train's largest [-].
+        theta_x: Complex slopes (n,) about x, over the largest displacement [1/m].
+        theta_y: Complex slopes (n,) about y, over the largest displacement [1/m].
+        orbit: Ellipses of the nodes; a semi_minor above zero whirls forward.
     """
 
     shaft: str
@@ -34,9 +40,14 @@ class ShaftShape:
 
 @dataclass(frozen=True)
 class ModeShape:
-    """One mode. eigenvalue: λ [rad/s], the motion is Re(q e^{λt}). whirl: of the whole mode, +1 forward to -1 backward.
+    """One mode, whose motion is Re(q e^{λt}).
 
     The largest semi-major axis of the train is 1, and at t = 0 that node is at the end of it.
+
+    Attributes:
+        eigenvalue: Eigenvalue λ [rad/s].
+        whirl: Sense of whirl of the whole mode, +1 forward to -1 backward [-].
+        shafts: Shape of each shaft.
     """
 
     eigenvalue: complex
@@ -45,23 +56,31 @@ class ModeShape:
 
     @property
     def frequency(self) -> float:
-        """Damped natural frequency [rad/s]."""
+        """Return the damped natural frequency Im λ [rad/s]."""
         return self.eigenvalue.imag
 
     @property
     def damping_ratio(self) -> float:
-        """-Re λ / |λ|."""
+        """Return the damping ratio -Re λ / |λ| [-]."""
         return -self.eigenvalue.real / abs(self.eigenvalue)
 
 
 def mode_shapes(
     machine: Machine, *, spin: float, highest_frequency: float, coefficients: Floats | None = None
 ) -> tuple[ModeShape, ...]:
-    """Mode shapes at a spin speed [rad/s, signed] of all modes up to a damped natural frequency [rad/s], ascending.
+    """Compute the shapes of all modes up to a damped natural frequency.
 
-    Modes so heavily damped that nothing is felt of them are left out.
-    coefficients: (K,) in SI, by default what the document expects. Whirl is forward when it goes with the spin; at standstill
-    with the machine's sense of rotation.
+    Modes so heavily damped that nothing is felt of them are left out. Whirl is forward when it goes with the spin; at
+    standstill with the machine's sense of rotation.
+
+    Args:
+        machine: The machine.
+        spin: Spin speed, signed [rad/s].
+        highest_frequency: Highest damped natural frequency [rad/s].
+        coefficients: Coefficients (K,) [SI]; None for the expected ones.
+
+    Returns:
+        Mode shapes, by ascending frequency [rad/s].
     """
     rotor, basis = assemble_rotor(machine), modal_basis(machine, max(highest_frequency, abs(spin)))
     found = modes(system_matrices(machine, coefficients=coefficients, basis=basis), spin=spin)
@@ -83,7 +102,15 @@ def _mode_shape(rotor: Rotor, found: Modes, number: int, sense: float, direction
 
 
 def normalised(shape: Complexes, *, direction: int) -> Complexes:
-    """A shape (N,) scaled so that the largest semi-major axis is 1 and that node at the end of it at t = 0."""
+    """Scale a shape so that its largest semi-major axis is 1 and that node at the end of it at t = 0.
+
+    Args:
+        shape: Shape (N,) over (x, y, θx, θy) per node [any unit].
+        direction: Sense of rotation, +1 or -1.
+
+    Returns:
+        Scaled shape (N,) [-].
+    """
     ellipses = orbit(shape[0::NODE_DOFS], shape[1::NODE_DOFS], direction=direction)
     largest = int(np.argmax(ellipses.semi_major))
     return np.asarray(shape * np.exp(1j * ellipses.delay[largest]) / ellipses.semi_major[largest])

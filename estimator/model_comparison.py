@@ -1,10 +1,9 @@
-"""Two views of misalignment, and which of them a run prefers: changed coefficients, or equivalent loads in the coupling.
+"""Comparison of two views of misalignment for a run: changed coefficients, or equivalent loads in the coupling.
 
-The thesis sees misalignment as changed coefficients of a coupling and the bearings beside it; Sinha, Lees and Friswell
-(J. Sound Vib. 272 (2004) 967) as synchronous forces and moments in the coupling that do not depend on speed. Each is fitted to
-the run with everything else near what the baseline had, only unbalances free, and they are compared by the Bayesian
-information criterion (Schwarz, Ann. Statist. 6 (1978) 461, doi:10.1214/aos/1176344136), beside the view that nothing has
-changed.
+The thesis sees misalignment as changed coefficients of a coupling and the bearings beside it; Sinha, Lees and Friswell (J.
+Sound Vib. 272 (2004) 967) as synchronous forces and moments in the coupling that do not depend on speed. Each is fitted to the
+run with everything else near what the baseline had, only unbalances free, and they are compared by the Bayesian information
+criterion (Schwarz, Ann. Statist. 6 (1978) 461, doi:10.1214/aos/1176344136), beside the view that nothing has changed.
 """
 
 import math
@@ -13,33 +12,43 @@ from typing import Any
 
 import numpy as np
 
+from estimator.coefficient_models import governing_models
 from estimator.identification import Identification, Options, identify
-from estimator.machine import Coupling, EquivalentLoad, Machine, ParameterRule, Unbalance
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.misalignment import neighbouring_bearings
 from estimator.noise import OUTLIER_CHANCE
-from estimator.parameters import is_direct
+from estimator.parameter_description import describe, is_direct
+from estimator.parameters import unknowns
+from estimator.parts import Coupling, EquivalentLoad, Unbalance
+from estimator.rotor import assemble_rotor
+from estimator.rules import ParameterRule
 from estimator.units import rpm_to_rad_per_s
 
 CLEAR = 10.0
-"""A difference of the criterion above this is very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
+"""Difference of the criterion that is very strong evidence [-] (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773)."""
 RUN_SCATTER = 0.01
-"""Relative rms by which coefficients differ between runs of a machine to which nothing has happened, and by the baseline's
-own errors."""
+"""Relative rms difference of coefficients between runs of a machine to which nothing has happened, the baseline's own errors
+included [-].
+"""
 LEAST_UNBALANCE_CHANGE = 0.1
-"""Part of an unbalance below which its change is not mentioned."""
+"""Part of an unbalance below which its change is not mentioned [-]."""
 FAR = 6.0
-"""What should not have changed has when it moved by more than so many of these."""
+"""Largest move of a held coefficient that counts as no change, in units of the run-to-run scatter [-]."""
 WIDE_LOAD = 100.0
-"""Spread of an equivalent load in units of the largest unbalance force: no limit in practice."""
+"""Spread of an equivalent load in units of the largest unbalance force [-]: no limit in practice."""
 
 
 @dataclass(frozen=True)
 class View:
     """One explanation of a run.
 
-    unknowns: fitted numbers that are not held. criterion: Bayesian information criterion, smaller is better. moved: the held
-    coefficient that went farthest from the baseline, if farther than it may; None otherwise.
+    Attributes:
+        name: Name of the view.
+        identification: Fit under this view.
+        unknowns: Number of fitted unknowns that are not held.
+        criterion: Bayesian information criterion, smaller is better [-].
+        moved: The held coefficient that went farthest from the baseline, if farther than it may; None otherwise.
     """
 
     name: str
@@ -51,9 +60,14 @@ class View:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Views of one run, the best first, and the verdict in words.
+    """Views of one run, the best first.
 
-    elements: the coupling and the bearings beside it. preferred: name of the best view, None if not clear.
+    Attributes:
+        coupling: Id of the coupling.
+        elements: Names of the coupling and the bearings beside it.
+        views: The views, the best first.
+        preferred: Name of the best view; None if not clear.
+        verdict: The verdict in words.
     """
 
     coupling: str
@@ -68,10 +82,25 @@ def compare_misalignment(
 ) -> Comparison:
     """Compare "unchanged", "changed coefficients" and "equivalent load" at a coupling for a run after the baseline.
 
-    Raises KeyError for a coupling that the machine does not have, ValueError for a machine with coefficients that follow the
-    speed, which cannot be held, and what `identify` raises.
+    Sources: thesis, Sinha, Lees and Friswell (2004), Schwarz (1978); module's docstring.
+
+    Args:
+        machine: The machine.
+        measurement: Phasors of the run.
+        baseline: Identification of the baseline.
+        coupling: Id of the coupling.
+        options: Options of the fits.
+
+    Returns:
+        The comparison.
+
+    Raises:
+        KeyError: The machine has no such coupling.
+        ValueError: A coefficient follows the speed and cannot be held, or the channels are not the machine's.
+        NotEnoughData: There are fewer measured numbers than unknowns.
+        FitFailed: No start of a fit leads anywhere.
     """
-    following = sorted({name.split("@")[0] for name in baseline.coordinates if "@" in name})
+    following = _following(machine)
     if following:
         raise ValueError(
             f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
@@ -94,8 +123,15 @@ def compare_misalignment(
     )
 
 
+def _following(machine: Machine) -> list[str]:
+    """Names of the free coefficients that follow the speed."""
+    coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
+    models = (one for one in governing_models(coefficients) if not one.model.constant)
+    return sorted(coefficients[k].name for one in models for k in one.coefficients)
+
+
 def _unbalances_moved(found: Identification, baseline: Identification) -> str:
-    """Unbalances are free in every view, so that a change of theirs is told beside the verdict."""
+    """Describe changes of unbalances, which are free in every view, beside the verdict."""
     moved = []
     for one in found.estimates:
         before = next((other for other in baseline.estimates if other.name == one.name), None)
@@ -109,9 +145,16 @@ def _unbalances_moved(found: Identification, baseline: Identification) -> str:
 
 
 def as_identified(machine: Machine, baseline: Identification) -> Machine:
-    """The machine with the values and the noise of an identification in place of the nominal ones.
+    """Return the machine with the values and the noise of an identification in place of the nominal ones.
 
     Coefficients that follow the speed keep their nominal values.
+
+    Args:
+        machine: The machine.
+        baseline: Its identification.
+
+    Returns:
+        The machine with these values.
     """
     values = {
         name: math.exp(value) if is_direct(name) else float(value)
@@ -146,24 +189,19 @@ def as_identified(machine: Machine, baseline: Identification) -> Machine:
 
 
 def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
-    """The machine with all constant coefficients kept near their values but those of the free elements."""
+    """Return the machine with all constant coefficients kept near their values but those of the free elements."""
     rules = tuple(ParameterRule(names=name, spread=RUN_SCATTER) for name in _holdable(baseline, free))
     return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
 
 
 def _holdable(baseline: Identification, free: set[str]) -> list[str]:
-    return [
-        name
-        for name in baseline.coordinates
-        if name.split(".")[0] in ("bearing", "coupling", "seal")
-        and "@" not in name
-        and not name.endswith((".real", ".imaginary"))
-        and name.rsplit(".", 1)[0] not in free
-    ]
+    """Names of constant coefficients, but for those of the free elements."""
+    said = {name: describe(name) for name in baseline.coordinates}
+    return [name for name, one in said.items() if one.term is not None and one.knot is None and one.element not in free]
 
 
 def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:
-    """How far each held coefficient went from the baseline, in units of the run-to-run scatter."""
+    """Compute the move of each held coefficient from the baseline, in units of the run-to-run scatter."""
     moves = {}
     for name in _holdable(baseline, free):
         before, after = (float(one.point[one.coordinates.index(name)]) for one in (baseline, found))

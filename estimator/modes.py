@@ -1,4 +1,4 @@
-"""Modes of a train at a spin speed: damped natural frequencies, shapes, and how each follows the coefficients."""
+"""Modes of a train at a spin speed: damped natural frequencies, shapes, and their derivatives by the coefficients."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.modal_reduction import EVERYTHING, Basis
 from estimator.parameters import dense, unknowns
@@ -14,15 +14,19 @@ from estimator.rotor import assemble_rotor
 from estimator.system_matrices import SystemMatrices, system_matrices
 
 OSCILLATING = 1e-6
-"""A mode oscillates when Im λ exceeds this part of |λ|."""
+"""Part of |λ| that Im λ exceeds where a mode oscillates [-]."""
 
 
 @dataclass(frozen=True)
 class Modes:
-    """n oscillating modes, by ascending damped natural frequency, over N degrees of freedom or as many coordinates of a basis.
+    """Oscillating modes, n of them, by ascending damped natural frequency.
 
-    eigenvalue: (n,) λ [rad/s] with positive imaginary part. shape: (N, n) displacements q of q e^{λt}, xᴴMx = 1.
-    left: (N, n) left vectors, yᴴ (K + ΩH + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1.
+    They are over N degrees of freedom, or as many coordinates of a basis.
+
+    Attributes:
+        eigenvalue: Eigenvalues λ (n,) with positive imaginary part [rad/s].
+        shape: Displacements x (N, n) of x e^{λt}, scaled to xᴴMx = 1 [1/√kg].
+        left: Left vectors y (N, n), yᴴ (K + ΩH + λ(C + ΩG) + λ²M) = 0, scaled to yᴴ (2λM + C + ΩG) x = 1 [SI].
     """
 
     eigenvalue: Complexes
@@ -31,24 +35,44 @@ class Modes:
 
     @property
     def damping_ratio(self) -> Floats:
-        """-Re λ / |λ| (n,); negative for a mode that grows."""
+        """Return the damping ratios -Re λ / |λ| (n,) [-]; negative for a mode that grows."""
         return damping_ratio(self.eigenvalue)
 
 
 def damping_ratio(eigenvalue: Complexes) -> Floats:
-    """-Re λ / |λ|, negative for a mode that grows."""
+    """Compute the damping ratio -Re λ / |λ|.
+
+    Args:
+        eigenvalue: Eigenvalues λ (...), of any shape [rad/s].
+
+    Returns:
+        Damping ratios (...), negative for modes that grow [-].
+    """
     return np.asarray(-eigenvalue.real / np.abs(eigenvalue))
 
 
 def log_decrement(eigenvalue: Complexes) -> Floats:
-    """-2π Re λ / Im λ: logarithm of the ratio of successive maxima (API 684)."""
+    """Compute the logarithmic decrement -2π Re λ / Im λ: logarithm of the ratio of successive maxima (API 684).
+
+    Args:
+        eigenvalue: Eigenvalues λ (...), of any shape [rad/s].
+
+    Returns:
+        Logarithmic decrements (...) [-].
+    """
     return np.asarray(-2 * np.pi * eigenvalue.real / eigenvalue.imag)
 
 
 def modes(matrices: SystemMatrices, *, spin: float, left_vectors: bool = True) -> Modes:
-    """Oscillating modes of a train at a spin speed [rad/s], signed as the sense of rotation. Overdamped ones are left out.
+    """Solve for the oscillating modes of a train at a spin speed; overdamped ones are left out.
 
-    left_vectors: without them `left` is (N, 0), and they take a quarter of the time.
+    Args:
+        matrices: Matrices of the train.
+        spin: Spin speed, signed as the sense of rotation [rad/s].
+        left_vectors: Whether left vectors are computed; without them `left` is (N, 0), and they take a quarter of the time.
+
+    Returns:
+        The modes.
     """
     size = matrices.mass.shape[0]
     # scipy's type stubs know nothing of three results.
@@ -71,11 +95,18 @@ def modes(matrices: SystemMatrices, *, spin: float, left_vectors: bool = True) -
 
 
 def eigenvalue_slopes(machine: Machine, found: Modes, basis: Basis = EVERYTHING) -> Complexes:
-    """∂λ/∂p (n, K) [rad/s per SI unit] of each mode by each coefficient: -yᴴ (∂Z/∂p) x.
+    """Compute ∂λ/∂p of each mode by each coefficient: -yᴴ (∂Z/∂p) x.
 
-    basis: that of the modes, by default all degrees of freedom.
     Source: Nelson, AIAA J. 14 (1976) 1201, doi:10.2514/3.7211, for the quadratic problem. Modes of exactly equal eigenvalue
     have no slope of their own; their values here are only as good as the vectors that were found for them.
+
+    Args:
+        machine: The machine, with K coefficients.
+        found: n modes.
+        basis: Basis of the modes, by default all degrees of freedom.
+
+    Returns:
+        Derivatives (n, K) [rad/s per SI unit of the coefficient].
     """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor).coefficients
@@ -88,10 +119,17 @@ def eigenvalue_slopes(machine: Machine, found: Modes, basis: Basis = EVERYTHING)
 
 
 def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Complexes:
-    """Eigenvalues λ [rad/s] with positive imaginary part, by ascending imaginary part, at a spin speed [rad/s].
+    """Solve for the eigenvalues with positive imaginary part; overdamped modes are left out.
 
-    coefficients: (K,) in SI, by default what the document expects; spin: signed as the sense of rotation. Im λ is the damped
-    natural frequency, |λ| the undamped one, -Re λ / |λ| the damping ratio. Overdamped modes are left out.
+    Im λ is the damped natural frequency, |λ| the undamped one, -Re λ / |λ| the damping ratio.
+
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,) [SI]; None for the expected ones.
+        spin: Spin speed, signed as the sense of rotation [rad/s].
+
+    Returns:
+        Eigenvalues λ (n,) by ascending imaginary part [rad/s].
     """
     roots = np.linalg.eigvals(system_matrices(machine, coefficients=coefficients).state_matrix(spin=spin))
     oscillating = roots[roots.imag > OSCILLATING * np.abs(roots)]
@@ -99,5 +137,14 @@ def eigenvalues(machine: Machine, *, coefficients: Floats | None = None, spin: f
 
 
 def natural_frequencies(machine: Machine, *, coefficients: Floats | None = None, spin: float = 0.0) -> Floats:
-    """Damped natural frequencies [rad/s], ascending, of the train at a spin speed [rad/s]; see `eigenvalues`."""
+    """Solve for the damped natural frequencies of a train; see `eigenvalues`.
+
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,) [SI]; None for the expected ones.
+        spin: Spin speed, signed as the sense of rotation [rad/s].
+
+    Returns:
+        Damped natural frequencies (n,), ascending [rad/s].
+    """
     return np.asarray(eigenvalues(machine, coefficients=coefficients, spin=spin).imag)

@@ -1,4 +1,4 @@
-"""What neighbouring speeds say of a phasor: its noise, and whether it is out of line.
+"""Noise of a phasor, and whether it is out of line, from the phasors at neighbouring speeds.
 
 Each phasor is compared with the cubic through its two neighbours on either side, in the complex plane over speed. A phasor
 that is wrong by Δ leaves a known pattern in the five differences that it takes part in; a resonance, however sharp, leaves
@@ -10,27 +10,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.noise import outlier_limit
 
 FEWEST_POINTS = 12
-"""Fewer usable points of a channel say nothing of its noise."""
+"""Least number of usable points of a channel for its noise to be estimated."""
 ALONE = 0.85
-"""Part of the five differences that a single wrong phasor must explain."""
+"""Least part of the five differences that a single wrong phasor must explain [-]."""
 CLEARLY = 2.0
-"""Times the largest error that noise would show, from which on a phasor is out of line."""
+"""Multiple of the largest error that noise would show, from which on a phasor is out of line [-]."""
 DENSE = 1.5
-"""Samples are dense when a straight line leaves at most this times what a cubic does."""
+"""Largest residual of a straight line over that of a cubic at which samples are dense [-]."""
 SAME_SPEED = 1e-5
-"""Samples whose speeds differ by less than this part of the range are no neighbours in speed."""
+"""Part of the speed range within which samples are no neighbours in speed [-]."""
 
 
 @dataclass(frozen=True)
 class LocalFit:
     """One channel's phasors beside those of their neighbours, n in order of speed.
 
-    place: (n,) indices of the samples. difference: (n,) phasor minus that of the cubic [m]. weights: (n, 5) of the phasors at
-    places n-2 to n+2 in the difference, 1 in the middle; rows without two neighbours on each side are zero.
+    Attributes:
+        place: Indices of the samples (n,).
+        difference: Phasor minus that of the cubic (n,) [m].
+        weights: Weights (n, 5) of the phasors at places n-2 to n+2 in the difference, 1 in the middle; rows without two
+            neighbours on each side are zero [-].
     """
 
     place: NDArray[np.intp]
@@ -39,13 +42,22 @@ class LocalFit:
 
     @property
     def error(self) -> Floats:
-        """Size (n,) of each difference, as large as an error of one phasor would be [m]; not a number at the ends."""
+        """Return the size (n,) of each difference, as large as an error of one phasor would be [m]; NaN at the ends."""
         gain = np.sqrt(np.sum(self.weights**2, axis=1))
         return np.asarray(np.divide(np.abs(self.difference), gain, out=np.full(gain.size, np.nan), where=gain > 0.0))
 
 
 def local_fit(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> LocalFit:
-    """One channel's (S,) phasors [m] over speed [rad/s]."""
+    """Fit the cubics through the neighbours of one channel's phasors.
+
+    Args:
+        speed: Speeds (S,) [rad/s].
+        phasor: Phasors (S,) [m].
+        usable: True where a phasor may be used (S,).
+
+    Returns:
+        Differences from the cubics [m].
+    """
     place = np.flatnonzero(usable)
     place = place[np.argsort(speed[place], kind="stable")]
     if place.size:
@@ -67,9 +79,14 @@ def local_fit(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> Lo
 
 
 def neighbour_noise(fit: LocalFit, amplitude: Floats) -> tuple[float, float]:
-    """Relative part and floor [m] of one channel's error, rms, from medians: robust, too large where samples are sparse.
+    """Estimate one channel's noise from medians: robust, and too large where samples are sparse.
 
-    amplitude: (S,) of all samples [m]. Not a number where the points are too few.
+    Args:
+        fit: The channel's local fit.
+        amplitude: Amplitudes (S,) of all samples [m].
+
+    Returns:
+        Rms of the relative part [-] and of the floor [m]; NaN where the points are too few.
     """
     error = fit.error
     known = np.isfinite(error)
@@ -93,9 +110,17 @@ def neighbour_noise(fit: LocalFit, amplitude: Floats) -> tuple[float, float]:
 
 
 def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
-    """Whether one channel's samples are dense enough for the differences to be noise.
+    """Check whether one channel's samples are dense enough for the differences to be noise.
 
-    The straight line through the nearest two neighbours then leaves as much as the cubic through four. speed, phasor: (S,).
+    The straight line through the nearest two neighbours then leaves as much as the cubic through four.
+
+    Args:
+        fit: The channel's local fit.
+        speed: Speeds (S,) [rad/s].
+        phasor: Phasors (S,) [m].
+
+    Returns:
+        Whether they are.
     """
     if fit.place.size < FEWEST_POINTS:
         return False
@@ -106,7 +131,15 @@ def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
 
 
 def out_of_line(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
-    """Samples of one channel that no neighbour agrees with. noise: (S,) rms error expected of each [m]."""
+    """Find the samples of one channel that no neighbour agrees with.
+
+    Args:
+        fit: The channel's local fit.
+        noise: Expected rms error of each sample (S,) [m].
+
+    Returns:
+        Indices (k,) of these samples.
+    """
     count = fit.place.size
     if count < FEWEST_POINTS:
         return np.empty(0, dtype=np.intp)
@@ -128,7 +161,7 @@ def out_of_line(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
 
 
 def _spread(fit: LocalFit, variance: Floats) -> Floats:
-    """Variance of each difference for variances (S,) of the phasors."""
+    """Compute the variance of each difference for variances (S,) of the phasors."""
     own = variance[fit.place]
     padded = np.pad(own, 2)
     around = np.stack([padded[i : i + own.size] for i in range(5)], axis=1)

@@ -1,4 +1,4 @@
-"""How large the errors of measured phasors are: as stated, or as the residuals of a fit show."""
+"""Size of the errors of measured phasors: as stated, or as the residuals of a fit show."""
 
 from math import log
 
@@ -6,33 +6,48 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
-from estimator.machine import Noise
+from estimator.arrays import Floats
+from estimator.rules import Noise
 
 SMALLEST_RELATIVE, LARGEST_RELATIVE = 1e-6, 1.0
 """Bounds of an estimated relative error [-]."""
 CHANNEL_PRIOR = 20.0
-"""Samples that the expectation counts for that all channels are alike."""
+"""Number of samples that the expectation counts for that all channels are alike."""
 CLEARLY_NOISIER = 4.0
-"""Standard deviations by which a channel must differ from the others to be taken as noisier or less noisy."""
+"""Standard deviations by which a channel must differ from the others to be taken as noisier or less noisy [-]."""
 OUTLIER_CHANCE = 0.01
-"""Chance that among all phasors of a run one is called an outlier that is none."""
+"""Chance that among all phasors of a run one is called an outlier that is none [-]."""
 
 
 def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
-    """Rms of the complex error of each phasor [m]: the source's own scatter where it gave one, else the noise model.
+    """Compute the rms of the complex error of each phasor: the source's own scatter where it gave one, else the noise model.
 
-    amplitude: |X| 0-to-peak [m], best taken from the fitted response: weights from noisy amplitudes bias the fit.
+    Args:
+        noise: Noise model.
+        amplitude: |X| 0-to-peak, any shape (...) [m], best taken from the fitted response: weights from noisy amplitudes bias
+            the fit.
+        scatter: Rms error by the source (...) [m]; NaN where it gave none.
+
+    Returns:
+        Rms error (...) [m].
     """
     modelled = np.sqrt((noise.relative * amplitude) ** 2 + noise.floor**2)
     return np.where(scatter > 0.0, np.maximum(scatter, noise.floor), modelled)
 
 
 def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: float) -> Noise:
-    """The noise model under which residuals are most likely: circular Gaussian with variance (relative·|X|)² + floor².
+    """Estimate the noise model under which residuals are most likely.
 
-    amplitude, misfit: (N,) modelled |X| and absolute residual [m]. spent: the part of the data's freedom that the fit has
-    used up, between 0 and 1; residuals are that much smaller than errors. Restricted maximum likelihood in its simplest form.
+    Errors are circular Gaussian with variance (relative·|X|)² + floor². Restricted maximum likelihood in its simplest form.
+
+    Args:
+        start: Noise model to start from.
+        amplitude: Modelled |X| (N,) [m].
+        misfit: Absolute residual (N,) [m].
+        spent: Part of the data's freedom that the fit has used up, 0 to 1; residuals are that much smaller than errors [-].
+
+    Returns:
+        The noise model.
     """
     square = misfit**2 / max(1.0 - spent, 1e-3)
     typical = float(np.sqrt(np.mean(amplitude**2)))
@@ -61,9 +76,15 @@ def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: f
 
 
 def channel_noise(size: Floats, used: NDArray[np.bool_], *, spent: float) -> Floats:
-    """How many times as noisy as the noise model each channel is, (m,): 1 unless that is clear.
+    """Estimate the noise of each channel over that of the noise model.
 
-    size: (S, m) residual over the rms of its error. used: (S, m) which count. spent: as in `estimated_noise`.
+    Args:
+        size: Residual over the rms of its error (S, m) [-].
+        used: True for the phasors that count (S, m).
+        spent: Part of the data's freedom that the fit has used up, 0 to 1 [-].
+
+    Returns:
+        Factors (m,), 1 unless a channel clearly differs [-].
     """
     count = np.count_nonzero(used, axis=0)
     square = np.sum(np.where(used, size**2, 0.0), axis=0) / max(1.0 - spent, 1e-3)
@@ -74,15 +95,28 @@ def channel_noise(size: Floats, used: NDArray[np.bool_], *, spent: float) -> Flo
 
 
 def outlier_limit(used: NDArray[np.bool_]) -> float:
-    """Largest squared size that so many circular Gaussian errors, (S, m) True for those that count, would show."""
+    """Compute the largest squared size that circular Gaussian errors would show.
+
+    Args:
+        used: True for the errors that count (S, m).
+
+    Returns:
+        Square of the size over the rms error [-].
+    """
     return log(max(1, int(np.count_nonzero(used))) / OUTLIER_CHANCE)
 
 
 def outliers(size: Floats, used: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which phasors (S, m) lie too far from the model to be noise.
+    """Mark the phasors that lie too far from the model to be noise.
 
-    size: residual over the rms of its error. Sizes are scaled by their median first, so that a model that does not fit yet
-    calls nothing an outlier.
+    Sizes are scaled by their median first, so that a model that does not fit yet calls nothing an outlier.
+
+    Args:
+        size: Residual over the rms of its error (S, m) [-].
+        used: True for the phasors that count (S, m).
+
+    Returns:
+        True for outliers (S, m).
     """
     if not np.any(used):
         return np.zeros_like(used)

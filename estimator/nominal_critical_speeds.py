@@ -1,10 +1,10 @@
-"""Critical speeds of the document's nominal model, and which of them a run has crossed."""
+"""Critical speeds of the document's nominal model, and the ones that a run has crossed."""
 
 from functools import lru_cache
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.critical_speed import undamped_critical_speeds
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis
@@ -12,17 +12,33 @@ from estimator.system_matrices import system_matrices_over_speed
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 REMEMBERED = 256
-"""Machines whose critical speeds are kept in memory."""
+"""Number of machines whose critical speeds are cached."""
 
 
 def crossed_critical_speeds(machine: Machine, *, lowest: float, highest: float) -> list[float]:
-    """Nominal critical speeds between two speeds [rad/s], ascending [r/min], to a tenth."""
+    """List the nominal critical speeds between two speeds.
+
+    Args:
+        machine: The machine.
+        lowest: Lowest speed [rad/s].
+        highest: Highest speed [rad/s].
+
+    Returns:
+        Critical speeds, ascending, to a tenth [r/min].
+    """
     found = nominal_critical_speeds(machine).tolist()
     return [round(rad_per_s_to_rpm(one), 1) for one in found if lowest <= one <= highest]
 
 
 def nominal_critical_speeds(machine: Machine) -> Floats:
-    """Undamped critical speeds [rad/s] of the document's nominal model up to its maximum speed, ascending."""
+    """Compute the undamped critical speeds of the document's nominal model up to its maximum speed.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Critical speeds (c,), ascending [rad/s].
+    """
     return _critical_speeds(machine.model_dump_json())
 
 

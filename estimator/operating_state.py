@@ -1,7 +1,7 @@
-"""What a machine is doing: stopped, in slow roll, running up, at speed, running down, tripped; and since when.
+"""Operating state of a machine: stopped, in slow roll, running up, at speed, running down, tripped; and since when.
 
 A pure state machine on top of `estimator.segmentation`: `advance` takes the state so far and one sample and returns the next
-state and what happened. The state is plain data, stored with the samples, so that a restart goes on exactly.
+state and the events. The state is plain data, stored with the samples, so that a restart goes on exactly.
 
 A trip is a run-down from the upper half of the speed range whose deceleration over its first tenth of that range is beyond
 what the machine's document calls controlled. Without such a number it is compared with the machine's own earlier run-downs
@@ -34,24 +34,29 @@ from estimator.units import rpm_to_rad_per_s
 Mode = Literal["unknown", "stopped", "slow roll", "run-up", "at speed", "run-down", "trip"]
 
 STOPPED_PART = 0.01
-"""Below this part of its maximum speed a machine stands still, unless its document says otherwise."""
+"""Part of its maximum speed below which a machine stands still, unless its document says otherwise [-]."""
 TURNING_AGAIN = 1.5
-"""It turns again above this many times that speed, and so many standard deviations as turn a sweep back."""
+"""Multiple of that speed above which a stopped machine turns again [-]; it must also rise by the noise that turns a sweep
+back.
+"""
 TRIP_SPAN = 0.1
-"""Part of the speed range over which the deceleration of a run-down from speed is measured."""
+"""Part of the speed range over which the deceleration of a run-down from speed is measured [-]."""
 FROM_SPEED = 0.5
-"""A run-down from above this part of the speed range is one from speed."""
+"""Part of the speed range above which a run-down must begin to be one from speed [-]."""
 TRIP_RATIO = 2.0
-"""So many times the usual deceleration is a trip, where the document does not say what is controlled."""
+"""Multiple of the usual deceleration that is a trip, where the document does not say what is controlled [-]."""
 USUAL_RUNS, FEWEST_RUNS = 9, 3
-"""What is usual is the median of so many run-downs, and known from so many on."""
+"""Number of run-downs whose median is the usual deceleration, and least number for it to be known."""
 
 
 @dataclass(frozen=True)
 class OperatingLimits:
-    """What the states of one machine are told apart by.
+    """Limits by which the states of one machine are told apart.
 
-    stopped: [rad/s]. controlled: fastest controlled deceleration [rad/s²], None to compare with earlier run-downs.
+    Attributes:
+        sweep: Limits of the segmentation.
+        stopped: Speed below which the machine stands still [rad/s].
+        controlled: Fastest controlled deceleration [rad/s²]; None to compare with earlier run-downs.
     """
 
     sweep: SweepLimits
@@ -60,7 +65,14 @@ class OperatingLimits:
 
     @classmethod
     def of(cls, machine: Machine) -> "OperatingLimits":
-        """The limits that a machine's document implies."""
+        """Derive the limits from a machine's document.
+
+        Args:
+            machine: The machine.
+
+        Returns:
+            The limits.
+        """
         given = machine.operation
         below = given.stopped_below_rpm or STOPPED_PART * machine.speed_range.maximum_rpm
         controlled = given.controlled_deceleration_rpm_per_s
@@ -72,11 +84,14 @@ class OperatingLimits:
 
 
 class OperatingState(msgspec.Struct, frozen=True):
-    """What is remembered between samples. Times [ns], speeds [rad/s].
+    """State between samples.
 
-    mode, since: what the machine does and since when; unknown before the first sample and after a silence. judged: whether
-    the run-down in progress was compared with what is controlled. decelerations: of the last controlled run-downs from speed
-    [rad/s²], oldest first.
+    Attributes:
+        mode: Operating mode; unknown before the first sample and after a silence.
+        since: Time of the mode's beginning [ns].
+        judged: Whether the run-down in progress was compared with what is controlled.
+        decelerations: Decelerations of the last controlled run-downs from speed, oldest first [rad/s²].
+        sweep: State of the segmentation.
     """
 
     mode: Mode = "unknown"
@@ -87,7 +102,14 @@ class OperatingState(msgspec.Struct, frozen=True):
 
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "OperatingState":
-        """From what `msgspec.to_builtins` made of it, by way of JSON or not."""
+        """Restore a state from plain data.
+
+        Args:
+            stored: State as `msgspec.to_builtins` gives it, by way of JSON or not.
+
+        Returns:
+            The state.
+        """
         known = {name: stored[name] for name in cls.__struct_fields__ if name in stored}
         known["decelerations"] = tuple(known.get("decelerations", ()))
         known["sweep"] = SweepState.restored(known.get("sweep", {}))
@@ -96,7 +118,13 @@ class OperatingState(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class ModeChanged:
-    """The machine does something else since `time` [ns]; speed: then, as far as known [rad/s]."""
+    """Event: the machine's mode has changed.
+
+    Attributes:
+        time: Time of the change [ns].
+        mode: New mode.
+        speed: Speed at that time [rad/s]; None where not known.
+    """
 
     time: int
     mode: Mode
@@ -109,13 +137,33 @@ Event = RunEvent | ModeChanged
 def advance(
     state: OperatingState, limits: OperatingLimits, *, time: int, speed: float, direction: int
 ) -> tuple[OperatingState, tuple[Event, ...]]:
-    """Take one sample, later than all before it: time [ns], spin speed [rad/s], direction +1 or -1."""
+    """Take one sample, later than all before it.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+        time: Time of the sample [ns].
+        speed: Spin speed [rad/s].
+        direction: Sense of rotation, +1 or -1.
+
+    Returns:
+        Next state and events.
+    """
     sweep, events = advance_sweep(state.sweep, limits.sweep, time=time, speed=speed, direction=direction)
     return _told(replace(state, sweep=sweep), limits, events)
 
 
 def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> tuple[OperatingState, tuple[Event, ...]]:
-    """No more samples came for a while: the run in progress ends, and what the machine does is unknown."""
+    """End the run in progress because no samples came for a while; the mode is then unknown.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+        reason: Reason in words.
+
+    Returns:
+        Next state and events.
+    """
     last = state.sweep.readings.last_time
     sweep, events = finish(state.sweep, limits.sweep, reason=reason)
     state = replace(state, sweep=sweep)
@@ -128,7 +176,7 @@ def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> t
 def _told(
     state: OperatingState, limits: OperatingLimits, events: tuple[RunEvent, ...]
 ) -> tuple[OperatingState, tuple[Event, ...]]:
-    """What the mode becomes after a sample, put behind the events of its sweep."""
+    """Return the mode after a sample, its event behind those of its sweep."""
     told: tuple[Event, ...] = events
     time, speed = state.sweep.believed_time, state.sweep.believed_speed
     if any(isinstance(event, RunEnded) for event in events):
@@ -154,7 +202,7 @@ def _changed(
 
 
 def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
-    """By the speed and the sweep alone; a trip counts as a run-down."""
+    """Derive the mode from the speed and the sweep alone; a trip counts as a run-down."""
     if state.sweep.sweep:
         return "run-up" if state.sweep.sweep > 0 else "run-down"
     standing = limits.stopped
@@ -172,7 +220,7 @@ def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
 
 
 def _judged(state: OperatingState, limits: OperatingLimits, time: int, speed: float) -> tuple[OperatingState, bool]:
-    """Whether the run-down in progress is a trip, asked once, as soon as it has covered enough."""
+    """Judge once, as soon as it has covered enough, whether the run-down in progress is a trip."""
     top, sweep = state.sweep.high_speed, limits.sweep
     covered = top - speed
     if state.judged or covered < max(sweep.span(TRIP_SPAN), thresholds(state.sweep, sweep)[0]):

@@ -1,4 +1,4 @@
-"""1× orbits at the probes, with their uncertainty, and what they tell of swapped channels and a wrong sense of rotation.
+"""Orbits (1×) at the probes, with their uncertainty, and signs of swapped channels and of a wrong sense of rotation.
 
 Below the first critical speed the shaft follows the unbalance's force, so every orbit turns with the shaft, however flat the
 bearings make it. A pair of probes whose leads are swapped shows the mirror image, which turns backward; a wrong sense of
@@ -12,7 +12,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.critical_speed import undamped_critical_speeds
 from estimator.machine import Machine
 from estimator.measurement import Measurement
@@ -27,32 +28,42 @@ Sense = Literal["forward", "backward", "undecided"]
 FindingCode = Literal["wrong_rotation", "swapped_channels", "swapped_or_wrong_rotation", "orbit_sense_undetectable"]
 
 CLEAR_SENSE = 3.0
-"""A semi-minor axis of fewer standard errors than this leaves the sense of an orbit undecided."""
+"""Standard errors of the semi-minor axis below which the sense of an orbit is undecided [-]."""
 CERTAIN_FORWARD = 0.98
-"""Chance, over all unbalances, with which the model's orbit must be forward for a backward one to mean anything."""
+"""Chance, over all unbalances, with which the model's orbit must be forward for a backward one to mean anything [-]."""
 BELOW_CRITICAL = 0.8
-"""Only samples below this part of the first critical speed are looked at."""
+"""Part of the first critical speed below which samples are used [-]."""
 FEWEST_SAMPLES = 5
-"""Samples of a station that are needed below it, …"""
+"""Least number of samples of a station below that speed."""
 NARROWEST = 0.1
-"""… and the part of that speed which they must span."""
+"""Least part of that speed which the samples must span [-]."""
 SMALLEST_PART = 0.2
-"""An orbit that grows less than this part of the largest, each beside what the model expects, tells nothing: it may be the
-remains of an unbalance far away, which cross-coupling turns as it likes."""
+"""Growth of an orbit over that of the largest, each beside what the model expects, below which it is not judged [-]: it may be
+the remains of an unbalance far away, which cross-coupling turns as it likes.
+"""
 LOWEST = 0.1
-"""The model's orbits are computed from this part of it on, or from the speed range's lower end."""
+"""Part of the first critical speed from which on the model's orbits are computed, unless the speed range begins below
+it [-]."""
 NO_RADIUS = 1e-100
-"""Stands for a circle of no radius, whose angle nothing determines [m]."""
+"""Radius [m] that stands for a circle of no radius, whose angle nothing determines."""
 EXPECTED_SPEEDS = 40
-"""Speeds at which the model's orbits are computed."""
+"""Number of speeds at which the model's orbits are computed."""
 
 
 @dataclass(frozen=True)
 class StationOrbits:
-    """1× orbits at one station in S samples.
+    """Orbits (1×) at one station in S samples; NaN where x and y are not known.
 
-    x, y: (S,) phasors [m]. semi_major, semi_minor, inclination: as `whirl.orbit` gives them [m, m, rad], each with its
-    standard error. All NaN where x and y are not known.
+    Attributes:
+        place: The station and its probes.
+        x: Phasors (S,) along x [m].
+        y: Phasors (S,) along y [m].
+        semi_major: Semi-major axes (S,) [m], as of `whirl.orbit`.
+        semi_minor: Semi-minor axes (S,) [m], above zero for forward whirl.
+        inclination: Inclinations (S,) of the major axes [rad].
+        semi_major_error: Standard errors (S,) of the semi-major axes [m].
+        semi_minor_error: Standard errors (S,) of the semi-minor axes [m].
+        inclination_error: Standard errors (S,) of the inclinations [rad].
     """
 
     place: ProbeStation
@@ -66,7 +77,14 @@ class StationOrbits:
     inclination_error: Floats
 
     def sense(self, sample: int) -> Sense:
-        """In which sense the shaft whirls in a sample, against its rotation or with it."""
+        """Return the sense in which the shaft whirls in a sample: with its rotation or against it.
+
+        Args:
+            sample: Index of the sample.
+
+        Returns:
+            The sense; undecided where the orbit is too flat.
+        """
         minor, error = float(self.semi_minor[sample]), float(self.semi_minor_error[sample])
         if not abs(minor) > CLEAR_SENSE * error:
             return "undecided"
@@ -75,7 +93,13 @@ class StationOrbits:
 
 @dataclass(frozen=True)
 class Finding:
-    """Something about the wiring that the orbits show, or that they cannot show. channels: which it is about."""
+    """Fault of the wiring that the orbits show, or that they cannot show.
+
+    Attributes:
+        code: Kind of the finding.
+        channels: Channels it is about.
+        words: The finding in words.
+    """
 
     code: FindingCode
     channels: tuple[str, ...]
@@ -83,10 +107,17 @@ class Finding:
 
 
 def station_orbits(machine: Machine, measurement: Measurement) -> tuple[StationOrbits, ...]:
-    """Orbits of every sample at the stations whose probes see both axes.
+    """Compute the orbits of every sample at the stations whose probes see both axes.
 
     Errors are those of the phasors, the source's scatter or the document's noise, with the spread of run-outs that were not
     subtracted, to first order.
+
+    Args:
+        machine: The machine.
+        measurement: S samples of its channels.
+
+    Returns:
+        Orbits of each station [m, rad].
     """
     run_out = np.array([probe.run_out_spread for probe in machine.probes])
     error = np.hypot(_noise_error(machine, measurement), run_out)
@@ -100,10 +131,17 @@ def station_orbits(machine: Machine, measurement: Measurement) -> tuple[StationO
 
 
 def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[Finding, ...]:
-    """Swapped channels or a wrong sense of rotation, and the stations at which neither could be seen, with the reason.
+    """Find swapped channels or a wrong sense of rotation, and the stations at which neither could be seen, with the reason.
 
-    What counts is the part of each channel that grows with the speed as a response does, so that a run-out or a slow roll does
+    Only the part of each channel that grows with the speed as a response does is judged, so that a run-out or a slow roll does
     not matter. Two machines that are mirror images look alike: all pairs swapped is the same as a wrong sense of rotation.
+
+    Args:
+        machine: The machine.
+        measurement: Samples of its channels.
+
+    Returns:
+        The findings.
     """
     backward: dict[tuple[str, ...], bool] = {}
     findings: list[Finding] = []
@@ -138,7 +176,7 @@ def _undetectable(place: ProbeStation, why: str) -> Finding:
 
 
 def _wrong(backward: list[ProbeStation], judged: int) -> list[Finding]:
-    """What backward orbits among so many that were judged mean: one finding per station, or one for all."""
+    """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
         words = f"the orbits at all {judged} pairs of probes turn backward: the sense of rotation is wrong, or every pair"
@@ -162,10 +200,13 @@ def _named(place: ProbeStation) -> str:
 
 @dataclass(frozen=True)
 class ExpectedOrbits:
-    """What the document's machine does below its first critical speed.
+    """Orbits of the document's machine below its first critical speed.
 
-    critical: the first one without damping [rad/s]. speed: (S,) up to BELOW_CRITICAL of it. influence: (S, m, P) the
-    channels' responses to an unbalance of each disc, in proportion to its mass.
+    Attributes:
+        critical: First critical speed without damping [rad/s].
+        speed: Speeds (S,) up to BELOW_CRITICAL of it [rad/s].
+        influence: Responses (S, m, P) of the channels to an unbalance of each disc in proportion to its mass [m per m of
+            eccentricity].
     """
 
     critical: float
@@ -174,7 +215,17 @@ class ExpectedOrbits:
 
     @classmethod
     def of(cls, machine: Machine) -> "ExpectedOrbits":
-        """Of a machine at its nominal values. Raises ValueError where the document gives too few of them."""
+        """Compute the orbits of a machine at its nominal values.
+
+        Args:
+            machine: The machine.
+
+        Returns:
+            The orbits.
+
+        Raises:
+            ValueError: The document gives no stiffness of a bearing, or the machine has no critical speed.
+        """
         guessed = [bearing.id for bearing in machine.bearings if bearing.kxx is None or bearing.kyy is None]
         if guessed:
             raise ValueError(f"the document gives no stiffness of bearing {', '.join(guessed)}")
@@ -192,15 +243,29 @@ class ExpectedOrbits:
         return cls(critical, speed, response * np.array([disc.mass for disc in machine.discs]))
 
     def growth(self, speed: Floats) -> Floats:
-        """Weights (S,) that sum samples at these speeds to what grows in them as a response does, without what is constant."""
+        """Compute weights that extract from samples the part that grows as a response does, without a constant part.
+
+        Args:
+            speed: Speeds of the samples (S,) [rad/s].
+
+        Returns:
+            Weights (S,) to sum the samples with [s²/rad²].
+        """
         law = speed**2 / (1.0 - (speed / self.critical) ** 2)
         law = law - np.mean(law)
         return np.asarray(law / (law @ law))
 
     def chance_forward(self, place: ProbeStation, *, direction: int) -> float:
-        """Chance that the orbit's growth turns forward, over independent Gaussian unbalances of all discs.
+        """Compute the chance that the orbit's growth turns forward, over independent Gaussian unbalances of all discs.
 
         For u and v of zero mean P(|u| > |v|) = ½ + ½ (a - b) / √((a + b)² - 4|c|²) with a = E|u|², b = E|v|², c = E u v*.
+
+        Args:
+            place: The station.
+            direction: Sense of rotation, +1 or -1.
+
+        Returns:
+            Chance [-].
         """
         x, y = self._axes(place)
         positive, negative = x + 1j * y, x - 1j * y
@@ -210,11 +275,18 @@ class ExpectedOrbits:
         return 0.5 if spread == 0.0 else 0.5 + 0.5 * direction * (a - b) / spread
 
     def size(self, place: ProbeStation) -> float:
-        """Rms of what grows at a station, over such unbalances, in a unit that is the same for all stations."""
+        """Compute the rms of the orbit's growth at a station, over such unbalances.
+
+        Args:
+            place: The station.
+
+        Returns:
+            Rms, in a unit that is the same for all stations [-].
+        """
         return float(np.linalg.norm(self._axes(place)))
 
     def _axes(self, place: ProbeStation) -> Complexes:
-        """What grows along x and y (2, P) per unbalance of each disc."""
+        """Compute the growth along x and y (2, P) per unbalance of each disc."""
         grown = np.einsum("s,smp->mp", self.growth(self.speed), self.influence[:, list(place.columns)])
         return np.asarray(np.linalg.pinv(place.directions) @ grown)
 
@@ -224,7 +296,7 @@ class _NotSeen(Exception):
 
 
 def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> StationOrbits:
-    """The one orbit that grows with the speed at a station. Raises _NotSeen."""
+    """Compute the one orbit that grows with the speed at a station. Raises _NotSeen."""
     if len(place.channels) < 2:
         raise _NotSeen("one probe alone sees no orbit")
     if not place.sees_both_axes:
@@ -247,7 +319,7 @@ def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation,
 
 
 def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats, direction: float) -> StationOrbits:
-    """The one orbit that grows with the speed; its error is as large as what is left beside it and a constant."""
+    """Compute the one orbit that grows with the speed; its error is as large as the rest beside it and a constant."""
     x, y = np.asarray(axes.x @ growth, dtype=complex), np.asarray(axes.y @ growth, dtype=complex)
     law = growth / float(growth @ growth)
     left = sum(float(np.sum(np.abs(v - np.mean(v) - one * law) ** 2)) for v, one in ((axes.x, x), (axes.y, y)))
@@ -259,7 +331,7 @@ def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats
 
 
 def _noise_error(machine: Machine, measurement: Measurement) -> Floats:
-    """Rms of the complex error (S, m) [m] of each phasor."""
+    """Compute the rms of the complex error (S, m) [m] of each phasor."""
     amplitude = np.where(measurement.usable, np.abs(measurement.phasor), 0.0)
     return error_size(machine.noise, amplitude, measurement.scatter)
 
@@ -267,7 +339,8 @@ def _noise_error(machine: Machine, measurement: Measurement) -> Floats:
 def _orbits(
     place: ProbeStation, x: Complexes, y: Complexes, inverse: Floats, error: Floats, direction: Floats
 ) -> StationOrbits:
-    """Orbits (S,) from x and y, which `inverse` (S, 2, k) makes from values with independent circular errors (S, k)."""
+    """Compute orbits (S,) from x and y, which `inverse` (S, 2, k) makes from values with independent circular errors
+    (S, k)."""
     ellipse = orbit(x, y, direction=1)
     positive, negative = x + 1j * y, x - 1j * y  # twice the circle from +x to +y, twice the conjugate of the other
     # δ|z| = Re(z* δz / |z|) and δ arg z = Im(δz / z), each with δz = Σ row · δ(value).

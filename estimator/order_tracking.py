@@ -1,8 +1,8 @@
-"""From probe waveforms and the angle of the shaft to 1× and 2× phasors: least squares, block by block.
+"""Order tracking: from probe waveforms and the angle of the shaft to 1× and 2× phasors by least squares, block by block.
 
 x(t) = c + d τ + Re((X₁ + Y₁ τ) e^{jθ}) + Re(X₂ e^{2jθ}) with θ counted from the keyphasor's edge and τ from the middle of the
-block, so that X₁ and X₂ are the phasors there, 0-to-peak. The drift d and the trend Y₁ of the 1× phasor keep a speed ramp
-from biasing X₁; as odd functions of τ they cost it next to no accuracy.
+block, so that X₁ and X₂ are the phasors there, 0-to-peak. The drift d and the trend Y₁ of the 1× phasor keep a speed ramp from
+biasing X₁; as odd functions of τ they cost it next to no accuracy.
 """
 
 import math
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.keyphasor import ShaftAngle
 from estimator.phasor_scatter import local_variance, quantisation_error
 from estimator.waveform_fault import UNUSABLE, WaveformFault, waveform_fault
@@ -21,23 +21,29 @@ Rails = tuple[float, float] | None | list[tuple[float, float] | None]
 ORDERS = (1, 2)
 """Multiples of the speed that are tracked."""
 COLUMNS = 8
-"""Real unknowns of one block."""
+"""Number of real unknowns of one block."""
 FEWEST_TURNS = 3.0
-"""Fewer turns do not tell the trends from the orders."""
+"""Least turns in a block: fewer do not tell the trends from the orders."""
 FEWEST_SAMPLES_PER_TURN = 5.0
-"""Four put the 2× at half the sampling rate."""
+"""Least samples in a turn: four put the 2× at half the sampling rate."""
 WORST_CONDITION = 1e4
-"""Largest condition number of the normal equations of equally scaled columns."""
+"""Largest condition number of the normal equations of equally scaled columns [-]."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Phasors of C channels from one block.
+    """Phasors of C channels from one block; NaN for channels with an unusable fault.
 
-    time: its middle [s]. speed: there [rad/s]. turns: in the block. samples: used of each channel. phasors: (C, 2) 1× and 2×,
-    0-to-peak, unit of the waveform. scatter: (C, 2) rms of the complex error of each, from the block's own residual beside the
-    order (`estimator/phasor_scatter.py`), with what the keyphasor's jitter and a converter's steps do. residual: (C,) rms of
-    what is left. faults: (C,). Channels with an unusable fault are not a number.
+    Attributes:
+        time: Middle of the block [s].
+        speed: Speed in the block [rad/s].
+        turns: Turns in the block [-].
+        samples: Number of samples used of each channel.
+        phasors: Phasors (C, 2) of 1× and 2×, 0-to-peak [unit of the waveform].
+        scatter: Rms of the complex error of each (C, 2) [unit of the waveform], from the block's own residual beside the order
+            (`estimator/phasor_scatter.py`), with the errors by the keyphasor's jitter and a converter's steps.
+        residual: Rms of the residual (C,) [unit of the waveform].
+        faults: Fault of each of the C waveforms, or None.
     """
 
     time: float
@@ -52,7 +58,13 @@ class Block:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A stretch from `start` to `end` [s] that gave no phasors, for a reason in words."""
+    """A stretch that gave no phasors.
+
+    Attributes:
+        start: Beginning [s].
+        end: End [s].
+        reason: Reason in words.
+    """
 
     start: float
     end: float
@@ -61,7 +73,12 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class OrderTracking:
-    """All blocks of a waveform in order of time, and what was left out."""
+    """Result of order tracking.
+
+    Attributes:
+        blocks: All blocks of a waveform in order of time.
+        left_out: Stretches that were left out.
+    """
 
     blocks: tuple[Block, ...]
     left_out: tuple[LeftOut, ...]
@@ -77,11 +94,22 @@ def track_orders(
     turns: int | None = None,
     rails: Rails = None,
 ) -> OrderTracking:
-    """Phasors of waveforms (C, N), in blocks of some seconds or of some turns that begin at the first edge.
+    """Compute the phasors of waveforms in blocks of some seconds or of some turns that begin at the first edge.
 
-    sampling_rate: [Hz]. start: instant of the first sample on the clock of `angle` [s]. rails: measuring range of all
-    channels, or of each, unit of the waveforms. Raises ValueError unless exactly one of seconds and turns is given, and
-    positive.
+    Args:
+        waveforms: Waveforms (C, N) [any unit].
+        sampling_rate: Sampling rate [Hz].
+        angle: Angle of the shaft over time.
+        start: Instant of the first sample on the clock of `angle` [s].
+        seconds: Length of a block [s]; None to give turns.
+        turns: Turns in a block; None to give seconds.
+        rails: Measuring range of all channels, or of each [unit of the waveforms].
+
+    Returns:
+        Blocks, and stretches that were left out.
+
+    Raises:
+        ValueError: The waveforms are not (C, N), or not exactly one of seconds and turns is given and positive.
     """
     if waveforms.ndim != 2:
         raise ValueError(f"waveforms have the shape {waveforms.shape}: (channels, samples) is needed")
@@ -115,7 +143,7 @@ def track_orders(
 
 
 def _bounds(angle: ShaftAngle, begin: float, end: float, seconds: float | None, turns: int | None) -> Floats:
-    """Instants [s] between blocks; empty where not even one begins."""
+    """Place the instants [s] between blocks; empty where not even one begins."""
     if end <= begin:
         return np.empty(0)
     if seconds is not None:
@@ -139,9 +167,19 @@ def track_block(
     start: float = 0.0,
     rails: Rails = None,
 ) -> Block | LeftOut:
-    """Phasors of waveforms (C, N) in one block from `begin` to `end` [s], in which the angle is known throughout.
+    """Compute the phasors of waveforms in one block, in which the angle is known throughout.
 
-    Other arguments as in `track_orders`.
+    Args:
+        waveforms: Waveforms (C, N) [any unit].
+        sampling_rate: Sampling rate [Hz].
+        angle: Angle of the shaft over time.
+        begin: Beginning of the block [s].
+        end: End of the block [s].
+        start: Instant of the first sample on the clock of `angle` [s].
+        rails: Measuring range of all channels, or of each [unit of the waveforms].
+
+    Returns:
+        The block, or the reason why it has no phasors.
     """
     # Samples from begin up to, and without, end; a sample on a bound must not slip by rounding.
     first, last = (max(0, math.ceil((bound - start) * sampling_rate - 1e-6)) for bound in (begin, end))
@@ -186,7 +224,7 @@ def track_block(
 
 
 def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, turns: float) -> Floats:
-    """Rms error (C, 2) of the phasors: the noise near each order through the least squares."""
+    """Compute the rms error (C, 2) of the phasors: the noise near each order through the least squares."""
     scatter = np.empty((residual.size, len(ORDERS)))
     for order in range(len(ORDERS)):
         cosine, negative_sine = columns[2 * order], columns[2 * order + 1]
@@ -198,7 +236,7 @@ def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, 
 
 
 def _columns(angle: Floats, position: Floats) -> Floats:
-    """Rows (8, N): 1× and 2× as in Re(X e^{jnθ}) = Re X cos nθ - Im X sin nθ, the trend of the 1×, mean and drift."""
+    """Build rows (8, N) of the model: 1×, 2×, trend of the 1×, mean and drift, Re(X e^{jnθ}) = Re X cos nθ - Im X sin nθ."""
     cosine, sine = np.cos(angle), np.sin(angle)
     twice_cosine, twice_sine = 2.0 * cosine * cosine - 1.0, 2.0 * sine * cosine
     rows = (cosine, -sine, twice_cosine, -twice_sine, position * cosine, -position * sine, np.ones_like(angle), position)

@@ -1,4 +1,4 @@
-"""What changed from one identification to another, by what both know of their parameters, fit against fit.
+"""Changes of parameters from one identification to another, fit against fit.
 
 Both fits' covariances count; that a machine's parameters differ a little from run to run, too, is not known from two.
 """
@@ -8,15 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
-from estimator.parameters import is_direct
+from estimator.arrays import Floats
+from estimator.parameter_description import describe, is_direct
 
 
 @dataclass(frozen=True)
 class ParameterChange:
-    """One coordinate. first, second: values in SI. relative: second over first less one, of direct terms only.
+    """Change of one coordinate.
 
-    sigma: the change in standard errors of both.
+    Attributes:
+        name: Name of the coordinate.
+        first: First value [SI].
+        second: Second value [SI].
+        relative: Second over first less one, of direct terms only [-].
+        sigma: Change in standard errors of both [-].
     """
 
     name: str
@@ -28,7 +33,14 @@ class ParameterChange:
 
 @dataclass(frozen=True)
 class ElementChange:
-    """All coordinates of an element together. distance: squared Mahalanobis. probability: of one so large by chance."""
+    """Change of all coordinates of an element together.
+
+    Attributes:
+        element: Name of the element.
+        distance: Squared Mahalanobis distance [-].
+        degrees_of_freedom: Its degrees of freedom.
+        probability: Probability of one so large by chance [-].
+    """
 
     element: str
     distance: float
@@ -38,7 +50,13 @@ class ElementChange:
 
 @dataclass(frozen=True)
 class Values:
-    """An identification's values over n coordinates, as in `Identification`: logarithms of direct terms, SI."""
+    """Values of an identification over n coordinates.
+
+    Attributes:
+        coordinates: Names of the coordinates.
+        point: Values (n,) [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) [SI²].
+    """
 
     coordinates: tuple[str, ...]
     point: Floats
@@ -46,7 +64,15 @@ class Values:
 
 
 def parameter_changes(first: Values, second: Values) -> tuple[ParameterChange, ...]:
-    """Changes of the coordinates that both have, in the first one's order."""
+    """Compute the changes of the coordinates that both identifications have.
+
+    Args:
+        first: Values of the first identification.
+        second: Values of the second one.
+
+    Returns:
+        Changes in the first one's order.
+    """
     found = []
     for name in first.coordinates:
         if name not in second.coordinates:
@@ -65,11 +91,21 @@ def parameter_changes(first: Values, second: Values) -> tuple[ParameterChange, .
 
 
 def element_changes(first: Values, second: Values) -> tuple[ElementChange, ...]:
-    """Joint change of each element, such as bearing.B1, over the coordinates that both have and neither knows exactly."""
+    """Compute the joint change of each element, such as bearing.B1.
+
+    It is taken over the coordinates that both identifications have and that are not known exactly.
+
+    Args:
+        first: Values of the first identification.
+        second: Values of the second one.
+
+    Returns:
+        Changes in the first one's order.
+    """
     elements: dict[str, list[str]] = {}
     for name in first.coordinates:
         if name in second.coordinates:
-            elements.setdefault(".".join(name.split(".")[:2]), []).append(name)
+            elements.setdefault(describe(name).element, []).append(name)
     found = []
     for element, names in elements.items():
         rows, others = ([one.coordinates.index(name) for name in names] for one in (first, second))

@@ -4,11 +4,13 @@ So that what was never identified can be told from what the machine has not.
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 
-from estimator.condensation import scale_spreads
+from estimator.coefficient_models import governing_models
 from estimator.machine import Machine
-from estimator.parameters import UNITS, Coefficient, is_direct, unknowns
+from estimator.parameter_description import describe
+from estimator.parameters import Coefficient, scale_factors, unknowns
+from estimator.quantities import UNITS
 from estimator.rotor import assemble_rotor
 
 NUMBER = re.compile(r"[1-9][0-9]{0,2}")
@@ -22,9 +24,9 @@ def parameter_units(machine: Machine) -> dict[str, str]:
     """SI unit by name, such as `bearing.B1.kxx`, of every parameter that an identification of a machine can have."""
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    found = {name: one.unit for one in unknown.coefficients for name in _knots(one)}
+    found = _coefficient_units(unknown.coefficients)
     found |= {one.name: one.unit for one in unknown.excitations}
-    found |= dict.fromkeys(scale_spreads(machine, rotor), UNITS["scale factor"])
+    found |= dict.fromkeys((one.name for one in scale_factors(machine, rotor)), UNITS["scale factor"])
     for probe in machine.probes:
         if probe.gain_spread > 0.0:
             found[f"probe.{probe.id}.gain"] = UNITS["gain"]
@@ -38,11 +40,12 @@ def change_unit(name: str, units: Mapping[str, str]) -> str | None:
 
     name: such as `bearing.B1.kxy` or `disc.D1.unbalance.real`; units: see `parameter_units`. None for a name not among them.
     """
-    if is_direct(name):
+    said = describe(name)
+    if said.positive:
         return "1"
-    stem = name.removesuffix(".real").removesuffix(".imaginary")
-    of_probe = {"gain": UNITS["gain"], "run_out": UNITS["run-out"]} if stem.startswith("probe.") else {}
-    return units.get(stem) or of_probe.get(stem.rpartition(".")[2])
+    whole = name if said.component is None else said.whole
+    of_probe = {"gain": UNITS["gain"], "run_out": UNITS["run-out"]} if said.element_kind == "probe" else {}
+    return units.get(whole) or of_probe.get(said.quantity)
 
 
 def derived_units(machine: Machine) -> dict[str, str]:
@@ -75,9 +78,13 @@ def without_number(name: str) -> str:
     return f"{stem}.N" if NUMBER.fullmatch(number) else name
 
 
-def _knots(one: Coefficient) -> Iterator[str]:
-    """Names of a coefficient's estimates: one for each knot of what follows the speed, and is free to."""
-    if one.speed_dependence is None or one.fixed or one.tied_to is not None:
-        yield one.name
-    else:
-        yield from (f"{one.name}@{knot:g}rpm" for knot in one.speed_dependence.knots_rpm)
+def _coefficient_units(coefficients: Sequence[Coefficient]) -> dict[str, str]:
+    """SI unit by name: of the parameters of the bearing models, and of each coefficient that is fixed or tied."""
+    models = {min(one.coefficients): one.model for one in governing_models(coefficients)}
+    found: dict[str, str] = {}
+    for k, one in enumerate(coefficients):
+        if one.fixed or one.tied_to is not None:
+            found[one.name] = one.unit
+        elif k in models:
+            found |= {parameter.name: parameter.unit for parameter in models[k].parameters}
+    return found

@@ -13,53 +13,20 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.machine import Bearing, Coupling, LateralCoefficients, Machine, ParameterRule, Seal, Shaft, SpeedDependence
-from estimator.references import ANGULAR, LATERAL, OPTIONAL
+from estimator.bearing_model import BearingForm
+from estimator.bearing_registry import CONSTANT
+from estimator.machine import Machine
+from estimator.parts import Bearing, Coupling, LateralCoefficients, Seal, Shaft
+from estimator.quantities import UNITS, Quantity
 from estimator.remembered import remembered
 from estimator.rotor import Rotor
+from estimator.rules import ParameterRule
 from estimator.shaft import NODE_DOFS, PLANE_DOFS
+from estimator.terms import ANGULAR, COUPLING, LATERAL, SEAL, Axis, Term
 from estimator.units import rpm_to_rad_per_s
 
-Quantity = Literal[
-    "stiffness",
-    "damping",
-    "inertia",
-    "angular stiffness",
-    "angular damping",
-    "coupled stiffness",
-    "unbalance",
-    "bow",
-    "force",
-    "moment",
-    "scale factor",
-    "gain",
-    "run-out",
-]
-
-UNITS: dict[Quantity, str] = {
-    "stiffness": "N/m",
-    "damping": "N s/m",
-    "inertia": "kg",
-    "angular stiffness": "N m/rad",
-    "angular damping": "N m s/rad",
-    "coupled stiffness": "N/rad",
-    "unbalance": "kg m",
-    "bow": "m",
-    "force": "N",
-    "moment": "N m",
-    "scale factor": "1",
-    "gain": "1",
-    "run-out": "m",
-}
-ORDER: dict[Quantity, int] = {"damping": 1, "angular damping": 1, "inertia": 2}
-"""Power of jω with which a coefficient acts; 0 where it is not named."""
-
-DIRECT = frozenset({"kxx", "kyy", "cxx", "cyy", "mxx", "myy", "k_phix", "k_phiy", "c_phix", "c_phiy"})
-"""Coefficients that are positive by nature; they are fitted, compared and averaged as logarithms."""
-SCALE_FACTORS = frozenset({"young_modulus", "density"})
-"""Factors on a material's properties, positive and fitted as logarithms too."""
-_AXIS = {"x": 0, "y": 1}
-_ROTATION = {"x": 2, "y": 3}
+_DOF: dict[Axis, int] = {"x": 0, "y": 1, "phix": 2, "phiy": 3}
+"""Degree of freedom of a node that each axis is."""
 
 Vector = dict[int, float]
 """A sparse vector over the degrees of freedom of the rotor."""
@@ -70,23 +37,31 @@ class Coefficient:
     """One real stiffness, damping or inertia coefficient.
 
     pairs: the vectors (a, b), each {degree of freedom: sign}; only what couples translation and rotation has two.
-    direct: positive by nature, so its logarithm is fitted. nominal: the document's value, or None. scale: the magnitude
-    expected of it, in its own unit, always positive. fixed: kept at the nominal value. tied_to: name of the coefficient whose
-    value it takes. spread: how far from the nominal value, where the document says so: of the logarithm, or in its own unit.
-    speed_dependence: None while it is constant.
+    nominal: the document's value, or None. scale: the magnitude expected of it, in its own unit, always positive. fixed: kept
+    at the nominal value. tied_to: name of the coefficient whose value it takes. spread: how far from the nominal value, where
+    the document says so: of the logarithm, or in its own unit. form: that of the bearing model which gives it.
     """
 
     name: str
     element: str
-    quantity: Quantity
+    term: Term
     pairs: tuple[tuple[Vector, Vector], ...]
-    direct: bool
     nominal: float | None
     scale: float
     fixed: bool = False
     tied_to: str | None = None
     spread: float | None = None
-    speed_dependence: SpeedDependence | None = None
+    form: BearingForm = CONSTANT
+
+    @property
+    def quantity(self) -> Quantity:
+        """Quantity that it is."""
+        return self.term.quantity
+
+    @property
+    def direct(self) -> bool:
+        """Whether it is positive by nature, so that its logarithm is fitted."""
+        return self.term.direct
 
     @property
     def unit(self) -> str:
@@ -96,7 +71,7 @@ class Coefficient:
     @property
     def order(self) -> int:
         """Power of jω with which it acts."""
-        return ORDER.get(self.quantity, 0)
+        return self.term.order
 
     @property
     def left(self) -> Vector:
@@ -145,6 +120,25 @@ class Excitation:
 
 
 @dataclass(frozen=True)
+class ScaleFactor:
+    """A factor on a property of a material, known up to a relative spread (rms) [-]."""
+
+    material: str
+    what: Literal["young_modulus", "density"]
+    spread: float
+
+    @property
+    def element(self) -> str:
+        """Name of the material, such as `material.steel`."""
+        return f"material.{self.material}"
+
+    @property
+    def name(self) -> str:
+        """Name of the factor, such as `material.steel.density`."""
+        return f"{self.element}.{self.what}"
+
+
+@dataclass(frozen=True)
 class Unknowns:
     """Everything in the model of a train that an identification determines: coefficients, then excitations."""
 
@@ -178,9 +172,16 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
     )
 
 
-def is_direct(name: str) -> bool:
-    """Whether a parameter's name, such as `bearing.B1.kxx@1500rpm`, is that of a direct term or a scale factor."""
-    return name.partition("@")[0].rsplit(".", 1)[-1] in DIRECT | SCALE_FACTORS
+def scale_factors(machine: Machine, rotor: Rotor) -> tuple[ScaleFactor, ...]:
+    """All factors of E and ρ of a machine's materials that are not known exactly."""
+    found: list[ScaleFactor] = []
+    for name in rotor.materials:
+        material = machine.materials[name]
+        if material.young_modulus_spread > 0.0:
+            found.append(ScaleFactor(name, "young_modulus", material.young_modulus_spread))
+        if material.density_spread > 0.0:
+            found.append(ScaleFactor(name, "density", material.density_spread))
+    return tuple(found)
 
 
 def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
@@ -193,14 +194,14 @@ def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
 
 
 def _to_ground(machine: Machine, rotor: Rotor, part: Bearing | Seal) -> list[Coefficient]:
-    node = rotor.node(part.shaft, part.station)
+    nodes = {rotor.node(part.shaft, part.station): 1.0}
     scales = _scales(machine, machine.shaft(part.shaft), part)
     element = f"seal.{part.id}" if isinstance(part, Seal) else f"bearing.{part.id}"
-    found = _lateral(element, part, {node: 1.0}, scales)
-    for name in OPTIONAL["seals"] if isinstance(part, Seal) else ():
-        if getattr(part, name) is not None:
-            at: Vector = {NODE_DOFS * node + _AXIS[name[1]]: 1.0}
-            found.append(_coefficient(element, part, name, "inertia", ((at, at),), getattr(part, name)))
+    found = [_coefficient(element, part, term, nodes, scales[term.name]) for term in LATERAL]
+    for term in SEAL if isinstance(part, Seal) else ():
+        value = getattr(part, term.name)
+        if value is not None:
+            found.append(_coefficient(element, part, term, nodes, value))
     return found
 
 
@@ -208,69 +209,40 @@ def _coupling(machine: Machine, rotor: Rotor, coupling: Coupling) -> list[Coeffi
     nodes = {rotor.end_node(coupling.driver): 1.0, rotor.first_node[coupling.driven]: -1.0}
     shaft = machine.shaft(coupling.driver)
     element = f"coupling.{coupling.id}"
-    rotation = {axis: _relative(nodes, dof) for axis, dof in _ROTATION.items()}
-    translation = {axis: _relative(nodes, dof) for axis, dof in _AXIS.items()}
-    found = _lateral(element, coupling, nodes, _scales(machine, shaft, coupling))
+    scales = _scales(machine, shaft, coupling)
     stiff = 10 * _bending_stiffness(machine, shaft) / shaft.length
-    for name in ANGULAR:
-        pair = ((rotation[name[-1]], rotation[name[-1]]),)
-        found.append(_coefficient(element, coupling, name, "angular stiffness", pair, getattr(coupling, name) or stiff))
-    for name in OPTIONAL["couplings"]:
-        value = getattr(coupling, name)
-        if value is None:
-            continue
-        if name.startswith("k_phi"):
-            beside = math.sqrt((coupling.k_phix or stiff) * (coupling.k_phiy or stiff))
-            pair = ((rotation[name[-2]], rotation[name[-1]]),)
-            found.append(_coefficient(element, coupling, name, "angular stiffness", pair, beside))
-        elif name.startswith("c_phi"):
-            pair = ((rotation[name[-1]], rotation[name[-1]]),)
-            found.append(_coefficient(element, coupling, name, "angular damping", pair, value))
-        else:
-            force, turn = translation[name[1]], rotation[name[-1]]
-            size = abs(value) or stiff / shaft.length
-            found.append(_coefficient(element, coupling, name, "coupled stiffness", ((force, turn), (turn, force)), size))
+    found = [_coefficient(element, coupling, term, nodes, scales[term.name]) for term in LATERAL]
+    found += [_coefficient(element, coupling, term, nodes, getattr(coupling, term.name) or stiff) for term in ANGULAR]
+    for term in COUPLING:
+        value = getattr(coupling, term.name)
+        if value is not None:
+            found.append(_coefficient(element, coupling, term, nodes, _coupling_scale(coupling, term, value, stiff, shaft)))
     return found
+
+
+def _coupling_scale(coupling: Coupling, term: Term, value: float, stiff: float, shaft: Shaft) -> float:
+    """Magnitude to expect of a term of a coupling that its document gives; stiff: of its angular stiffness [N m/rad]."""
+    if term.direct:
+        return value
+    if term.quantity == "angular stiffness":
+        return math.sqrt((coupling.k_phix or stiff) * (coupling.k_phiy or stiff))
+    return abs(value) or stiff / shaft.length
 
 
 def _relative(nodes: dict[int, float], dof: int) -> Vector:
     return {NODE_DOFS * node + dof: sign for node, sign in nodes.items()}
 
 
-def _lateral(element: str, part: LateralCoefficients, nodes: dict[int, float], scales: dict[str, float]) -> list[Coefficient]:
-    return [
-        _coefficient(
-            element,
-            part,
-            name,
-            "stiffness" if name[0] == "k" else "damping",
-            ((_relative(nodes, _AXIS[name[1]]), _relative(nodes, _AXIS[name[2]])),),
-            scales[name],
-        )
-        for name in LATERAL
-    ]
-
-
-def _coefficient(
-    element: str,
-    part: LateralCoefficients,
-    name: str,
-    quantity: Quantity,
-    pairs: tuple[tuple[Vector, Vector], ...],
-    scale: float,
-) -> Coefficient:
-    dependence = part.speed_dependence
-    if dependence is not None and dependence.coefficients is not None and name not in dependence.coefficients:
-        dependence = None
+def _coefficient(element: str, part: LateralCoefficients, term: Term, nodes: dict[int, float], scale: float) -> Coefficient:
+    form = part.speed_dependence
     return Coefficient(
-        name=f"{element}.{name}",
+        name=f"{element}.{term.name}",
         element=element,
-        quantity=quantity,
-        pairs=pairs,
-        direct=name in DIRECT,
-        nominal=getattr(part, name),
+        term=term,
+        pairs=tuple((_relative(nodes, _DOF[force]), _relative(nodes, _DOF[motion])) for force, motion in term.axes),
+        nominal=getattr(part, term.name),
         scale=scale,
-        speed_dependence=dependence,
+        form=form if form is not None and form.governs(term.name) else CONSTANT,
     )
 
 
@@ -313,13 +285,13 @@ def _loads(machine: Machine, rotor: Rotor) -> list[Excitation]:
             continue
         nodes = {rotor.end_node(coupling.driver): 1.0, rotor.first_node[coupling.driven]: -1.0}
         element = f"coupling.{coupling.id}"
-        quantities: tuple[tuple[Quantity, dict[str, int], float], ...] = (
-            ("force", _AXIS, coupling.load.force_spread),
-            ("moment", _ROTATION, coupling.load.moment_spread),
+        quantities: tuple[tuple[Quantity, dict[str, Axis], float], ...] = (
+            ("force", {"x": "x", "y": "y"}, coupling.load.force_spread),
+            ("moment", {"x": "phix", "y": "phiy"}, coupling.load.moment_spread),
         )
-        for quantity, places, spread in quantities:
-            for axis, dof in places.items():
-                acting = _relative(nodes, dof)
+        for quantity, axes, spread in quantities:
+            for axis, along in axes.items():
+                acting = _relative(nodes, _DOF[along])
                 found.append(Excitation(f"{element}.{quantity}_{axis}", element, quantity, acting=acting, spread=spread))
     return found
 
@@ -330,7 +302,7 @@ def _ruled(coefficient: Coefficient, rules: tuple[ParameterRule, ...]) -> Coeffi
     for rule in reversed(rules):
         if fnmatchcase(name, rule.names):
             if rule.tied_to is not None:
-                return replace(coefficient, tied_to=f"{rule.tied_to}.{name.rsplit('.', 1)[-1]}")
+                return replace(coefficient, tied_to=f"{rule.tied_to}.{coefficient.term.name}")
             return replace(coefficient, fixed=rule.fixed, spread=rule.spread)
     return coefficient
 
@@ -343,7 +315,7 @@ def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
         if one.tied_to is None:
             return one
         of = by_name[one.tied_to]
-        return replace(one, nominal=of.nominal, scale=of.scale, speed_dependence=of.speed_dependence)
+        return replace(one, nominal=of.nominal, scale=of.scale, form=of.form)
 
     return tuple(led(one) for one in coefficients)
 
@@ -366,9 +338,10 @@ def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[s
     # A tenth of the stiffness force at the middle of the speed range is a usual damping force.
     middle = rpm_to_rad_per_s((machine.speed_range.minimum_rpm + machine.speed_range.maximum_rpm) / 2)
     c = float(np.mean(known_c)) if known_c else 0.1 * k / middle
-    values = {name: (k if name[0] == "k" else c) for name in LATERAL}
-    for name in ("kxx", "kyy", "cxx", "cyy"):
-        values[name] = getattr(part, name) or values[name]
+    values = {term.name: (k if term.quantity == "stiffness" else c) for term in LATERAL}
+    for term in LATERAL:
+        if term.direct:
+            values[term.name] = getattr(part, term.name) or values[term.name]
     return values
 
 

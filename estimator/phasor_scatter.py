@@ -1,8 +1,8 @@
-"""How well a block's phasor is known, from what the block's own residual holds in the neighbourhood of the order.
+"""Error of a block's phasor, from the block's own residual in the neighbourhood of the order.
 
-The phasor is the mean of the waveform turned back by the shaft's angle, so its error is the residual's spectral density at
-the order itself. What lies at other frequencies, such as harmonics, does not reach it; a line within a few blocks' widths
-(mains hum) and errors of the shaft's angle (the keyphasor's jitter) do, and show beside the order.
+The phasor is the mean of the waveform turned back by the shaft's angle, so its error is the residual's spectral density at the
+order itself. What lies at other frequencies, such as harmonics, does not reach it; a line within a few blocks' widths (mains
+hum) and errors of the shaft's angle (the keyphasor's jitter) do, and show beside the order.
 """
 
 import math
@@ -10,28 +10,37 @@ import math
 import numpy as np
 import scipy.fft
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 BINS = 16
-"""Frequencies on each side of the order, 1/T apart for blocks of length T, that make its neighbourhood."""
+"""Number of frequencies on each side of the order, 1/T apart for blocks of length T, that make its neighbourhood."""
 FEWEST_BINS = 4
-"""With fewer, in blocks of less than ten turns, the residual is taken to be white."""
+"""Least number of these frequencies; with fewer, in blocks of less than ten turns, the residual is taken to be white."""
 LINE = 3.0
-"""The component next to the order so many times above the density is a line: noise does that in one of twenty blocks."""
+"""Power of the component next to the order, over the density, from which on it is a line [-]: noise does that in one of twenty
+blocks.
+"""
 LARGEST_LEAKAGE = 2.0
-"""Most that a line adds to the phasor, as a multiple of that component's power: reached for a line 0.6 bins away, below
-which block and line cannot be told apart."""
+"""Largest power that a line adds to the phasor, over that component's power [-]: reached for a line 0.6 bins away, below which
+block and line cannot be told apart.
+"""
 DISTINCT_PART = 0.25
-"""Different values among the samples of a waveform: more are not counted as steps of a converter."""
+"""Largest part of a waveform's samples that differ for them to be a converter's steps [-]."""
 STEP_SAMPLES = 2_000
-"""Samples of a waveform that are looked at for steps."""
+"""Number of a waveform's samples that are searched for steps."""
 
 
 def local_variance(residual: Floats, *, angle_cosine: Floats, angle_sine: Floats, turns: float) -> Floats | None:
-    """Variance (C,) of white noise that would be as strong near the order as the residual (C, N) is.
+    """Estimate the variance of white noise that would be as strong near the order as the residual is.
 
-    angle_cosine, angle_sine: (N,) of the order's angle, which makes `turns` turns of the shaft in the block. None for blocks
-    so short that the order has no neighbourhood.
+    Args:
+        residual: Residuals (C, N) of C channels [any unit].
+        angle_cosine: Cosine of the order's angle (N,) [-].
+        angle_sine: Sine of the order's angle (N,) [-].
+        turns: Turns of the shaft in the block [-].
+
+    Returns:
+        Variance (C,) [unit of the residual squared]; None for blocks so short that the order has no neighbourhood.
     """
     bins = min(BINS, int(turns / 2.0) - 1)
     if bins < FEWEST_BINS:
@@ -51,7 +60,7 @@ def local_variance(residual: Floats, *, angle_cosine: Floats, angle_sine: Floats
 
 
 def _leakage(first: Complexes, second: Complexes) -> Floats:
-    """Power (C,) that a single line adds to the mean, from the even components one and two bins away.
+    """Compute the power (C,) that a single line adds to the mean, from the even components one and two bins away.
 
     A line ν bins away with mean s has there (-1)^k √2 s ν²/(ν² - k²): ν goes out of the two.
     """
@@ -62,11 +71,18 @@ def _leakage(first: Complexes, second: Complexes) -> Floats:
 
 
 def quantisation_error(signal: Floats, *, amplitude: float, variance: float) -> float:
-    """Rms error of an amplitude that a converter's steps bring about, as the amplitude moves against the steps.
+    """Compute the rms error of an amplitude by a converter's steps, as the amplitude moves against the steps.
 
-    signal: (N,). amplitude: of the 1×. variance: of the residual. The fundamental of a sine through a staircase with steps q
-    is off by (2q/π) Σ (-1)^m J₁(2πmA/q)/m; its rms over A is 0.157 q √(q/A). Noise of a third of a step smooths it out. Zero
-    for a waveform without steps.
+    The fundamental of a sine through a staircase with steps q is off by (2q/π) Σ (-1)^m J₁(2πmA/q)/m; its rms over A is 0.157
+    q √(q/A). Noise of a third of a step smooths it out.
+
+    Args:
+        signal: Waveform (N,) [any unit].
+        amplitude: Amplitude of the 1× [unit of the waveform].
+        variance: Variance of the residual [unit of the waveform squared].
+
+    Returns:
+        Rms error [unit of the waveform]; 0 for a waveform without steps.
     """
     some = signal[:STEP_SAMPLES]
     values = np.unique(some)
@@ -79,7 +95,7 @@ def quantisation_error(signal: Floats, *, amplitude: float, variance: float) -> 
 
 
 def _median_of_exponential(count: int) -> float:
-    """Expected median of an even number of independent exponential values of mean 1, from those of the two middle ones."""
+    """Compute the expected median of an even number of independent exponential values of mean 1, from the two middle ones."""
     half = count // 2
     lower = sum(1.0 / (count - place) for place in range(half))
     return lower + 0.5 / half

@@ -1,23 +1,39 @@
-"""One identification's values of some parameters, with what is known of them together."""
+"""Point: one identification's values of some parameters, with their covariance."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 
 @dataclass(frozen=True)
 class Point:
-    """One identification's values of some parameters: names (N,), value (N,) and covariance (N, N)."""
+    """One identification's values of N parameters.
+
+    Attributes:
+        names: Names of the parameters.
+        value: Values (N,) [SI, logarithms of direct terms].
+        covariance: Covariance (N, N) [SI²].
+    """
 
     names: tuple[str, ...]
     value: Floats
     covariance: Floats
 
     def of(self, names: Sequence[str]) -> "Point":
-        """The same for fewer parameters. Raises ValueError for a name that is not there."""
+        """Return the point for fewer parameters.
+
+        Args:
+            names: Names of the parameters to keep.
+
+        Returns:
+            The point of these.
+
+        Raises:
+            ValueError: A name is not among the parameters.
+        """
         missing = [name for name in names if name not in self.names]
         if missing:
             raise ValueError(f"not among the parameters: {', '.join(missing)}")

@@ -9,21 +9,25 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 
 SAME_STATION = 0.005
-"""Probes of one pair sit side by side where they do not fit into one plane: up to so far apart [m] they are at one station."""
+"""Largest distance of probes at one station [m]: those of a pair sit side by side where they do not fit into one plane."""
 LARGEST_CONDITION = 10.0
-"""Condition number above which angles are too much alike: two probes less than 11.4° apart, or that short of 180°."""
+"""Condition number above which angles are too much alike [-]: two probes less than 11.4° apart, or that short of 180°."""
 
 
 @dataclass(frozen=True)
 class ProbeStation:
     """The k probes at one station of a shaft.
 
-    station: of the first of them [m]. channels: their ids. columns: their places among the machine's channels. angle: (k,)
-    from +x towards +y [rad].
+    Attributes:
+        shaft: Id of the shaft.
+        station: Station of the first of them [m].
+        channels: Ids of the probes.
+        columns: Their indices among the machine's channels.
+        angle: Angles (k,) from +x towards +y [rad].
     """
 
     shaft: str
@@ -34,17 +38,17 @@ class ProbeStation:
 
     @property
     def directions(self) -> Floats:
-        """(k, 2) cosine and sine of each angle."""
+        """Return cosine and sine of each angle (k, 2) [-]."""
         return np.stack([np.cos(self.angle), np.sin(self.angle)], axis=1)
 
     @property
     def condition(self) -> float:
-        """Condition number of the angles: 1 at right angles, infinite where the probes see one line only."""
+        """Return the condition number of the angles [-]: 1 at right angles, infinite where the probes see one line only."""
         return float(_condition(self.directions.T @ self.directions))
 
     @property
     def sees_both_axes(self) -> bool:
-        """Whether x and y follow from these probes."""
+        """Return whether x and y follow from these probes."""
         return self.condition <= LARGEST_CONDITION
 
 
@@ -52,8 +56,10 @@ class ProbeStation:
 class AxisPhasors:
     """Displacements along x and y in S samples.
 
-    x, y: (S,) phasors, NaN where the usable probes do not determine them. inverse: (S, 2, k) what makes them from the k
-    probes' phasors, zero for unusable ones.
+    Attributes:
+        x: Phasors (S,) along x [m]; NaN where the usable probes do not determine them.
+        y: Phasors (S,) along y [m]; NaN likewise.
+        inverse: Matrices (S, 2, k) that make x and y from the k probes' phasors, zero for unusable ones [-].
     """
 
     x: Complexes
@@ -62,16 +68,30 @@ class AxisPhasors:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """(S,) where x and y are determined."""
+        """Return in which samples x and y are determined (S,)."""
         return np.isfinite(self.x)
 
     def pick(self, which: NDArray[np.bool_]) -> "AxisPhasors":
-        """Some of the samples."""
+        """Return some of the samples.
+
+        Args:
+            which: True for the samples wanted (S,).
+
+        Returns:
+            Displacements in these samples.
+        """
         return AxisPhasors(self.x[which], self.y[which], self.inverse[which])
 
 
 def probe_stations(machine: Machine) -> tuple[ProbeStation, ...]:
-    """The stations at which a machine has probes, in the document's order."""
+    """List the stations at which a machine has probes.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Stations in the document's order.
+    """
     groups: list[list[int]] = []
     for column, probe in enumerate(machine.probes):
         for group in groups:
@@ -94,7 +114,16 @@ def probe_stations(machine: Machine) -> tuple[ProbeStation, ...]:
 
 
 def axis_phasors(station: ProbeStation, *, phasor: Complexes, usable: NDArray[np.bool_]) -> AxisPhasors:
-    """x and y from the phasors (S, m) of all the machine's channels, of which (S, m) some are usable."""
+    """Solve for the displacements along x and y at one station, by least squares.
+
+    Args:
+        station: The station.
+        phasor: Phasors (S, m) of all the machine's channels [m].
+        usable: True where a phasor may be used (S, m).
+
+    Returns:
+        Displacements in S samples [m].
+    """
     columns = list(station.columns)
     counted = usable[:, columns]
     directions = station.directions
@@ -108,7 +137,7 @@ def axis_phasors(station: ProbeStation, *, phasor: Complexes, usable: NDArray[np
 
 
 def _condition(normal: Floats) -> Floats:
-    """Condition number of the directions from their normal matrices (…, 2, 2)."""
+    """Compute the condition number of the directions from their normal matrices (..., 2, 2)."""
     smallest, largest = np.moveaxis(np.linalg.eigvalsh(normal), -1, 0)
     alike = smallest <= 1e-12 * np.maximum(largest, 1e-300)
     return np.where(alike, np.inf, np.sqrt(np.divide(largest, smallest, out=np.ones_like(largest), where=~alike)))

@@ -1,9 +1,9 @@
-"""Whether intervals hold where a fit is badly conditioned: the likelihood's profile at their ends.
+"""Check of intervals where a fit is badly conditioned: the likelihood's profile at their ends.
 
-An interval of ± 1.96 standard errors takes the likelihood for Gaussian. Where the data hardly determine some directions it
-is not: the misfit may stay flat far beyond. So a parameter is moved by two standard errors either way, everything else is
-fitted anew, and the misfit must rise by nearly what a Gaussian would show (Venzon and Moolgavkar, Appl. Statist. 37 (1988)
-87, doi:10.2307/2347496).
+An interval of ± 1.96 standard errors takes the likelihood for Gaussian. Where the data hardly determine some directions it is
+not: the misfit may stay flat far beyond. So a parameter is moved by two standard errors either way, everything else is fitted
+anew, and the misfit must rise by nearly what a Gaussian would show (Venzon and Moolgavkar, Appl. Statist. 37 (1988) 87,
+doi:10.2307/2347496).
 """
 
 from collections.abc import Sequence
@@ -11,23 +11,30 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.fit import Fit, Problem, descend, settled
 
 ENDS = 2.0
-"""Standard errors to which a parameter is moved."""
+"""Standard errors by which a parameter is moved [-]."""
 SMALLEST_RISE = 0.85
-"""Part of the Gaussian rise of χ², ENDS², below which the interval is too short to be believed."""
+"""Part of the Gaussian rise of χ², ENDS², below which the interval is too short to be believed [-]."""
 STEPS = 30
-"""Steps spent on fitting everything else anew."""
+"""Most steps of the fit of everything else."""
 PINNED = 1e-3
-"""Spread with which the moved parameter is held, in standard errors."""
+"""Spread with which the moved parameter is held, in standard errors [-]."""
 
 
 def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]) -> frozenset[int]:
-    """Those coordinates among `places` whose interval the profile does not confirm.
+    """Find the coordinates whose interval the profile does not confirm (Venzon and Moolgavkar 1988, doi:10.2307/2347496).
 
-    covariance: (n, n) of the fit coordinates.
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        covariance: Covariance (n, n) of the fit coordinates [-].
+        places: Indices of the coordinates to check.
+
+    Returns:
+        Indices of those that are not confirmed.
     """
     final = settled(problem, found)
     weight = final.weight(np.abs(final.model(found.theta)), 0.0)
@@ -41,7 +48,7 @@ def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]
 
 
 def _rise(problem: Problem, found: Fit, covariance: Floats, weight: Floats, place: int, side: float) -> float:
-    """χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
+    """Compute χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
     error = float(np.sqrt(covariance[place, place]))
     # Where a Gaussian's ridge would lead.
     start = found.theta + side * covariance[place] / error

@@ -1,7 +1,7 @@
-"""Quality of a run: for each phasor the reasons not to use it, for the run what a person should know of it.
+"""Quality of a run: for each phasor the reasons not to use it, for the run the findings a person should know.
 
-Flags say why; the measurement keeps what was measured. What needs no model of the machine is found here; what the speed of
-the sweep does to the phasors needs one and is added by `estimator.gate`.
+Flags say why; the measurement keeps what was measured. Findings that need no model of the machine are made here; the effect of
+the sweep's speed on the phasors needs one and is added by `estimator.gate`.
 """
 
 from dataclasses import dataclass, field, replace
@@ -10,19 +10,19 @@ from enum import IntFlag
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.beating import Beat, find_beats
 from estimator.channel_status import ChannelStatus
-from estimator.condensation import Complexes, Floats
 from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
-from estimator.machine import Noise, QualityRules
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
 from estimator.recorded import Recorded
+from estimator.rules import Noise, QualityRules
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 
 class Flag(IntFlag):
-    """Reasons, as bits. Stored as these numbers; written in lower case with hyphens."""
+    """Reasons not to use a phasor, as bits; stored as these numbers, written in lower case with hyphens."""
 
     NOT_AVAILABLE = 1
     BAD = 2
@@ -38,7 +38,7 @@ class Flag(IntFlag):
 
     @property
     def label(self) -> str:
-        """As in answers."""
+        """Return the name used in answers."""
         return (self.name or "").lower().replace("_", "-")
 
 
@@ -55,40 +55,46 @@ MEANING: dict[Flag, str] = {
     Flag.NOT_ACCEPTED: "outside the speeds that are accepted",
     Flag.CORRECTED: "used, without what the model predicts that the sweep rate added",
 }
-"""What each flag means; the only one with which a phasor is used is CORRECTED."""
+"""Meaning of each flag; the only one with which a phasor is used is CORRECTED."""
 EXCLUDING = ~Flag.CORRECTED
+"""Flags with which a phasor is not used."""
 STATUS_FLAG = {
     ChannelStatus.NOT_AVAILABLE: Flag.NOT_AVAILABLE,
     ChannelStatus.BAD: Flag.BAD,
     ChannelStatus.OUT_OF_RANGE: Flag.OUT_OF_RANGE,
 }
+"""Flag of each status that is not good."""
 
 SAME_IN_A_ROW = 5
-"""So many equal amplitudes at the top, or equal phasors anywhere, are no measurement."""
+"""Number of equal amplitudes at the top, or equal phasors anywhere, in a row that are no measurement."""
 SAME_VALUE = 1e-9
-"""Relative difference below which two values are equal."""
+"""Relative difference up to which two values are equal [-]."""
 RINGING_LIMIT = 1.0
-"""Ringing that is larger than this times the noise is flagged."""
+"""Ringing over the noise from which on it is flagged [-]."""
 SEVERAL_CHANNELS = 0.25
-"""What disturbs more than this part of the other channels at once may be a resonance narrower than the samples …"""
+"""Part of the other channels that must be disturbed at once for a resonance narrower than the samples to explain it [-]."""
 DISTURBED = 3.0
-"""… where a channel is disturbed that differs from its neighbours by so many times its noise."""
+"""Difference of a channel from its neighbours, over its noise, from which on it is disturbed [-]."""
 LOST_PART = 0.1
-"""A channel that is unusable for this part of a run in one piece has been lost …"""
+"""Least part of a run in one piece without usable values in which a channel counts as lost [-]."""
 LOST_SAMPLES = 5
-"""… and for so many samples at least."""
+"""Least number of samples in one piece without usable values in which a channel counts as lost."""
 OTHER_NOISE = 2.0
-"""Noise that differs from the stated one by this factor is mentioned."""
+"""Factor from which on a channel's noise above the stated one is mentioned [-]."""
 FEWEST_USABLE = 20
-"""Fewer samples with a usable phasor are said to be too few."""
+"""Least number of samples with a usable phasor; fewer are reported as too few."""
 
 
 @dataclass(frozen=True)
 class ChannelNoise:
-    """Noise of a channel as its neighbouring speeds show it: relative part [-] and floor [m], NaN where that is unknown.
+    """Noise of a channel as its neighbouring speeds show it; NaN where unknown.
 
-    stated: median rms that the source or the document states [m]; seen: that of the values beside it, at the same amplitudes.
-    resolved: whether the samples are dense enough for these to be noise; otherwise they are bounds from above.
+    Attributes:
+        relative: Relative part [-].
+        floor: Floor [m].
+        stated: Median rms that the source or the document states [m].
+        seen: Median rms by relative part and floor, at the same amplitudes [m].
+        resolved: Whether the samples are dense enough for these to be noise; otherwise they are bounds from above.
     """
 
     relative: float
@@ -100,7 +106,15 @@ class ChannelNoise:
 
 @dataclass(frozen=True)
 class Quality:
-    """flags: (S, m) Flag of each phasor. findings: what there is to say of the run, in words. noise: by channel."""
+    """Quality of a run of S samples and m channels.
+
+    Attributes:
+        channels: Ids of the channels.
+        flags: Flag of each phasor (S, m), as bits.
+        findings: Findings on the run, in words.
+        noise: Noise by channel.
+        beats: Beat behind a resonance in each channel, or None.
+    """
 
     channels: tuple[str, ...]
     flags: NDArray[np.uint16]
@@ -108,22 +122,22 @@ class Quality:
     noise: dict[str, ChannelNoise]
     beats: tuple[Beat | None, ...] = field(default=())
     clock_doubted: bool = False
-    """Whether a beat tells of a quite different sweep rate than the samples' times do."""
+    """True where a beat shows a quite different sweep rate than the samples' times do."""
 
     @property
     def usable(self) -> NDArray[np.bool_]:
-        """(S, m) where the phasor may be used."""
+        """Return which phasors may be used (S, m)."""
         return np.asarray((self.flags & np.uint16(EXCLUDING & 0xFFFF)) == 0)
 
     @property
     def counts(self) -> dict[str, int]:
-        """Phasors by reason, those that occur."""
+        """Return the number of phasors by reason, of those reasons that occur."""
         number = {one.label: int(np.count_nonzero(self.flags & np.uint16(one))) for one in Flag}
         return {label: count for label, count in number.items() if count}
 
     @property
     def words(self) -> str:
-        """What was left out, in one line; empty where nothing was."""
+        """Describe in one line what was left out; empty where nothing was."""
         left_out = int(np.count_nonzero(~self.usable))
         if not left_out:
             return ""
@@ -131,13 +145,31 @@ class Quality:
         return f"{left_out} of {self.flags.size} phasors left out for their quality ({reasons})"
 
     def with_flag(self, flag: Flag, where: NDArray[np.bool_], *findings: str) -> "Quality":
-        """The same with one more flag on some phasors and more to say."""
+        """Return the quality with one more flag on some phasors and more findings.
+
+        Args:
+            flag: The flag.
+            where: True for the phasors that get it (S, m).
+            findings: Findings to add.
+
+        Returns:
+            The new quality.
+        """
         flags = self.flags | np.where(where, np.uint16(flag), np.uint16(0))
         return replace(self, flags=flags.astype(np.uint16), findings=(*self.findings, *findings))
 
 
 def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
-    """What can be said of a run without a model of the machine. noise: as the document states it."""
+    """Assess the quality of a run without a model of the machine.
+
+    Args:
+        run: The run.
+        noise: Noise model as the document states it.
+        rules: Rules of quality; None for the usual ones.
+
+    Returns:
+        The quality.
+    """
     rules = rules or QualityRules()
     shape = run.phasor.shape
     flags = np.zeros(shape, np.uint16)
@@ -170,7 +202,15 @@ def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) ->
 
 
 def own_noise(run: Recorded, quality: Quality) -> Floats:
-    """Scatter (S, m) [m] of a run whose source and document state none: each channel's noise as its neighbours show it."""
+    """Compute the scatter of a run whose source and document state none: each channel's noise as its neighbours show it.
+
+    Args:
+        run: The run, of S samples and m channels.
+        quality: Its quality.
+
+    Returns:
+        Rms error (S, m) [m]; NaN where unknown.
+    """
     scatter = run.scatter.copy()
     for c, channel in enumerate(run.channels):
         found = quality.noise[channel]
@@ -182,19 +222,26 @@ def own_noise(run: Recorded, quality: Quality) -> Floats:
 
 
 def too_few(quality: Quality) -> tuple[str, ...]:
-    """Words on a run that has hardly a usable point left."""
+    """Report a run that has hardly a usable point left.
+
+    Args:
+        quality: Quality of the run.
+
+    Returns:
+        The finding in words, or nothing.
+    """
     left = int(np.count_nonzero(quality.usable.any(axis=1)))
     return (f"too few usable points: {left} samples, {FEWEST_USABLE} are needed",) if left < FEWEST_USABLE else ()
 
 
 def _smoothed(values: Complexes) -> Complexes:
-    """Weights from an amplitude's own error would favour what is too small."""
+    """Smooth phasors over three samples: weights from an amplitude's own error would favour amplitudes that are too small."""
     padded = np.pad(values, 1, mode="edge")
     return np.asarray((padded[:-2] + 2 * padded[1:-1] + padded[2:]) / 4)
 
 
 def _runs_of(same: NDArray[np.bool_], length: int) -> NDArray[np.bool_]:
-    """Which of n samples belong to a row of `length` at least in which each is the same as the one before; same: (n - 1,)."""
+    """Mark the samples (n,) in a row of `length` at least in which each is the same as the one before; same: (n - 1,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(np.int8)))
     found = np.zeros(same.size + 1, dtype=bool)
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
@@ -228,7 +275,7 @@ def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _outliers(
     run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
-    """Phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
+    """Mark phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
     found, disturbed = np.zeros(good.shape, dtype=bool), np.zeros(good.shape, dtype=bool)
     for c, channel in enumerate(run.channels):
         own = seen[channel]
@@ -251,7 +298,7 @@ def _not_accepted(speed: Floats, rules: QualityRules) -> NDArray[np.bool_]:
 
 
 def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Between the half-power points of each channel's peaks, as far as the curve shows both."""
+    """Mark the phasors between the half-power points of each channel's peaks, as far as the curve shows both."""
     found = np.zeros(good.shape, dtype=bool)
     for c in range(good.shape[1]):
         place = np.flatnonzero(good[:, c])
@@ -271,7 +318,7 @@ def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.boo
 
 
 def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
-    """With the points at which a beat is seen flagged."""
+    """Return the quality with the points flagged at which a beat is seen."""
     beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
     where = np.zeros(run.phasor.shape, dtype=bool)
     words, doubted = [], False
@@ -292,7 +339,7 @@ def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
 
 
 def _clock(run: Recorded, beat: Beat) -> str:
-    """What the times say of the rate, where that is something else."""
+    """Describe the sweep rate by the times, where it is not that of the beat."""
     if run.time is None or run.time[-1] <= run.time[0]:
         return ""
     near = (
@@ -306,7 +353,7 @@ def _clock(run: Recorded, beat: Beat) -> str:
 
 
 def _lost(run: Recorded, quality: Quality) -> tuple[str, ...]:
-    """Channels that gave nothing, or nothing for a part of the run."""
+    """Report channels that gave nothing, or nothing for a part of the run."""
     source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
     words = []
     for c, channel in enumerate(run.channels):
@@ -329,7 +376,7 @@ def _why(flags: NDArray[np.uint16]) -> str:
 
 
 def _noise_findings(quality: Quality) -> tuple[str, ...]:
-    """Channels whose noise is clearly not the stated one."""
+    """Report channels whose noise is clearly not the stated one."""
     words = []
     for channel, noise in quality.noise.items():
         if noise.resolved and noise.stated > 0.0 and noise.seen > OTHER_NOISE * noise.stated:

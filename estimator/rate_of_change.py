@@ -1,4 +1,4 @@
-"""How fast parameters have been changing lately: a rate that a person may set a limit on.
+"""Rate of change of parameters over the newest runs, on which a person may set a limit.
 
 The slope of the newest runs by Theil and Sen, which a few outliers and a single step hardly move, and only where the test of
 Mann and Kendall, corrected after Hamed and Rao, leaves no doubt that there is a drift at all.
@@ -13,23 +13,30 @@ import numpy as np
 from estimator import slow_drift
 from estimator.between_run_scatter import sizes
 from estimator.deviation import element_of
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.trend_tests import Reading
 
 WINDOW = 16
-"""Newest runs that the rate is that of."""
+"""Number of newest runs that the rate is computed from."""
 FEWEST = 10
-"""Fewer cannot make a drift certain: for nine runs in perfect order the test's probability is 3e-4."""
+"""Least number of runs for a drift to be certain: for nine runs in perfect order the test's probability is 3e-4."""
 CHANCE = 1e-4
-"""Probability, without a drift, with which one parameter's test may take the newest runs for one."""
+"""Probability, without a drift, with which one parameter's test may take the newest runs for one [-]."""
 
 
 @dataclass(frozen=True)
 class Rate:
-    """How fast one coordinate changes: part of its size per week [1/week], of a direct term of its own value.
+    """Rate of change of one coordinate.
 
-    lower, upper: 95 % interval. probability: of such an order of the runs without a drift. runs: that were looked at; since:
-    time of the first of them [weeks].
+    Attributes:
+        name: Name of the coordinate.
+        element: Name of its element.
+        per_week: Change per week as a part of its size, of a direct term of its own value [1/week].
+        lower: Lower end of the 95 % interval [1/week].
+        upper: Upper end of the 95 % interval [1/week].
+        probability: Probability of such an order of the runs without a drift [-].
+        runs: Number of runs used.
+        since: Time of the first of them [weeks].
     """
 
     name: str
@@ -43,15 +50,23 @@ class Rate:
 
     @property
     def certain(self) -> bool:
-        """Whether there is a drift, however fast."""
+        """Return whether there is a drift, however fast."""
         return self.probability <= CHANCE
 
 
 def rates_of_change(readings: Sequence[Reading]) -> tuple[Rate, ...]:
-    """Rates of all coordinates of the newest reading that at least FEWEST of the newest WINDOW readings determine.
+    """Compute the rates of all coordinates of the newest reading that at least FEWEST of the newest WINDOW readings determine.
 
-    readings: in ascending order of time, those of the baseline among them or not. Raises ValueError for times that do not
-    ascend.
+    Theil and Sen's slope, test of Mann and Kendall (sources in `slow_drift`).
+
+    Args:
+        readings: Readings in ascending order of time, those of the baseline among them or not.
+
+    Returns:
+        Rates in the order of the newest reading's names.
+
+    Raises:
+        ValueError: The times do not ascend.
     """
     lately = readings[-WINDOW:]
     if len(lately) < FEWEST:

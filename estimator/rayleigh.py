@@ -13,28 +13,57 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class RayleighDamping:
-    """Coefficients of C = αM + βK. mass_coefficient: α [1/s]. stiffness_coefficient: β [s]."""
+    """Coefficients of C = αM + βK.
+
+    Attributes:
+        mass_coefficient: α [1/s].
+        stiffness_coefficient: β [s].
+    """
 
     mass_coefficient: float
     stiffness_coefficient: float
 
     def ratio(self, angular_frequency: float) -> float:
-        """Damping ratio [-] of a mode with that natural frequency [rad/s]: ζ = (α/ω + βω)/2 (Eq. B.1)."""
+        """Compute the damping ratio of a mode: ζ = (α/ω + βω)/2 (thesis Eq. B.1).
+
+        Args:
+            angular_frequency: Natural frequency ω of the mode [rad/s].
+
+        Returns:
+            Damping ratio [-].
+        """
         return (self.mass_coefficient / angular_frequency + self.stiffness_coefficient * angular_frequency) / 2
 
     def matrix(self, *, mass: NDArray[np.float64], stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
-        """C = αM + βK (N, N) from mass and stiffness matrices (N, N) (Eq. 3.5)."""
+        """Assemble C = αM + βK (thesis Eq. 3.5).
+
+        Args:
+            mass: Mass matrix M (N, N) [SI].
+            stiffness: Stiffness matrix K (N, N) [SI].
+
+        Returns:
+            Damping matrix C (N, N) [SI].
+        """
         return self.mass_coefficient * mass + self.stiffness_coefficient * stiffness
 
 
 def rayleigh_damping(
     *, lower_frequency: float, lower_ratio: float, upper_frequency: float, upper_ratio: float
 ) -> RayleighDamping:
-    """The damping that gives two modes the stated ratios (Eq. B.2-B.3).
+    """Solve for the damping that gives two modes the stated ratios (thesis Eq. B.2-B.3; Clough and Penzien 1993, §12-5).
 
-    Frequencies: natural frequencies [rad/s], lower below upper. Ratios: of critical damping [-], not negative.
-    Raises ValueError when the frequencies are not positive, finite and ascending, when a ratio is negative or not finite,
-    and when the two ratios lie so far apart that α or β would be negative, which feeds energy into some modes.
+    Args:
+        lower_frequency: Lower natural frequency [rad/s].
+        lower_ratio: Damping ratio there, not negative [-].
+        upper_frequency: Upper natural frequency [rad/s].
+        upper_ratio: Damping ratio there, not negative [-].
+
+    Returns:
+        Coefficients α [1/s] and β [s].
+
+    Raises:
+        ValueError: The frequencies are not positive, finite and ascending, a ratio is negative or not finite, or the ratios
+            lie so far apart that α or β would be negative, which feeds energy into some modes.
     """
     if not (0 < lower_frequency < upper_frequency and math.isfinite(upper_frequency)):
         raise ValueError(

@@ -1,4 +1,4 @@
-"""A run as it was measured."""
+"""Recorded run: the samples as they were measured."""
 
 from dataclasses import dataclass
 
@@ -10,10 +10,15 @@ from estimator.arrays import Complexes, Floats
 
 @dataclass(frozen=True)
 class Recorded:
-    """A run as it was measured, S samples in order of time.
+    """A run as it was measured, S samples of m channels in order of time.
 
-    time: (S,) [s], None where it is not known. speed: (S,) [rad/s]. phasor: (S, m) [m]. status: (S, m) ChannelStatus.
-    scatter: (S, m) [m], NaN where unknown. channels: m ids.
+    Attributes:
+        time: Times (S,) [s]; None where not known.
+        speed: Spin speeds (S,) [rad/s].
+        phasor: Phasors (S, m) [m].
+        status: ChannelStatus of each phasor (S, m).
+        scatter: Rms of the complex error (S, m) [m]; NaN where unknown.
+        channels: Ids of the m channels.
     """
 
     time: Floats | None
@@ -24,6 +29,13 @@ class Recorded:
     channels: tuple[str, ...]
 
     def pick(self, which: NDArray[np.bool_]) -> "Recorded":
-        """Some of the samples, (S,) True for those wanted."""
+        """Return some of the samples.
+
+        Args:
+            which: True for the samples wanted (S,).
+
+        Returns:
+            The run with these samples.
+        """
         time = None if self.time is None else self.time[which]
         return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)

@@ -1,50 +1,49 @@
-"""What a machine document's parts say of each other: the checks that one field alone cannot make."""
-
-from __future__ import annotations
+"""Consistency of a machine document: the checks of parts and rules against each other that no field alone can make."""
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import translate
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-if TYPE_CHECKING:
-    from estimator.machine import Machine
-
-STATION_TOLERANCE = 1e-9
-"""Two stations closer than this [m] are the same place."""
-
-LATERAL = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
-"""Coefficients that every bearing, coupling and seal has."""
-ANGULAR = ("k_phix", "k_phiy")
-"""Coefficients that every coupling has besides."""
-OPTIONAL = {"couplings": ("k_phixy", "k_phiyx", "c_phix", "c_phiy", "kx_phiy", "ky_phix"), "seals": ("mxx", "myy")}
-"""Coefficients that are identified only where the document gives them."""
-ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
-"""Lists of the document whose parts have coefficients, and what their parameters' names begin with."""
+from estimator.parameter_description import describe
+from estimator.part_coefficients import ELEMENTS, Elements, coefficient_names, coefficient_values, planes
+from estimator.parts import STATION_TOLERANCE, Disc, Material, Shaft
+from estimator.rules import Condition, Operation, ParameterRule, SpeedRange
 
 
-def coefficient_values(machine: Machine) -> dict[str, float | None]:
-    """Nominal value by name, such as `bearing.B1.kxx`, of every coefficient that is identified."""
-    return {
-        f"{kind}.{part.id}.{name}": getattr(part, name)
-        for place, kind in ELEMENTS.items()
-        for part in getattr(machine, place)
-        for name in coefficient_names(place, part)
-    }
+class Train(Elements, Protocol):
+    """Parts and rules of a train that are checked against each other."""
 
+    @property
+    def materials(self) -> Mapping[str, Material]:
+        """Materials by id."""
 
-def coefficient_names(place: str, part: Any) -> tuple[str, ...]:
-    """Names of the coefficients that are identified of a part in that list of the document."""
-    given = tuple(name for name in OPTIONAL.get(place, ()) if getattr(part, name) is not None)
-    return LATERAL + (ANGULAR if place == "couplings" else ()) + given
+    @property
+    def shafts(self) -> Sequence[Shaft]:
+        """Shafts in the document's order."""
 
+    @property
+    def discs(self) -> Sequence[Disc]:
+        """Discs in the document's order."""
 
-def planes(machine: Machine) -> dict[str, float | None]:
-    """Nominal magnitude by name, such as `disc.D1.unbalance`, of every residual unbalance."""
-    return {f"disc.{d.id}.unbalance": None if d.unbalance is None else d.unbalance.magnitude for d in machine.discs}
+    @property
+    def conditions(self) -> Sequence[Condition]:
+        """Operating conditions in the document's order."""
+
+    @property
+    def speed_range(self) -> SpeedRange:
+        """Speeds at which samples are taken seriously."""
+
+    @property
+    def operation(self) -> Operation:
+        """How the machine is run."""
+
+    @property
+    def parameters(self) -> Sequence[ParameterRule]:
+        """Rules of parameters, later ones above earlier ones."""
 
 
 def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitErrorDetails:
@@ -53,45 +52,47 @@ def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitE
     return InitErrorDetails(type=error, loc=location, input=value)
 
 
-def reference_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    yield from _material_problems(machine)
-    yield from _duplicate_problems(machine)
-    yield from _station_problems(machine)
-    running, highest = machine.operation.running_rpm, machine.speed_range.maximum_rpm
+def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Yield every contradiction between the parts and rules of a train, with its place in the document."""
+    yield from _material_problems(train)
+    yield from _duplicate_problems(train)
+    yield from _station_problems(train)
+    running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
     if running is not None and running > highest:
         message = f"lies above the speed range, which ends at {highest:g} r/min"
         yield _problem(("operation", "running_rpm"), running, message)
-    yield from _coupling_problems(machine)
-    yield from _dependence_problems(machine)
-    yield from _rule_problems(machine)
+    yield from _coupling_problems(train)
+    yield from _dependence_problems(train)
+    yield from _rule_problems(train)
 
 
-def _material_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    known = ", ".join(machine.materials)
-    for i, shaft in enumerate(machine.shafts):
+def _material_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = ", ".join(train.materials)
+    for i, shaft in enumerate(train.shafts):
         for j, section in enumerate(shaft.sections):
-            if section.material not in machine.materials:
+            if section.material not in train.materials:
                 message = f"'{section.material}' is not one of the materials: {known}"
                 yield _problem(("shafts", i, "sections", j, "material"), section.material, message)
 
 
-def _duplicate_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
     for name in ("shafts", "discs", "bearings", "couplings", "seals", "probes"):
-        parts = getattr(machine, name)
+        parts = getattr(train, name)
         counts = Counter(part.id for part in parts)
         for i, part in enumerate(parts):
             if counts[part.id] > 1:
                 yield _problem((name, i, "id"), part.id, f"'{part.id}' stands more than once among the {name}")
-    names = Counter(machine.condition_names)
-    for i, name in enumerate(machine.condition_names):
+    conditions = [condition.name for condition in train.conditions]
+    names = Counter(conditions)
+    for i, name in enumerate(conditions):
         if names[name] > 1:
             yield _problem(("conditions", i, "name"), name, f"'{name}' stands more than once among the conditions")
 
 
-def _station_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    lengths = {shaft.id: shaft.length for shaft in machine.shafts}
+def _station_problems(train: Train) -> Iterator[InitErrorDetails]:
+    lengths = {shaft.id: shaft.length for shaft in train.shafts}
     for name in ("discs", "bearings", "seals", "probes"):
-        for i, part in enumerate(getattr(machine, name)):
+        for i, part in enumerate(getattr(train, name)):
             if part.shaft not in lengths:
                 message = f"'{part.shaft}' is not one of the shafts: {', '.join(lengths)}"
                 yield _problem((name, i, "shaft"), part.shaft, message)
@@ -100,42 +101,42 @@ def _station_problems(machine: Machine) -> Iterator[InitErrorDetails]:
                 yield _problem((name, i, "station"), part.station, message)
 
 
-def _coupling_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    known = [shaft.id for shaft in machine.shafts]
-    for i, coupling in enumerate(machine.couplings):
+def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = [shaft.id for shaft in train.shafts]
+    for i, coupling in enumerate(train.couplings):
         for end in ("driver", "driven"):
             if getattr(coupling, end) not in known:
                 message = f"'{getattr(coupling, end)}' is not one of the shafts: {', '.join(known)}"
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
         if coupling.driver == coupling.driven:
             yield _problem(("couplings", i, "driven"), coupling.driven, "a coupling joins two different shafts")
-    yield from _ring_problems(machine)
+    yield from _ring_problems(train)
     for end in ("driver", "driven"):
-        counts = Counter(getattr(coupling, end) for coupling in machine.couplings)
-        for i, coupling in enumerate(machine.couplings):
+        counts = Counter(getattr(coupling, end) for coupling in train.couplings)
+        for i, coupling in enumerate(train.couplings):
             if counts[getattr(coupling, end)] > 1:
                 message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
 
 
-def _ring_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+def _ring_problems(train: Train) -> Iterator[InitErrorDetails]:
     """A train has two ends: following its couplings from driver to driven must not come back."""
-    behind = {coupling.driver: coupling.driven for coupling in machine.couplings}
-    for i, coupling in enumerate(machine.couplings):
+    behind = {coupling.driver: coupling.driven for coupling in train.couplings}
+    for i, coupling in enumerate(train.couplings):
         shaft: str | None = coupling.driven
-        for _ in machine.couplings:
+        for _ in train.couplings:
             if shaft == coupling.driver != coupling.driven:
                 yield _problem(("couplings", i, "driven"), coupling.driven, "the couplings join the shafts to a ring")
                 break
             shaft = behind.get(shaft) if shaft is not None else None
 
 
-def _dependence_problems(machine: Machine) -> Iterator[InitErrorDetails]:
+def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
     for place in ELEMENTS:
-        for i, part in enumerate(getattr(machine, place)):
-            dependence = part.speed_dependence
-            known = coefficient_names(place, part)
-            for name in (dependence and dependence.coefficients) or ():
+        for i, part in enumerate(getattr(train, place)):
+            form = part.speed_dependence
+            known = coefficient_names(part)
+            for name in (form and form.coefficients) or ():
                 if name not in known:
                     message = f"'{name}' is not identified here; what is: {', '.join(known)}"
                     yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
@@ -147,26 +148,26 @@ def _matching(pattern: str, names: Iterable[str]) -> list[str]:
     return [name for name in names if fits(name)]
 
 
-def rules_in_force(machine: Machine, names: Iterable[str]) -> dict[str, int]:
+def rules_in_force(train: Train, names: Iterable[str]) -> dict[str, int]:
     """Place of the last rule whose pattern fits each name; names that none fits are left out."""
-    fitting = _fitting(machine, names)
-    return {name: i for i, rule in enumerate(machine.parameters) for name in fitting[rule.names]}
+    fitting = _fitting(train, names)
+    return {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
 
 
-def _fitting(machine: Machine, names: Iterable[str]) -> dict[str, list[str]]:
+def _fitting(train: Train, names: Iterable[str]) -> dict[str, list[str]]:
     """By pattern of a rule the names that it fits."""
-    return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in machine.parameters}}
+    return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in train.parameters}}
 
 
-def _rule_problems(machine: Machine) -> Iterator[InitErrorDetails]:
-    coefficients = coefficient_values(machine)
-    values = coefficients | planes(machine)
-    fitting = _fitting(machine, values)
-    in_force = {name: i for i, rule in enumerate(machine.parameters) for name in fitting[rule.names]}
+def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
+    coefficients = coefficient_values(train)
+    values = coefficients | planes(train.discs)
+    fitting = _fitting(train, values)
+    in_force = {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
     by_rule: dict[int, list[str]] = {}
     for name, i in in_force.items():
         by_rule.setdefault(i, []).append(name)
-    for i, rule in enumerate(machine.parameters):
+    for i, rule in enumerate(train.parameters):
         if not fitting[rule.names]:
             message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
             yield _problem(("parameters", i, "names"), rule.names, message)
@@ -179,15 +180,15 @@ def _rule_problems(machine: Machine) -> Iterator[InitErrorDetails]:
         if nothing and rule.spread is not None:
             message = f"a part of {', '.join(nothing)} is no spread: its nominal magnitude is zero"
             yield _problem(("parameters", i), rule.names, message)
-    tied = {name: i for name, i in in_force.items() if machine.parameters[i].tied_to is not None}
-    yield from _tie_problems(machine, coefficients, tied)
+    tied = {name: i for name, i in in_force.items() if train.parameters[i].tied_to is not None}
+    yield from _tie_problems(train, coefficients, tied)
 
 
-def _tie_problems(machine: Machine, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
+def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
     """tied: by name of a tied parameter, the rule that ties it."""
     for name, i in tied.items():
-        target = machine.parameters[i].tied_to
-        leader = f"{target}.{name.rsplit('.', 1)[-1]}"
+        target = train.parameters[i].tied_to
+        leader = f"{target}.{describe(name).quantity}"
         if leader == name:
             message = f"'{name}' cannot be tied to itself"
         elif leader not in coefficients or name not in coefficients:

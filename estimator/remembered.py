@@ -1,4 +1,4 @@
-"""Results kept for the objects that were asked about last: machines and rotors never change, so that each is its own key.
+"""Cache of results by the identity of their arguments: machines and rotors never change, so that each is its own key.
 
 Numbers are told apart by their value.
 """
@@ -8,7 +8,9 @@ from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
 KEPT = 6
-"""Results of each function: an identification asks about its machine, with exact probes, scaled, and turned the other way."""
+"""Number of results cached of each function: an identification needs its machine, with exact probes, scaled, and turned the
+other way.
+"""
 
 Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
@@ -31,7 +33,14 @@ class _Same:
 
 
 def remembered(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments], Result]:
-    """The function, computed once for the same objects; neither they nor the result may be changed."""
+    """Cache a function's results by the identity of its arguments; neither they nor the result may be changed.
+
+    Args:
+        function: Function of objects and numbers.
+
+    Returns:
+        The cached function.
+    """
 
     @lru_cache(maxsize=KEPT)
     def known(key: _Same) -> Result:

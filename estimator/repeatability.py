@@ -1,25 +1,32 @@
-"""How far a run's phasors lie from those of an earlier run of the same kind, channel by channel, in units of their noise."""
+"""Distance of a run's phasors from those of an earlier run of the same kind, channel by channel, in units of their noise."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 LARGEST_STEP = 3.0
-"""Between two earlier samples farther apart than this times the usual step nothing is interpolated."""
+"""Largest distance of two earlier samples, over the usual step, between which is interpolated [-]."""
 FEWEST_POINTS = 10
-"""Fewer speeds in common say nothing."""
+"""Least number of speeds in common."""
 NOT_REPEATED = 6.0
-"""Median distance in noises from which on a channel has not repeated itself: run-to-run scatter of a machine stays below."""
+"""Median distance in noises from which on a channel has not repeated itself [-]: run-to-run scatter of a machine stays
+below."""
 STANDS_OUT = 3.0
-"""A channel whose distance is this many times that of the other channels is named alone."""
+"""Distance of a channel over that of the other channels from which on it is named alone [-]."""
 
 
 @dataclass(frozen=True)
 class Distance:
-    """Of one channel: median distance in units of the noise of both runs, part of its amplitude, and speeds compared."""
+    """Distance of one channel from an earlier run.
+
+    Attributes:
+        noises: Median distance in units of the noise of both runs [-].
+        part: Median distance as a part of the amplitude [-].
+        points: Number of speeds compared.
+    """
 
     noises: float
     part: float
@@ -29,9 +36,17 @@ class Distance:
 def distances(
     speed: Floats, phasor: Complexes, error: Floats, usable: NDArray[np.bool_], earlier: "EarlierRun"
 ) -> tuple[Distance | None, ...]:
-    """Distance of each of m channels; None where the runs have too few speeds in common.
+    """Compute the distance of each of m channels from an earlier run.
 
-    speed: (S,) [rad/s]. phasor, error: (S, m) with the rms of its complex error [m]. usable: (S, m).
+    Args:
+        speed: Speeds (S,) [rad/s].
+        phasor: Phasors (S, m) [m].
+        error: Rms of the complex errors (S, m) [m].
+        usable: True where a phasor may be used (S, m).
+        earlier: The earlier run.
+
+    Returns:
+        Distance of each channel; None where the runs have too few speeds in common.
     """
     found: list[Distance | None] = []
     for c in range(phasor.shape[1]):
@@ -51,7 +66,14 @@ def distances(
 
 @dataclass(frozen=True)
 class EarlierRun:
-    """A run to compare with: its name, (S,) speeds [rad/s], (S, m) phasors [m] and which may be used."""
+    """A run to compare with.
+
+    Attributes:
+        name: Its name.
+        speed: Speeds (S,) [rad/s].
+        phasor: Phasors (S, m) [m].
+        usable: True where a phasor may be used (S, m).
+    """
 
     name: str
     speed: Floats
@@ -60,7 +82,16 @@ class EarlierRun:
 
 
 def repeatability_findings(channels: tuple[str, ...], found: tuple[Distance | None, ...], earlier: str) -> tuple[str, ...]:
-    """Which channels have not repeated what they showed in the run named `earlier`, in words."""
+    """Report the channels that have not repeated the phasors of an earlier run.
+
+    Args:
+        channels: Ids of the channels.
+        found: Distance of each channel.
+        earlier: Name of the earlier run.
+
+    Returns:
+        Findings in words.
+    """
     known = [(channel, one) for channel, one in zip(channels, found, strict=True) if one is not None]
     far = [(channel, one) for channel, one in known if one.noises > NOT_REPEATED]
     if not far:
@@ -73,7 +104,7 @@ def repeatability_findings(channels: tuple[str, ...], found: tuple[Distance | No
 
 
 def _interpolated(earlier: EarlierRun, channel: int, speed: Floats) -> tuple[Complexes, NDArray[np.bool_]]:
-    """The earlier phasors of a channel at speeds (S,), and where that is possible."""
+    """Interpolate the earlier phasors of a channel at speeds (S,), and mark where that is possible."""
     used = np.flatnonzero(earlier.usable[:, channel])
     used = used[np.argsort(earlier.speed[used], kind="stable")]
     if used.size < 2:

@@ -1,27 +1,30 @@
-"""Assembly of a train's shafts and discs: what is known of a machine before anything is identified.
+"""Assembly of a train's shafts and discs: the part of a machine that is known before anything is identified.
 
-Shafts and discs are the same in every direction across the axis, so one bending plane says all: the full matrices over
-(x, y, θx, θy) per node are built from plane matrices over (displacement, slope) per node.
+Shafts and discs are the same in every direction across the axis, so one bending plane is enough: the full matrices over (x, y,
+θx, θy) per node are built from plane matrices over (displacement, slope) per node.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from estimator.machine import Bearing, Disc, Half, Machine, Probe, Seal, Section, Shaft
-from estimator.references import STATION_TOLERANCE
+from estimator.arrays import Floats
+from estimator.machine import Machine
+from estimator.mesh import node_stations
+from estimator.parts import STATION_TOLERANCE, Disc, Half, Section, Shaft
 from estimator.remembered import remembered
 from estimator.shaft import NODE_DOFS, PLANE_DOFS, plane_element
-
-Floats = NDArray[np.float64]
-
-DEFAULT_ELEMENTS_PER_SHAFT = 12
 
 
 @dataclass(frozen=True)
 class PlaneMatrices:
-    """Mass, gyroscopic (per unit spin speed) and stiffness matrix of one bending plane, each (N/2, N/2)."""
+    """Matrices of one bending plane over (displacement, slope) per node.
+
+    Attributes:
+        mass: Mass matrix (N/2, N/2) [kg, kg m, kg m²].
+        gyroscopic: Gyroscopic matrix (N/2, N/2) per unit spin speed [kg, kg m, kg m²].
+        stiffness: Stiffness matrix (N/2, N/2) [N/m, N, N m].
+    """
 
     mass: Floats
     gyroscopic: Floats
@@ -29,11 +32,18 @@ class PlaneMatrices:
 
     @classmethod
     def zero(cls, size: int) -> "PlaneMatrices":
-        """Nothing assembled yet."""
+        """Return matrices of zeros.
+
+        Args:
+            size: Number of degrees of freedom of the plane.
+
+        Returns:
+            Matrices to assemble into.
+        """
         return cls(np.zeros((size, size)), np.zeros((size, size)), np.zeros((size, size)))
 
     def freeze(self) -> None:
-        """All is assembled: from here on nobody changes it."""
+        """Make the matrices read-only once everything is assembled."""
         for matrix in (self.mass, self.gyroscopic, self.stiffness):
             matrix.flags.writeable = False
 
@@ -42,10 +52,15 @@ class PlaneMatrices:
 class Rotor:
     """Free-free shafts with their discs, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
 
-    stations: per shaft id the node stations [m]; first_node: per shaft id the number of its first node.
-    discs: what discs and coupling halves add in a plane. materials: what the shafts of each material add; its stiffness goes
-    with E and its mass with ρ. internal: per material β of its internal damping [s]. Matrices (N, N) are made when asked for:
-    those of a long train, kept with it, would fill the memory.
+    Matrices (N, N) are computed when asked for: those of a long train, kept with it, would fill the memory.
+
+    Attributes:
+        stations: Stations of the nodes (n,) by shaft id [m].
+        first_node: Number of the first node by shaft id.
+        discs: Matrices of discs and coupling halves in a plane.
+        materials: Matrices of the shafts by material; stiffness is in proportion to E and mass to ρ.
+        internal: Internal damping β by material [s].
+        rayleigh: External damping of the shafts, α [1/s] and β [s].
     """
 
     stations: dict[str, Floats]
@@ -57,44 +72,61 @@ class Rotor:
 
     @property
     def size(self) -> int:
-        """Number of degrees of freedom N."""
+        """Return the number of degrees of freedom N."""
         return 2 * self.plane_size
 
     @property
     def plane_size(self) -> int:
-        """Number of degrees of freedom in one bending plane, N/2."""
+        """Return the number of degrees of freedom in one bending plane, N/2."""
         return int(self.discs.mass.shape[0])
 
     @property
     def mass(self) -> Floats:
-        """M (N, N)."""
+        """Assemble the mass matrix M (N, N) [kg, kg m, kg m²]."""
         return both_planes(self.discs.mass + sum(part.mass for part in self.materials.values()))
 
     @property
     def gyroscopic(self) -> Floats:
-        """G (N, N), skew-symmetric."""
+        """Assemble the gyroscopic matrix G (N, N), skew-symmetric [kg, kg m, kg m²]."""
         return across_planes(self.discs.gyroscopic + sum(part.gyroscopic for part in self.materials.values()))
 
     @property
     def stiffness(self) -> Floats:
-        """K (N, N)."""
+        """Assemble the stiffness matrix K (N, N) [N/m, N, N m]."""
         return both_planes(self.discs.stiffness + sum(part.stiffness for part in self.materials.values()))
 
     @property
     def damping(self) -> Floats:
-        """C (N, N): external damping αM + βK of the shafts, and their internal damping."""
+        """Assemble the damping matrix C (N, N) [N s/m, N s, N m s].
+
+        It holds the external damping αM + βK of the shafts, and their internal damping.
+        """
         alpha, beta = self.rayleigh
         parts = (alpha * m.mass + (beta + self.internal[name]) * m.stiffness for name, m in self.materials.items())
         return both_planes(sum(parts, np.zeros_like(self.discs.mass)))
 
     @property
     def circulatory(self) -> Floats:
-        """H (N, N): internal damping acts on the velocity in the rotating shaft, which at rest in space leaves C (-Ω × q)."""
+        """Assemble the circulatory matrix H (N, N) per unit spin speed [N s/m, N s, N m s].
+
+        Internal damping acts on the velocity in the rotating shaft, which at rest in space leaves C (-Ω × q).
+        """
         parts = (self.internal[name] * m.stiffness for name, m in self.materials.items())
         return across_planes(sum(parts, np.zeros_like(self.discs.mass)))
 
     def node(self, shaft: str, station: float) -> int:
-        """Number of the node at a station [m] of a shaft. Raises ValueError when no node is there."""
+        """Return the number of the node at a station of a shaft.
+
+        Args:
+            shaft: Id of the shaft.
+            station: Station from the driver-side end [m].
+
+        Returns:
+            Number of the node.
+
+        Raises:
+            ValueError: No node is there.
+        """
         stations = self.stations[shaft]
         nearest = int(np.argmin(np.abs(stations - station)))
         if abs(stations[nearest] - station) > 2 * STATION_TOLERANCE:
@@ -102,14 +134,27 @@ class Rotor:
         return self.first_node[shaft] + nearest
 
     def end_node(self, shaft: str) -> int:
-        """Number of the node at the driven-side end of a shaft."""
+        """Return the number of the node at the driven-side end of a shaft.
+
+        Args:
+            shaft: Id of the shaft.
+
+        Returns:
+            Number of the node.
+        """
         return self.first_node[shaft] + len(self.stations[shaft]) - 1
 
 
 def plane_columns(size: int) -> tuple[Floats, Floats]:
-    """Maps (size, size/2) from (displacement, slope) per node in the x-z and in the y-z plane to (x, y, θx, θy) per node.
+    """Assemble the maps from (displacement, slope) per node in either bending plane to (x, y, θx, θy) per node.
 
     The slope of the y-z plane is -θx.
+
+    Args:
+        size: Number N of degrees of freedom.
+
+    Returns:
+        Maps (N, N/2) from the x-z plane and from the y-z plane [-].
     """
     nodes = size // NODE_DOFS
     x_plane, y_plane = np.zeros((size, size // 2)), np.zeros((size, size // 2))
@@ -120,20 +165,43 @@ def plane_columns(size: int) -> tuple[Floats, Floats]:
 
 
 def both_planes(matrix: Floats) -> Floats:
-    """The (N, N) matrix that acts in each bending plane as the (N/2, N/2) one given."""
+    """Assemble the matrix that acts in each bending plane as the given one.
+
+    Args:
+        matrix: Matrix (N/2, N/2) of one plane [any unit].
+
+    Returns:
+        Matrix (N, N) [unit of the argument].
+    """
     x_plane, y_plane = plane_columns(2 * len(matrix))
     return np.asarray(x_plane @ matrix @ x_plane.T + y_plane @ matrix @ y_plane.T)
 
 
 def across_planes(matrix: Floats) -> Floats:
-    """The (N, N) skew-symmetric matrix that a motion in the y-z plane enters the x-z plane with, and back with a minus."""
+    """Assemble the skew-symmetric matrix by which motion in one plane acts in the other.
+
+    A motion in the y-z plane enters the x-z plane with the given matrix, and back with a minus.
+
+    Args:
+        matrix: Matrix (N/2, N/2) [any unit].
+
+    Returns:
+        Matrix (N, N) [unit of the argument].
+    """
     x_plane, y_plane = plane_columns(2 * len(matrix))
     return np.asarray(x_plane @ matrix @ y_plane.T - y_plane @ matrix @ x_plane.T)
 
 
 @remembered
 def assemble_rotor(machine: Machine) -> Rotor:
-    """Mass, gyroscopic and stiffness matrices of all shafts and discs (thesis Eq. 3.1-3.6, 3.10-3.11)."""
+    """Assemble the matrices of all shafts and discs (thesis Eq. 3.1-3.6, 3.10-3.11).
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The rotor, read-only.
+    """
     stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
     first_node: dict[str, int] = {}
     nodes = 0
@@ -162,36 +230,6 @@ def assemble_rotor(machine: Machine) -> Rotor:
     for part in (rotor.discs, *rotor.materials.values()):
         part.freeze()
     return rotor
-
-
-def node_stations(machine: Machine, shaft: Shaft) -> Floats:
-    """Stations [m] of a shaft's nodes: section ends, every part's place, and enough between for the element length."""
-    fixed, counts = _spans(machine, shaft)
-    pieces = [np.array(fixed[:1])]
-    for start, stop, count in zip(fixed[:-1], fixed[1:], counts, strict=True):
-        pieces.append(np.linspace(start, stop, count + 1)[1:])
-    return np.concatenate(pieces)
-
-
-def element_count(machine: Machine, shaft: Shaft) -> int:
-    """Number of a shaft's elements, without making them."""
-    return sum(_spans(machine, shaft)[1])
-
-
-def _spans(machine: Machine, shaft: Shaft) -> tuple[list[float], list[int]]:
-    """Stations [m] at which a node must be, and the number of elements from each to the next."""
-    ends = np.concatenate([[0.0], np.cumsum([section.length for section in shaft.sections])])
-    parts: list[Disc | Bearing | Seal | Probe] = [*machine.discs, *machine.bearings, *machine.seals, *machine.probes]
-    places = [part.station for part in parts if part.shaft == shaft.id]
-    wanted = np.unique(np.concatenate([ends, np.minimum(places, ends[-1])]))
-    fixed = [0.0]
-    for station in wanted:
-        if station - fixed[-1] > STATION_TOLERANCE:
-            fixed.append(float(station))
-    longest = machine.element_length or ends[-1] / DEFAULT_ELEMENTS_PER_SHAFT
-    # A hair of slack keeps a span of exactly the longest length in one piece.
-    counts = [max(1, int(np.ceil((stop - start) / longest - 1e-6))) for start, stop in zip(fixed[:-1], fixed[1:], strict=True)]
-    return fixed, counts
 
 
 def _section_at(shaft: Shaft, station: float) -> Section:

@@ -1,4 +1,4 @@
-"""The 2× against the 1× near running speed: misalignment and cracks raise the 2×, an unbalance does not.
+"""Ratio of the 2× to the 1× near running speed: misalignment and cracks raise the 2×, an unbalance does not.
 
 Per sample the ratio of the two amplitudes as they were measured; of these the median, whose interval lies between two of them
 and supposes no distribution (order statistics of a binomial; Conover, Practical Nonparametric Statistics, Wiley 1999, §3.2).
@@ -10,19 +10,25 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 NEAR = 0.1
-"""Samples within this part of the running speed count."""
+"""Part of the running speed within which samples count [-]."""
 TAIL = 0.025
-"""Probability that the median lies beyond either end of the interval."""
+"""Probability that the median lies beyond either end of the interval [-]."""
 FEWEST = 6
-"""Fewer samples have no two between which their median lies with 95 %."""
+"""Least number of samples: fewer have no two between which their median lies with 95 %."""
 
 
 @dataclass(frozen=True)
 class Orders:
-    """1× and 2× of S samples of m channels. speed: (S,) [rad/s]. first, second: (S, m) phasors [m], NaN where not usable."""
+    """Orders 1× and 2× of S samples of m channels.
+
+    Attributes:
+        speed: Speeds (S,) [rad/s].
+        first: Phasors (S, m) of the 1× [m]; NaN where not usable.
+        second: Phasors (S, m) of the 2× [m]; NaN where not usable.
+    """
 
     speed: Floats
     first: Complexes
@@ -31,7 +37,14 @@ class Orders:
 
 @dataclass(frozen=True)
 class OrderRatio:
-    """Median of |2×|/|1×| [-] with its 95 % interval, and how many samples it is of."""
+    """Median of |2×|/|1×| with its interval.
+
+    Attributes:
+        value: Median [-].
+        lower: Lower end of the 95 % interval [-].
+        upper: Upper end of the 95 % interval [-].
+        samples: Number of samples.
+    """
 
     value: float
     lower: float
@@ -40,12 +53,29 @@ class OrderRatio:
 
 
 def measures_second(runs: Sequence[Orders], channel: int) -> bool:
-    """Whether a channel has a 2× anywhere in some runs."""
+    """Check whether a channel has a 2× anywhere in some runs.
+
+    Args:
+        runs: The runs.
+        channel: Index of the channel.
+
+    Returns:
+        Whether it has.
+    """
     return any(bool(np.any(np.isfinite(run.second[:, channel]))) for run in runs)
 
 
 def second_over_first(runs: Sequence[Orders], channel: int, *, running_speed: float) -> OrderRatio | None:
-    """Of one channel in all samples near a speed [rad/s] together; None where there are fewer than FEWEST."""
+    """Compute the ratio |2×|/|1×| of one channel in all samples near a speed together (Conover 1999, §3.2).
+
+    Args:
+        runs: The runs.
+        channel: Index of the channel.
+        running_speed: The speed [rad/s].
+
+    Returns:
+        Ratio [-] with its interval; None where there are fewer than FEWEST samples.
+    """
     found = np.sort(np.concatenate([np.empty(0), *(_ratios(run, channel, running_speed) for run in runs)]))
     if found.size < FEWEST:
         return None

@@ -1,8 +1,8 @@
-"""From a stream of speeds to runs: where a run-up or a run-down begins and ends.
+"""Segmentation of a stream of speeds into runs: beginning and end of each run-up and run-down.
 
-A pure state machine: `advance` takes the state so far and one sample and returns the next state and what happened. The
-state is plain data, so that it can be stored beside the samples and a restart goes on exactly where it stopped. Sweeps are
-told from noise by hysteresis that grows with the noise of the speed readings (`estimator.speed_reading`).
+A pure state machine: `advance` takes the state so far and one sample and returns the next state and the events. The state is
+plain data, so that it can be stored beside the samples and a restart goes on exactly where it stopped. Sweeps are told from
+noise by hysteresis that grows with the noise of the speed readings (`estimator.speed_reading`).
 """
 
 from collections.abc import Mapping
@@ -12,35 +12,38 @@ from typing import Any, Literal
 import msgspec
 from msgspec.structs import replace
 
-from estimator.machine import Operation, SpeedRange
+from estimator.rules import Operation, SpeedRange
 from estimator.speed_reading import NO_READINGS, SpeedReadings, take
 from estimator.units import rpm_to_rad_per_s
 
 RunKind = Literal["run-up", "run-down"]
 
 START_SPAN = 0.05
-"""Part of the speed range that the speed must cross in one sense before a run is seen to have begun, …"""
+"""Least part of the speed range that the speed must cross in one sense for a run to begin [-]."""
 START_NOISE = 8.0
-"""… and at least this many standard deviations of a speed reading."""
+"""Least number of standard deviations of a speed reading that the speed must cross for a run to begin [-]."""
 REVERSAL_SPAN = 0.02
-"""Part of the speed range by which the speed must come back for the run to be over, …"""
+"""Least part of the speed range by which the speed must come back for the run to be over [-]."""
 REVERSAL_NOISE = 6.0
-"""… and at least so many standard deviations."""
+"""Least number of standard deviations by which the speed must come back for the run to be over [-]."""
 PLATEAU_SPAN = 0.001
-"""Changes below this part of the speed range count as standing still, …"""
+"""Part of the speed range up to which a change counts as standing still [-]."""
 PLATEAU_NOISE = 2.0
-"""… and changes below so many standard deviations."""
+"""Standard deviations of a speed reading up to which a change counts as standing still [-]."""
 END_SPAN = 0.2
-"""Within this part of the speed range from the end that it heads for, a sweep that stands still has arrived."""
+"""Part of the speed range, from the end that a sweep heads for, within which a sweep that stands still has arrived [-]."""
 
 
 @dataclass(frozen=True)
 class SweepLimits:
-    """What counts as a sweep on one machine.
+    """Limits by which sweeps of one machine are recognised.
 
-    minimum, maximum: of the speed range [rad/s]. stall: a sweep that has stood still near its end for this long is over [ns].
-    hold: one that has stood still on its way for this long is over [ns]. gap: a pause in the data as long as this ends a run
-    [ns].
+    Attributes:
+        minimum: Lower end of the speed range [rad/s].
+        maximum: Upper end of the speed range [rad/s].
+        stall: Time after which a sweep that stands still near its end is over [ns].
+        hold: Time after which a sweep that stands still on its way is over [ns].
+        gap: Length of a pause in the data that ends a run [ns].
     """
 
     minimum: float
@@ -51,7 +54,15 @@ class SweepLimits:
 
     @classmethod
     def of(cls, speed_range: SpeedRange, operation: Operation | None = None) -> "SweepLimits":
-        """The limits that a machine's speed range and operation imply."""
+        """Derive the limits from a machine's speed range and operation.
+
+        Args:
+            speed_range: Speed range of the machine.
+            operation: Operation of the machine; None for the usual one.
+
+        Returns:
+            The limits.
+        """
         given = operation or Operation()
         return cls(
             rpm_to_rad_per_s(speed_range.minimum_rpm),
@@ -61,17 +72,35 @@ class SweepLimits:
         )
 
     def span(self, part: float) -> float:
-        """A part of the speed range [rad/s]."""
+        """Return a part of the speed range.
+
+        Args:
+            part: The part [-].
+
+        Returns:
+            Difference of speed [rad/s].
+        """
         return part * (self.maximum - self.minimum)
 
 
 class SweepState(msgspec.Struct, frozen=True):
-    """What is remembered between samples. Times [ns], speeds [rad/s]; sweep: +1 in a run-up, -1 in a run-down, else 0.
+    """State between samples.
 
-    last_time: of the last believed reading, None below the speed range. low and high: the lowest and highest speed since the
-    last run, and when they were last held; in a sweep the extreme reached so far is the one it moves towards, with the time
-    when it was first reached, and held_time when it was last held. mark: where the sweep last made progress that noise does
-    not explain. believed: the newest reading that counts.
+    Attributes:
+        sweep: +1 in a run-up, -1 in a run-down, else 0.
+        direction: Sense of rotation, +1 or -1.
+        last_time: Time of the last believed reading [ns]; None below the speed range.
+        low_speed: Lowest speed since the last run, or in a run-down the lowest so far [rad/s].
+        low_time: Time when it was last held, or in a run-down first reached [ns].
+        high_speed: Highest speed since the last run, or in a run-up the highest so far [rad/s].
+        high_time: Time when it was last held, or in a run-up first reached [ns].
+        held_time: Time when the extreme that the sweep moves towards was last held [ns].
+        run_start: Beginning of the run in progress [ns].
+        mark_speed: Speed at which the sweep last made progress that noise does not explain [rad/s].
+        mark_time: Time of that progress [ns].
+        believed_time: Time of the newest reading that counts [ns].
+        believed_speed: Speed of the newest reading that counts [rad/s].
+        readings: State of the speed readings.
     """
 
     sweep: int = 0
@@ -91,7 +120,14 @@ class SweepState(msgspec.Struct, frozen=True):
 
     @classmethod
     def restored(cls, stored: Mapping[str, Any]) -> "SweepState":
-        """From what `msgspec.to_builtins` made of it; what an older release did not know of begins afresh."""
+        """Restore a state from plain data; fields that an older release did not have begin afresh.
+
+        Args:
+            stored: State as `msgspec.to_builtins` gives it.
+
+        Returns:
+            The state.
+        """
         known = {name: stored[name] for name in cls.__struct_fields__ if name in stored}
         if known.get("sweep") and "mark_time" not in known:
             extreme = "high" if known["sweep"] > 0 else "low"
@@ -100,12 +136,17 @@ class SweepState(msgspec.Struct, frozen=True):
 
 
 AT_REST = SweepState()
-"""Before the first sample."""
+"""State before the first sample."""
 
 
 @dataclass(frozen=True)
 class RunStarted:
-    """A run began with the sample at `time` [ns]."""
+    """Event: a run began.
+
+    Attributes:
+        time: Time of its first sample [ns].
+        kind: Kind of the run.
+    """
 
     time: int
     kind: RunKind
@@ -113,7 +154,14 @@ class RunStarted:
 
 @dataclass(frozen=True)
 class RunEnded:
-    """The run in progress ended with the sample at `time` [ns], for a reason in words."""
+    """Event: the run in progress ended.
+
+    Attributes:
+        start: Time of its first sample [ns].
+        time: Time of its last sample [ns].
+        kind: Kind of the run.
+        reason: Reason in words.
+    """
 
     start: int
     time: int
@@ -127,7 +175,18 @@ RunEvent = RunStarted | RunEnded
 def advance(
     state: SweepState, limits: SweepLimits, *, time: int, speed: float, direction: int
 ) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """Take one sample, later than all before it: time [ns], spin speed [rad/s], direction +1 or -1."""
+    """Take one sample, later than all before it.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+        time: Time of the sample [ns].
+        speed: Spin speed [rad/s].
+        direction: Sense of rotation, +1 or -1.
+
+    Returns:
+        Next state and events.
+    """
     events: tuple[RunEvent, ...] = ()
     last = state.readings.last_time
     if last is not None and time - last > limits.gap:
@@ -143,7 +202,16 @@ def advance(
 
 
 def finish(state: SweepState, limits: SweepLimits, *, reason: str) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """End the run in progress, if there is one, at the extreme that it reached, and forget all but the noise."""
+    """End the run in progress, if there is one, at the extreme that it reached, and forget all but the noise.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+        reason: Reason in words.
+
+    Returns:
+        Next state and events.
+    """
     events: tuple[RunEvent, ...] = ()
     if state.readings.before_time is not None and state.readings.last_time is not None:
         state, events = _step(state, limits, state.readings.last_time, state.readings.last_speed)
@@ -154,7 +222,15 @@ def finish(state: SweepState, limits: SweepLimits, *, reason: str) -> tuple[Swee
 
 
 def thresholds(state: SweepState, limits: SweepLimits) -> tuple[float, float, float]:
-    """What begins a run, what turns it back, what counts as standing still: changes of speed [rad/s]."""
+    """Compute the changes of speed that begin a run, turn it back, and count as standing still.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+
+    Returns:
+        The three changes [rad/s].
+    """
     noise = state.readings.noise
     return (
         max(limits.span(START_SPAN), START_NOISE * noise),
@@ -168,7 +244,7 @@ def _ended(state: SweepState, time: int, reason: str) -> RunEnded:
 
 
 def _step(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """One believed reading."""
+    """Take one believed reading."""
     if speed < limits.minimum:
         events: tuple[RunEvent, ...] = ()
         if state.sweep:
@@ -197,7 +273,8 @@ def _rest(state: SweepState, time: int, speed: float) -> SweepState:
 
 
 def _watch(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """No run in progress: does one begin? It begins where the speed last stood at the extreme it now leaves."""
+    """Check whether a run begins while none is in progress: it begins where the speed last stood at the extreme it now
+    leaves."""
     start, reversal, still = thresholds(state, limits)
     begun = replace(state, held_time=time, mark_speed=speed, mark_time=time)
     if speed - state.low_speed >= start:
@@ -220,7 +297,15 @@ def _watch(state: SweepState, limits: SweepLimits, time: int, speed: float) -> t
 
 
 def is_leaving(state: SweepState, limits: SweepLimits) -> bool:
-    """Whether, without a run in progress, the speed has left an extreme so far that one may be about to begin."""
+    """Check whether, without a run in progress, the speed has left an extreme so far that one may be about to begin.
+
+    Args:
+        state: State so far.
+        limits: Limits of the machine.
+
+    Returns:
+        Whether it has.
+    """
     return state.last_time is not None and _leaving(state, state.believed_speed, thresholds(state, limits)[1])
 
 
@@ -229,7 +314,7 @@ def _leaving(state: SweepState, speed: float, reversal: float) -> bool:
 
 
 def _follow(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tuple[SweepState, tuple[RunEvent, ...]]:
-    """A run in progress: does it go on, come back, or stand still?"""
+    """Check whether the run in progress goes on, comes back, or stands still."""
     _, reversal, still = thresholds(state, limits)
     reached = state.high_speed if state.sweep > 0 else state.low_speed
     progress = state.sweep * (speed - reached)
@@ -253,6 +338,9 @@ def _follow(state: SweepState, limits: SweepLimits, time: int, speed: float) -> 
 
 
 def _arrived(state: SweepState, limits: SweepLimits, speed: float) -> bool:
-    """Whether the sweep is near the end of the speed range that it heads for; on its way it may stand, to soak in heat."""
+    """Check whether the sweep is near the end of the speed range that it heads for.
+
+    On its way it may stand, to soak in heat.
+    """
     left = limits.maximum - speed if state.sweep > 0 else speed - limits.minimum
     return left <= limits.span(END_SPAN)

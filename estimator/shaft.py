@@ -19,10 +19,15 @@ PLANE_DOFS = 2
 
 @dataclass(frozen=True)
 class PlaneElement:
-    """Inertia of translation and of rotation, and stiffness, of one element in one bending plane, each (4, 4).
+    """Matrices of one shaft element in one bending plane, over (displacement, slope) at either end.
 
-    Order: (displacement, slope) at either end. The gyroscopic matrix per unit spin speed between the planes is twice
-    `rotation`: a thin slice's polar inertia is twice its diametral one.
+    The gyroscopic matrix per unit spin speed between the planes is twice `rotation`: a thin slice's polar inertia is twice its
+    diametral one.
+
+    Attributes:
+        translation: Inertia of translation (4, 4) [kg, kg m, kg m²].
+        rotation: Inertia of rotation (4, 4) [kg, kg m, kg m²].
+        stiffness: Bending stiffness (4, 4) [N/m, N, N m].
     """
 
     translation: NDArray[np.float64]
@@ -31,9 +36,16 @@ class PlaneElement:
 
 
 def shear_coefficient(*, poisson_ratio: float, diameter_ratio: float) -> float:
-    """Cowper's shear coefficient of a hollow circular section; 6(1+ν)/(7+6ν) when it is solid.
+    """Compute Cowper's shear coefficient of a hollow circular section; 6(1+ν)/(7+6ν) when it is solid.
 
-    diameter_ratio: inner over outer diameter [-].
+    Source: Cowper (1966, doi:10.1115/1.3625046).
+
+    Args:
+        poisson_ratio: Poisson's ratio ν [-].
+        diameter_ratio: Inner over outer diameter [-].
+
+    Returns:
+        Shear coefficient [-].
     """
     nu, m2 = poisson_ratio, diameter_ratio**2
     return 6 * (1 + nu) * (1 + m2) ** 2 / ((7 + 6 * nu) * (1 + m2) ** 2 + (20 + 12 * nu) * m2)
@@ -48,9 +60,18 @@ def plane_element(
     density: float,
     poisson_ratio: float,
 ) -> PlaneElement:
-    """Matrices of a uniform shaft element (thesis Eq. A.1-A.15).
+    """Compute the matrices of a uniform shaft element (Nelson 1980, doi:10.1115/1.3254824; thesis Eq. A.1-A.15).
 
-    Lengths and diameters [m], young_modulus [N/m²], density [kg/m³].
+    Args:
+        length: Length [m].
+        outer_diameter: Outer diameter [m].
+        inner_diameter: Inner diameter, 0 for a solid shaft [m].
+        young_modulus: Young's modulus [N/m²].
+        density: Density [kg/m³].
+        poisson_ratio: Poisson's ratio [-].
+
+    Returns:
+        The matrices.
     """
     area = math.pi / 4 * (outer_diameter**2 - inner_diameter**2)
     second_moment = math.pi / 64 * (outer_diameter**4 - inner_diameter**4)
@@ -65,7 +86,7 @@ def plane_element(
 
 
 def _plane_stiffness(length: float, phi: float) -> NDArray[np.float64]:
-    """Bending stiffness over (displacement, slope) at both ends, per unit EI (Eq. A.9-A.11)."""
+    """Compute the bending stiffness over (displacement, slope) at both ends, per unit EI (Eq. A.9-A.11)."""
     l = length  # noqa: E741 - the field's letter
     matrix = np.array(
         [
@@ -79,7 +100,7 @@ def _plane_stiffness(length: float, phi: float) -> NDArray[np.float64]:
 
 
 def _plane_translation(length: float, phi: float) -> NDArray[np.float64]:
-    """Translational inertia, per unit ρA (Eq. A.1-A.4)."""
+    """Compute the translational inertia, per unit ρA (Eq. A.1-A.4)."""
     l = length  # noqa: E741
     m1 = 156 + 294 * phi + 140 * phi**2
     m2 = (22 + 38.5 * phi + 17.5 * phi**2) * l
@@ -92,7 +113,7 @@ def _plane_translation(length: float, phi: float) -> NDArray[np.float64]:
 
 
 def _plane_rotation(length: float, phi: float) -> NDArray[np.float64]:
-    """Rotary inertia, per unit ρI (Eq. A.5-A.8)."""
+    """Compute the rotary inertia, per unit ρI (Eq. A.5-A.8)."""
     l = length  # noqa: E741
     r1 = 36.0
     r2 = (3 - 15 * phi) * l

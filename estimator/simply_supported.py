@@ -19,7 +19,16 @@ Whirl = Literal["forward", "backward"]
 
 @dataclass(frozen=True)
 class SimplySupportedShaft:
-    """A uniform shaft. span: between the supports [m]. Diameters [m], young_modulus [N/m²], density [kg/m³]."""
+    """A uniform shaft on simple supports.
+
+    Attributes:
+        span: Distance of the supports [m].
+        outer_diameter: Outer diameter [m].
+        young_modulus: Young's modulus [N/m²].
+        density: Density [kg/m³].
+        inner_diameter: Inner diameter [m].
+        poisson_ratio: Poisson's ratio [-].
+    """
 
     span: float
     outer_diameter: float
@@ -37,28 +46,37 @@ class SimplySupportedShaft:
 
     @property
     def second_moment(self) -> float:
-        """I of the cross-section [m⁴]."""
+        """Return the second moment I of the cross-section [m⁴]."""
         return math.pi / 64 * (self.outer_diameter**4 - self.inner_diameter**4)
 
     @property
     def mass(self) -> float:
-        """Mass between the supports [kg]."""
+        """Return the mass between the supports [kg]."""
         return self.density * math.pi / 4 * (self.outer_diameter**2 - self.inner_diameter**2) * self.span
 
     @property
     def midspan_stiffness(self) -> float:
-        """48EI/L³, force per deflection at mid span [N/m] (thesis Eq. C.2)."""
+        """Return the force per deflection at mid span, 48EI/L³ [N/m] (thesis Eq. C.2)."""
         return 48 * self.young_modulus * self.second_moment / self.span**3
 
 
 def natural_frequency(
     shaft: SimplySupportedShaft, *, mode: int, theory: Theory = "Timoshenko", spin: float = 0.0, whirl: Whirl = "forward"
 ) -> float:
-    """Natural frequency of a bending mode [rad/s].
+    """Compute a natural frequency of bending in closed form (Zu and Han, J. Applied Mechanics 59 (1992) S197).
 
-    mode: number of half waves, from 1. spin: speed of rotation [rad/s], not negative; whirl: in its sense or against it,
-    which makes no difference at rest and none in the Euler-Bernoulli theory. Raises ValueError for a mode below 1 or a
-    negative spin.
+    Args:
+        shaft: The shaft.
+        mode: Number of half waves, from 1.
+        theory: Theory of the beam.
+        spin: Speed of rotation, not negative [rad/s].
+        whirl: Whirl in the sense of rotation or against it; no difference at rest and none in the Euler-Bernoulli theory.
+
+    Returns:
+        Natural frequency [rad/s].
+
+    Raises:
+        ValueError: The mode is below 1, or the spin is negative.
     """
     if mode < 1:
         raise ValueError(f"mode {mode}: the first one is 1")
@@ -79,11 +97,21 @@ def natural_frequency(
 
 
 def disc_at_midspan_frequency(shaft: SimplySupportedShaft, *, disc_mass: float, massless: bool = True) -> float:
-    """First natural frequency [rad/s] with a disc [kg] at mid span.
+    """Compute the first natural frequency with a disc at mid span.
 
-    massless: √(48EI/(L³m)), thesis Eq. C.1-C.2. Otherwise 17/35 of the shaft's mass, its share in the deflection under a
-    force at mid span, moves with the disc: Rayleigh's quotient, an upper bound. Raises ValueError for a mass that is not
-    positive.
+    Massless: √(48EI/(L³m)), thesis Eq. C.1-C.2. Otherwise 17/35 of the shaft's mass, its share in the deflection under a force
+    at mid span, moves with the disc: Rayleigh's quotient, an upper bound.
+
+    Args:
+        shaft: The shaft.
+        disc_mass: Mass of the disc [kg].
+        massless: Whether the shaft's mass is left out.
+
+    Returns:
+        Natural frequency [rad/s].
+
+    Raises:
+        ValueError: The mass of the disc is not positive.
     """
     if not disc_mass > 0.0:
         raise ValueError(f"disc_mass {disc_mass} must be positive")
@@ -91,17 +119,37 @@ def disc_at_midspan_frequency(shaft: SimplySupportedShaft, *, disc_mass: float, 
 
 
 def diameter_for(*, frequency: float, span: float, disc_mass: float, young_modulus: float) -> float:
-    """Diameter [m] of the solid massless shaft whose disc at mid span has this natural frequency [rad/s] (Eq. C.1-C.2)."""
+    """Compute the diameter of the solid massless shaft whose disc at mid span has a natural frequency (thesis Eq. C.1-C.2).
+
+    Args:
+        frequency: Natural frequency [rad/s].
+        span: Distance of the supports [m].
+        disc_mass: Mass of the disc [kg].
+        young_modulus: Young's modulus [N/m²].
+
+    Returns:
+        Diameter [m].
+    """
     return float((frequency**2 * disc_mass * span**3 / (48 * young_modulus) * 64 / math.pi) ** 0.25)
 
 
 def span_for(*, frequency: float, diameter: float, disc_mass: float, young_modulus: float) -> float:
-    """Span [m] of the solid massless shaft whose disc at mid span has this natural frequency [rad/s] (Eq. C.1-C.2)."""
+    """Compute the span of the solid massless shaft whose disc at mid span has a natural frequency (thesis Eq. C.1-C.2).
+
+    Args:
+        frequency: Natural frequency [rad/s].
+        diameter: Diameter [m].
+        disc_mass: Mass of the disc [kg].
+        young_modulus: Young's modulus [N/m²].
+
+    Returns:
+        Span [m].
+    """
     return float((48 * young_modulus * math.pi / 64 * diameter**4 / (disc_mass * frequency**2)) ** (1 / 3))
 
 
 def _shear_flexibility(shaft: SimplySupportedShaft) -> float:
-    """EI/(κGA) [m²]."""
+    """Compute EI/(κGA) [m²]."""
     kappa = shear_coefficient(poisson_ratio=shaft.poisson_ratio, diameter_ratio=shaft.inner_diameter / shaft.outer_diameter)
     area = shaft.mass / (shaft.density * shaft.span)
     return 2 * (1 + shaft.poisson_ratio) * shaft.second_moment / (kappa * area)

@@ -1,48 +1,57 @@
-"""A plant's machine, simulated: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
+"""Simulation of a plant's machine: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.covariates import usual_change
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.misalignment import neighbouring_bearings
-from estimator.parameters import Quantity, Unknowns, unknowns
+from estimator.parameter_description import describe
+from estimator.parameters import Unknowns, unknowns
+from estimator.quantities import Quantity
 from estimator.response import response
 from estimator.rotor import assemble_rotor
+from estimator.rules import Noise
 from estimator.segmentation import RunKind
 from estimator.units import rpm_to_rad_per_s
 
 Story = Literal["healthy", "misalignment", "unbalance"]
 
 TRUTH_SPREAD = 0.08
-"""A machine differs from its document: standard deviation of the logarithm of each coefficient."""
+"""Standard deviation of the logarithm of each coefficient by which a machine differs from its document [-]."""
 RUN_SCATTER: dict[Quantity, float] = {"damping": 0.02, "angular damping": 0.02, "unbalance": 0.01}
-"""Relative run-to-run scatter of the true parameters, …"""
+"""Relative run-to-run scatter of the true parameters by quantity [-]."""
 OTHER_RUN_SCATTER = 0.005
-"""… and of those not named there: stiffnesses and inertias."""
+"""Relative run-to-run scatter of the quantities not named there, stiffnesses and inertias [-]."""
 COUPLING_STIFFENING = 0.6
-"""Relative growth of a coupling's coefficients at the end of the misalignment story."""
+"""Relative growth of a coupling's coefficients at the end of the misalignment story [-]."""
 BEARING_STIFFENING = 0.25
-"""The same for the bearings beside it."""
+"""Relative growth of the coefficients of the bearings beside it at the end of the misalignment story [-]."""
 CONDITION_LEVEL = 5.0
-"""Mean of a simulated operating condition in usual changes of it: 50 °C, 100 %."""
+"""Mean of a simulated operating condition in usual changes of it [-]: 50 °C, 100 %."""
 SEASON, WEATHER = 1.0, 0.3
-"""How far it swings over a year, and from run to run, in usual changes."""
+"""Swing of a condition over a year, and its scatter from run to run, in usual changes [-]."""
 CONDITION_EFFECT = -0.01
-"""What a usual change of each condition does to the logarithm of every bearing coefficient."""
+"""Change of the logarithm of every bearing coefficient by a usual change of each condition [-]."""
 YEAR_S = 365.25 * 86_400.0
+"""Length of a year [s]."""
 UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
-"""Factor on one disc's unbalance in the unbalance story: larger and elsewhere."""
+"""Factor on one disc's unbalance at the end of the unbalance story: larger and elsewhere [-]."""
 
 
 @dataclass(frozen=True)
 class Truth:
-    """True parameters of a simulated machine, SI: coefficients (K,) and complex unbalances (P,).
+    """True parameters of a simulated machine.
 
-    factors: by name, on E and density of the materials that the document does not take as known.
+    Attributes:
+        unknowns: Names and expectations of coefficients and excitations.
+        coefficients: Coefficients (K,) [SI].
+        unbalances: Complex unbalances (P,) [kg m].
+        factors: Factors by name on E and density of the materials that the document does not take as known [-].
     """
 
     unknowns: Unknowns
@@ -52,9 +61,17 @@ class Truth:
 
 
 def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
-    """A machine near its document: every coefficient off by some per cent, unknown unbalances drawn.
+    """Draw a machine near its document: every coefficient off by some per cent, unbalances turned and scaled.
 
-    Raises ValueError when the document leaves a direct term or the disc unbalances without a nominal value.
+    Args:
+        machine: The machine.
+        rng: Random generator.
+
+    Returns:
+        The truth.
+
+    Raises:
+        ValueError: The document leaves a direct term or a disc's unbalance without a nominal value.
     """
     unknown = unknowns(machine, assemble_rotor(machine))
     missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None]
@@ -71,7 +88,20 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
 
 
 def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
-    """The truth when a story has gone a part of its way, from 0 (healthy) to 1."""
+    """Return the truth when a story has gone a part of its way.
+
+    Args:
+        truth: Truth of the healthy machine.
+        machine: The machine.
+        story: The story.
+        progress: Part of its way, from 0 (healthy) to 1 [-].
+
+    Returns:
+        The truth then.
+
+    Raises:
+        ValueError: The story is of misalignment and the machine has no coupling.
+    """
     if story == "misalignment":
         return _misaligned(truth, machine, progress)
     if story == "unbalance":
@@ -82,7 +112,7 @@ def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -
 
 
 def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
-    """The first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
+    """Make the first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
     if not machine.couplings:
         raise ValueError(f"'{machine.id}' has no coupling that could be misaligned")
     coupling = machine.couplings[0]
@@ -93,7 +123,15 @@ def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
 
 
 def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
-    """The truth of one run: load and temperature are never quite the same."""
+    """Draw the truth of one run: load and temperature are never quite the same.
+
+    Args:
+        truth: Truth of the machine.
+        rng: Random generator.
+
+    Returns:
+        Truth of the run.
+    """
     size = np.array([RUN_SCATTER.get(c.quantity, OTHER_RUN_SCATTER) for c in truth.unknowns.coefficients])
     coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
     turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
@@ -101,26 +139,52 @@ def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
 
 
 def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) -> Floats:
-    """Operating conditions (k,) of one run at a time [s], in the document's order and units: a season, and the day's own."""
+    """Draw the operating conditions of one run: a season, and the day's own.
+
+    Args:
+        machine: The machine.
+        time_s: Time [s].
+        rng: Random generator.
+
+    Returns:
+        Conditions (k,) in the document's order [units of the document].
+    """
     size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
     season = SEASON * np.sin(2 * np.pi * time_s / YEAR_S)
     return np.asarray(size * (CONDITION_LEVEL + season + WEATHER * rng.standard_normal(size.size)))
 
 
 def under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Truth:
-    """The truth under operating conditions (k,): oil that is warmer is thinner, and the bearings softer."""
+    """Return the truth under operating conditions: oil that is warmer is thinner, and the bearings softer.
+
+    Args:
+        truth: Truth of the machine.
+        machine: The machine.
+        conditions: Conditions (k,) in the document's order [units of the document].
+
+    Returns:
+        The truth under these conditions.
+    """
     size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
     change = float(np.sum(conditions / size - CONDITION_LEVEL))
-    of_bearing = np.array([c.element.startswith("bearing.") for c in truth.unknowns.coefficients])
+    of_bearing = np.array([describe(c.name).element_kind == "bearing" for c in truth.unknowns.coefficients])
     return replace(truth, coefficients=truth.coefficients * np.where(of_bearing, np.exp(CONDITION_EFFECT * change), 1.0))
 
 
 def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int) -> tuple[Floats, Floats]:
-    """Times [s] and spin speeds [rad/s] of a sweep over the machine's speed range, each (samples,).
+    """Compute a sweep over the machine's speed range.
 
-    A coast-down under dry friction, viscous and windage drag, ω̇ = -(a + bω + cω²), each a third of the drag at full speed;
-    a run-up is its mirror image in time. The top is just inside the speed range, the bottom just below it, where a run is
-    over.
+    A coast-down under dry friction, viscous and windage drag, ω̇ = -(a + bω + cω²), each a third of the drag at full speed; a
+    run-up is its mirror image in time. The top is just inside the speed range, the bottom just below it, where a run is over.
+
+    Args:
+        machine: The machine.
+        kind: Run-up or run-down.
+        duration: Length of the sweep [s].
+        samples: Number of samples S.
+
+    Returns:
+        Times (S,) [s] and spin speeds (S,) [rad/s].
     """
     top = 0.999 * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     bottom = 0.95 * rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
@@ -134,13 +198,32 @@ def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int)
 
 
 def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
-    """Steady-state 1× phasors (S, m) [m] at the speeds (S,) [rad/s], with the document's noise."""
+    """Compute steady-state 1× phasors with the document's noise.
+
+    Args:
+        machine: The machine, with m channels.
+        truth: Its true parameters.
+        speed: Speeds (S,) [rad/s].
+        rng: Random generator.
+
+    Returns:
+        Phasors (S, m) [m].
+    """
     clean = true_phasors(machine, truth, speed)
     return clean + noise(machine.noise, clean, rng)
 
 
 def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
-    """The same without noise."""
+    """Compute steady-state 1× phasors without noise.
+
+    Args:
+        machine: The machine, with m channels.
+        truth: Its true parameters.
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Phasors (S, m) [m].
+    """
     train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
     train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
     # A simulated machine has no bow and no misalignment load, even where its document allows for them.
@@ -150,6 +233,15 @@ def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
 
 
 def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:
-    """Circular complex Gaussian errors whose rms is sqrt((relative·|X|)² + floor²) [m]."""
+    """Draw circular complex Gaussian errors whose rms is √((relative·|X|)² + floor²).
+
+    Args:
+        model: Noise model.
+        clean: Phasors X without noise (S, m) [m].
+        rng: Random generator.
+
+    Returns:
+        Errors (S, m) [m].
+    """
     size = np.sqrt((model.relative * np.abs(clean)) ** 2 + model.floor**2)
     return np.asarray(size / np.sqrt(2) * (rng.standard_normal(clean.shape) + 1j * rng.standard_normal(clean.shape)))

@@ -1,8 +1,8 @@
-"""Slow drift of a parameter over time: a slope that outliers do not move, a test that knows about serial correlation, and when
-a limit would be reached.
+"""Slow drift of a parameter over time.
 
-The slope is Theil's and Sen's (doi:10.1080/01621459.1968.10480934), the test Mann's and Kendall's, its variance corrected for
-serial correlation after Hamed and Rao (doi:10.1016/S0022-1694(97)00125-X).
+A slope that outliers do not move, a test that knows about serial correlation, and the time until a limit is reached. The slope
+is Theil's and Sen's (doi:10.1080/01621459.1968.10480934), the test Mann's and Kendall's, its variance corrected for serial
+correlation after Hamed and Rao (doi:10.1016/S0022-1694(97)00125-X).
 """
 
 import math
@@ -11,24 +11,30 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.special
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 FEWEST = 4
-"""Fewer values show no drift."""
+"""Least number of values: fewer show no drift."""
 SIGNIFICANT_LAG = 0.05
-"""Chance with which the correlation of one lag counts although there is none."""
+"""Chance with which the correlation of one lag counts although there is none [-]."""
 SMALLEST_CORRECTION = 1.0
-"""Negative correlation, which short series show by chance, does not make the test sharper: with it the corrected variance can
-even become negative, and a twentieth of false alarms a tenth."""
+"""Least factor on the variance [-]: negative correlation, which short series show by chance, does not make the test sharper.
+With it the corrected variance can even become negative, and a twentieth of false alarms a tenth.
+"""
 
 
 @dataclass(frozen=True)
 class Drift:
-    """How a parameter drifts.
+    """Drift of a parameter, in the units of its values and times.
 
-    slope: per unit of time, with the limits of its 95 % interval. level: the fitted line at the newest time. statistic: of the
-    corrected test, standard normal without drift. probability: of one as large, either way, without drift. correction: factor
-    on the variance for serial correlation.
+    Attributes:
+        slope: Slope [unit of the value per unit of time].
+        slope_lower: Lower end of the slope's 95 % interval [unit of the slope].
+        slope_upper: Upper end of the slope's 95 % interval [unit of the slope].
+        level: Fitted line at the newest time [unit of the value].
+        statistic: Statistic of the corrected test, standard normal without drift [-].
+        probability: Probability of one as large, either way, without drift [-].
+        correction: Factor on the variance for serial correlation [-].
     """
 
     slope: float
@@ -42,7 +48,13 @@ class Drift:
 
 @dataclass(frozen=True)
 class TimeToLimit:
-    """How long until a limit is reached, in the unit of time; None for never. earliest, latest: by the slope's interval."""
+    """Time until a limit is reached, in the unit of time; None for never.
+
+    Attributes:
+        expected: Time by the slope [unit of time].
+        earliest: Earliest time by the slope's interval [unit of time].
+        latest: Latest time by the slope's interval [unit of time].
+    """
 
     expected: float | None
     earliest: float | None
@@ -50,7 +62,21 @@ class TimeToLimit:
 
 
 def drift(time: Floats, value: Floats) -> Drift:
-    """Drift of values (n,) at ascending times (n,), any spacing. Raises ValueError for fewer than four or equal times."""
+    """Estimate the drift of values at times of any spacing.
+
+    Slope of Theil and Sen (doi:10.1080/01621459.1968.10480934), test of Mann and Kendall corrected after Hamed and Rao
+    (doi:10.1016/S0022-1694(97)00125-X).
+
+    Args:
+        time: Times (n,), ascending [any unit].
+        value: Values (n,) [any unit].
+
+    Returns:
+        The drift.
+
+    Raises:
+        ValueError: There are fewer than four values, or the times do not ascend.
+    """
     if time.size < FEWEST or time.shape != value.shape:
         raise ValueError(f"{time.size} times and {value.size} values: at least {FEWEST} of each are needed")
     if np.any(np.diff(time) <= 0.0):
@@ -75,7 +101,14 @@ def drift(time: Floats, value: Floats) -> Drift:
 
 
 def serial_correction(residual: Floats) -> float:
-    """Factor on the variance of Kendall's S for residuals (n,) whose ranks are correlated: n/n* of Hamed and Rao, Eq. 15."""
+    """Compute the factor on the variance of Kendall's S by serial correlation: n/n* of Hamed and Rao, Eq. 15.
+
+    Args:
+        residual: Residuals (n,) whose ranks are correlated [any unit].
+
+    Returns:
+        Factor [-].
+    """
     count = residual.size
     rank = _ranks(residual)
     rank = rank - rank.mean()
@@ -92,7 +125,15 @@ def serial_correction(residual: Floats) -> float:
 
 
 def time_to_limit(found: Drift, limit: float) -> TimeToLimit:
-    """When the drift would reach a limit, counted from the newest time: 0 when it has, None when it moves away from it."""
+    """Compute the time until the drift reaches a limit, counted from the newest time.
+
+    Args:
+        found: The drift.
+        limit: The limit [unit of the value].
+
+    Returns:
+        Times: 0 when the limit is reached, None when the drift moves away from it.
+    """
     distance = limit - found.level
     times = [_reached(distance, slope) for slope in (found.slope, found.slope_lower, found.slope_upper)]
     ends = [one for one in times[1:] if one is not None]
@@ -108,7 +149,7 @@ def _reached(distance: float, slope: float) -> float | None:
 
 
 def _variance(value: Floats) -> float:
-    """Of Kendall's S without serial correlation, ties counted."""
+    """Compute the variance of Kendall's S without serial correlation, ties counted."""
     count = value.size
     ties = np.unique(value, return_counts=True)[1].astype(float)
     whole = count * (count - 1) * (2 * count + 5)
@@ -116,12 +157,12 @@ def _variance(value: Floats) -> float:
 
 
 def _ordered(slopes: Floats, place: float) -> float:
-    """The order statistic at a place that may lie between two."""
+    """Interpolate the order statistic at a place that may lie between two."""
     return float(np.interp(place, np.arange(slopes.size), slopes))
 
 
 def _ranks(values: Floats) -> Floats:
-    """From 1; equal values share the mean of theirs."""
+    """Compute ranks from 1; equal values share the mean of theirs."""
     _, place, counts = np.unique(values, return_inverse=True, return_counts=True)
     ranks: Floats = (np.cumsum(counts) - (counts - 1) / 2.0)[place]
     return ranks

@@ -1,4 +1,4 @@
-"""Slow-roll vectors: what the probes show of the shaft's surface and shape where nothing yet makes the shaft move.
+"""Slow-roll vectors: the shaft's surface and shape as the probes see them where nothing yet makes the shaft move.
 
 At slow roll a probe sees mechanical and electrical run-out and the bow of the shaft; both are there at every speed and are
 subtracted as vectors (Bently & Hatch, Fundamentals of Rotating Machinery Diagnostics, 2002). Vibration by unbalance grows with
@@ -11,31 +11,36 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.errors import Invalid
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
+from estimator.rules import Noise
 from estimator.units import rad_per_s_to_rpm
 
 FEWEST_SAMPLES = 5
-"""Good samples of a channel that a vector needs."""
+"""Least number of good samples of a channel for a vector."""
 LARGEST_SCATTER = 0.3
-"""Samples that scatter by more than this part of their mean, and by more than the noise explains, show no vector."""
+"""Scatter of the samples, as a part of their mean, above which they show no vector unless the noise explains it [-]."""
 BEYOND_NOISE = 3.0
-"""Scatter above this multiple of the stated noise is more than noise."""
+"""Multiple of the stated noise above which scatter is more than noise [-]."""
 LARGEST_GROWTH = 0.25
-"""A mean that grows over the band by more than this part of itself is vibration."""
+"""Growth of a mean over the band, as a part of it, above which it is vibration [-]."""
 CLEAR_GROWTH = 3.0
-"""Growth of this many standard errors is clear: more than that of a band may grow is then no slow roll."""
+"""Standard errors from which on growth is clear [-]."""
 WIDE_ENOUGH = 0.1
-"""Part of its mean that the square of the speed must vary by for growth to be looked for."""
+"""Least variation of the speed squared, as a part of its mean, for growth to be estimated [-]."""
 LARGEST_ALIKENESS = 0.9
-"""Correlation of neighbouring samples from which on a larger one widens the error no more."""
+"""Correlation of neighbouring samples from which on a larger one widens the error no more [-]."""
 
 
 class NotSlowRoll(Invalid):
-    """No channel shows a slow-roll vector in the speed band. `reasons` says per channel why."""
+    """Raised when no channel shows a slow-roll vector in the speed band.
+
+    Attributes:
+        reasons: Reason by channel, in words.
+    """
 
     def __init__(self, reasons: dict[str, str]) -> None:
         self.reasons = reasons
@@ -51,8 +56,10 @@ class NotSlowRoll(Invalid):
 class SlowRoll:
     """Slow-roll vectors of a machine's m channels, for rotation in one sense.
 
-    direction: +1 or -1. vector: (m,) complex 0-to-peak [m], NaN where there is none. standard_error: (m,) rms of the vector's
-    complex error [m].
+    Attributes:
+        direction: Sense of rotation, +1 or -1.
+        vector: Complex vectors (m,), 0-to-peak [m]; NaN where there is none.
+        standard_error: Rms of each vector's complex error (m,) [m].
     """
 
     direction: int
@@ -61,16 +68,22 @@ class SlowRoll:
 
     @property
     def known(self) -> NDArray[np.bool_]:
-        """(m,) channels that have a vector."""
+        """Return which channels have a vector (m,)."""
         return np.isfinite(self.vector)
 
     def turned(self, direction: Floats) -> Complexes:
-        """Vectors (S, m) for samples in the senses of rotation (S,), zero where there is none.
+        """Return the vectors for samples in given senses of rotation.
 
-        The surface is a pattern r(γ) = Re(c e^{jγ}) of the angle γ on the shaft from the keyphasor's mark. A probe at β sees
-        γ = β - Ωt, with t from the mark's passing at angle 0. So for Ω = +ω it shows Re(c e^{jβ} e^{-jωt}), whose phasor is
+        The surface is a pattern r(γ) = Re(c e^{jγ}) of the angle γ on the shaft from the keyphasor's mark. A probe at β sees γ
+        = β - Ωt, with t from the mark's passing at angle 0. So for Ω = +ω it shows Re(c e^{jβ} e^{-jωt}), whose phasor is
         conj(c e^{jβ}), and for Ω = -ω Re(c e^{jβ} e^{jωt}), the phasor c e^{jβ}: each is the other's complex conjugate. A
         keyphasor elsewhere changes β in both by the same angle.
+
+        Args:
+            direction: Senses of rotation (S,), +1 or -1 [-].
+
+        Returns:
+            Vectors (S, m), zero where there is none [m].
         """
         vector = np.where(self.known, self.vector, 0.0)
         return np.where((direction * self.direction > 0)[:, None], vector, np.conj(vector))
@@ -78,7 +91,15 @@ class SlowRoll:
 
 @dataclass(frozen=True)
 class Capture:
-    """Vectors captured from samples, and why channels have none. samples: in the band; speeds: of these [rad/s]."""
+    """Vectors captured from samples.
+
+    Attributes:
+        slow_roll: The vectors.
+        reasons: Reason why a channel has none, by channel.
+        samples: Number of samples in the band.
+        speed_minimum: Lowest speed of these [rad/s].
+        speed_maximum: Highest speed of these [rad/s].
+    """
 
     slow_roll: SlowRoll
     reasons: dict[str, str]
@@ -88,12 +109,24 @@ class Capture:
 
 
 def capture(machine: Machine, measurement: Measurement, *, lowest: float, highest: float) -> Capture:
-    """Slow-roll vectors of the channels, from all samples between two speeds [rad/s], in the machine's sense of rotation.
+    """Capture the slow-roll vectors of the channels from all samples between two speeds, in the machine's sense of rotation.
 
-    Each vector is the mean of the channel's usable phasors. Its error is that of the mean, neighbouring samples counted for
-    less the more they are alike, together with the response that remains in it if the growth that the band shows, or
-    leaves possible, goes on down to standstill. Raises NotSlowRoll when no channel shows a vector, ValueError for a band that
-    is none.
+    Each vector is the mean of the channel's usable phasors (Bently & Hatch 2002). Its error is that of the mean, neighbouring
+    samples counted for less the more they are alike, together with the response that remains in it if the growth that the band
+    shows, or leaves possible, goes on down to standstill.
+
+    Args:
+        machine: The machine.
+        measurement: Samples of its channels.
+        lowest: Lowest speed of the band [rad/s].
+        highest: Highest speed of the band [rad/s].
+
+    Returns:
+        Vectors [m] and reasons.
+
+    Raises:
+        NotSlowRoll: No channel shows a vector.
+        ValueError: The band's speeds are not positive and ascending.
     """
     if not 0.0 < lowest < highest:
         raise ValueError("a speed band needs two positive speeds, the lower one first")
@@ -116,17 +149,33 @@ def capture(machine: Machine, measurement: Measurement, *, lowest: float, highes
 
 
 def subtracted(measurement: Measurement, slow_roll: SlowRoll) -> Measurement:
-    """The measurement without the slow-roll vectors; channels that have none stay as they are."""
+    """Subtract slow-roll vectors from a measurement; channels that have none stay as they are.
+
+    Args:
+        measurement: The measurement.
+        slow_roll: The vectors.
+
+    Returns:
+        The measurement without them.
+    """
     return replace(measurement, phasor=measurement.phasor - slow_roll.turned(measurement.direction))
 
 
 def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -> tuple[Machine, Measurement]:
-    """What an identification with slow-roll vectors is fed with: the document and the measurement without run-out.
+    """Prepare document and measurement for an identification with slow-roll vectors.
 
     The error of a vector is common to all samples of its channel, so it is no noise: it leaves a run-out of that spread, an
     unknown of the fit with that prior. It takes the place of the spread that the document gives for a run-out that was not
     subtracted. The noise stays a part of what the probe saw, run-out and all: where the source gave no scatter and the
     document states the noise, it is written down before the run-out is gone.
+
+    Args:
+        machine: The machine.
+        measurement: The measurement.
+        slow_roll: The vectors.
+
+    Returns:
+        Document and measurement without run-out.
     """
     scatter = measurement.scatter
     if not machine.noise.estimated:
@@ -141,7 +190,7 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
 
 
 def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> tuple[complex, float] | str:
-    """The vector and its standard error, or why there is none."""
+    """Compute the vector and its standard error, or the reason why there is none."""
     count = phasor.size
     if count < FEWEST_SAMPLES:
         return f"{count} good samples in the band, {FEWEST_SAMPLES} are needed"
@@ -163,7 +212,7 @@ def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> 
 
 
 def _growth(speed: Floats, phasor: Complexes) -> tuple[complex, float, Complexes]:
-    """Slope of the phasors over the speed squared, its standard error, and the phasors without mean and slope."""
+    """Fit the slope of the phasors over the speed squared: slope, standard error, phasors without mean and slope."""
     square = speed**2 - np.mean(speed**2)
     about = phasor - np.mean(phasor)
     total = float(square @ square)
@@ -175,7 +224,7 @@ def _growth(speed: Floats, phasor: Complexes) -> tuple[complex, float, Complexes
 
 
 def _independent(residual: Complexes) -> float:
-    """How many independent samples the residuals are worth."""
+    """Estimate the number of independent samples that the residuals are worth."""
     power = float(np.sum(np.abs(residual) ** 2))
     alike = float(np.real(np.vdot(residual[:-1], residual[1:]))) / power if power > 0.0 else 0.0
     alike = min(max(alike, 0.0), LARGEST_ALIKENESS)

@@ -1,6 +1,6 @@
 """Rolling collection: the newest samples in each bin of the speed range, for machines whose speed wanders.
 
-Only times are kept, so that what is remembered is small and bounded; the samples themselves are in the store.
+Only times are kept, so that the state is small and bounded; the samples themselves are in the store.
 """
 
 from dataclasses import dataclass
@@ -18,35 +18,63 @@ ROLLING = "rolling"
 
 @dataclass(frozen=True)
 class SpeedBins:
-    """Times of the newest samples [ns], ascending, per bin of equal width from the lowest speed to the highest."""
+    """Times of the newest samples per bin of equal width from the lowest speed to the highest.
+
+    Attributes:
+        times: Times of each bin's samples, ascending [ns].
+    """
 
     times: tuple[tuple[int, ...], ...]
 
     @classmethod
     def empty(cls, machine: Machine) -> "SpeedBins":
-        """The bins of a machine, without samples."""
+        """Return the bins of a machine without samples.
+
+        Args:
+            machine: The machine.
+
+        Returns:
+            Empty bins.
+        """
         return cls(((),) * machine.collection.rolling.bins)
 
     def recent(self, machine: Machine, now: int) -> "SpeedBins":
-        """Only what is not older than the machine's document allows at a time [ns]."""
+        """Return the bins without samples that are older than the machine's document allows.
+
+        Args:
+            machine: The machine.
+            now: Present time [ns].
+
+        Returns:
+            The bins with recent samples.
+        """
         oldest = now - round(1e9 * machine.collection.rolling.recency_s)
         return SpeedBins(tuple(tuple(time for time in times if time >= oldest) for times in self.times))
 
     @property
     def coverage(self) -> float:
-        """Part of the bins that hold samples."""
+        """Return the part of the bins that hold samples [-]."""
         return sum(bool(times) for times in self.times) / len(self.times)
 
     @property
     def all_times(self) -> list[int]:
-        """Every time kept, ascending, each once."""
+        """Return every time kept, ascending, each once [ns]."""
         return sorted({time for times in self.times for time in times})
 
 
 def filled(bins: SpeedBins, machine: Machine, *, time: NDArray[np.int64], speed: Floats) -> SpeedBins:
-    """The bins after new samples, ascending in time: time (S,) [ns], speed (S,) [rad/s]. Speeds outside the range are left.
+    """Add new samples to the bins.
 
-    A sample that follows the last one of its bin too closely is left too.
+    Samples outside the speed range are left out, and those that follow the last one of their bin too closely.
+
+    Args:
+        bins: The bins.
+        machine: The machine.
+        time: Times (S,), ascending [ns].
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        The bins with the samples.
     """
     rules = machine.collection.rolling
     lowest, highest = (rpm_to_rad_per_s(rpm) for rpm in (machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm))

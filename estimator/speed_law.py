@@ -5,17 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.interpolate
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 SAMPLES_PER_KNOT = 8
-"""Samples that a piece of a smooth curve through noisy speeds stands for."""
+"""Number of samples that a piece of a smooth curve through noisy speeds stands for."""
 
 
 @dataclass(frozen=True)
 class SpeedLaw:
-    """Angle of a shaft over time; speed and acceleration are its derivatives. Counted positive in the sense of rotation.
+    """Angle of a shaft over time, positive in the sense of rotation; speed and acceleration are its derivatives.
 
-    begin, end: instants between which it is known [s].
+    Attributes:
+        begin: First instant at which it is known [s].
+        end: Last instant at which it is known [s].
     """
 
     begin: float
@@ -24,14 +26,36 @@ class SpeedLaw:
 
     @classmethod
     def through(cls, time: Floats, speed: Floats) -> "SpeedLaw":
-        """The monotone cubic through speeds (S,) [rad/s] at instants (S,) [s], ascending; two or more."""
+        """Lay the monotone cubic through speeds.
+
+        Args:
+            time: Instants (S,), ascending, two or more [s].
+            speed: Speeds (S,) [rad/s].
+
+        Returns:
+            The speed law.
+
+        Raises:
+            ValueError: Times or speeds are not finite, not equally many, or the times do not ascend.
+        """
         _require(time, speed)
         curve = scipy.interpolate.PchipInterpolator(time, speed)
         return cls(float(time[0]), float(time[-1]), curve.antiderivative())
 
     @classmethod
     def measured(cls, time: Floats, speed: Floats) -> "SpeedLaw":
-        """The cubic spline nearest to noisy speeds that has a knot at every few samples."""
+        """Fit the nearest cubic spline with a knot at every few samples to noisy speeds.
+
+        Args:
+            time: Instants (S,), ascending, two or more [s].
+            speed: Speeds (S,) [rad/s].
+
+        Returns:
+            The speed law.
+
+        Raises:
+            ValueError: Times or speeds are not finite, not equally many, or the times do not ascend.
+        """
         _require(time, speed)
         inner = time[SAMPLES_PER_KNOT:-SAMPLES_PER_KNOT:SAMPLES_PER_KNOT]
         if not inner.size:
@@ -42,15 +66,36 @@ class SpeedLaw:
         return cls(float(time[0]), float(time[-1]), angle)
 
     def angle(self, time: Floats) -> Floats:
-        """[rad], zero at the beginning."""
+        """Compute the angle, zero at the beginning.
+
+        Args:
+            time: Instants (...), of any shape [s].
+
+        Returns:
+            Angles (...) [rad].
+        """
         return np.asarray(self._angle(time))
 
     def speed(self, time: Floats) -> Floats:
-        """[rad/s]."""
+        """Compute the speed.
+
+        Args:
+            time: Instants (...), of any shape [s].
+
+        Returns:
+            Speeds (...) [rad/s].
+        """
         return np.asarray(self._angle(time, 1))
 
     def acceleration(self, time: Floats) -> Floats:
-        """[rad/s²]."""
+        """Compute the acceleration.
+
+        Args:
+            time: Instants (...), of any shape [s].
+
+        Returns:
+            Accelerations (...) [rad/s²].
+        """
         return np.asarray(self._angle(time, 2))
 
 

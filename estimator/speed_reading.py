@@ -1,4 +1,4 @@
-"""Speed readings as they come: one wrong one does nothing, and how noisy they are is known.
+"""Speed readings as they come, freed of single wrong ones, and the noise of the readings.
 
 A reading is believed as the median of itself and its two neighbours, which leaves every steady change as it is; so the newest
 one waits for the next. The noise comes from how far readings lie off the straight line between their neighbours, which no
@@ -10,20 +10,27 @@ import math
 import msgspec
 
 RISE, FALL = 16, 96
-"""Readings over which the noise is averaged: it rises sooner than it falls."""
+"""Number of readings over which the noise is averaged, when it rises and when it falls: it rises sooner."""
 HEAD_START = 8
-"""Readings that are taken to have been quiet before the first one, so that one jump at the start is no noise."""
+"""Number of readings taken to have been quiet before the first one, so that one jump at the start is no noise."""
 LARGEST_SURPRISE, SURPRISE_FLOOR = 4.0, 0.1
-"""A deviation counts for at most this many times the mean one and this part of the speed: wrong readings are no noise."""
+"""Largest deviation that counts, in multiples of the mean one plus a part of the speed [-]: wrong readings are no noise."""
 MEAN_DEVIATION = 1.27
-"""What rising six times as fast as falling leads to with normal errors of standard deviation 1: an expectile of theirs."""
+"""Mean deviation that results for normal errors of standard deviation 1 when it rises six times as fast as it falls [-]: an
+expectile of theirs.
+"""
 
 
 class SpeedReadings(msgspec.Struct, frozen=True):
-    """The last two readings, times [ns] and speeds [rad/s], and the noise so far.
+    """The last two readings, and the noise so far.
 
-    deviation: typical distance of readings from the line between their neighbours, as of single readings [rad/s].
-    count: how many it comes from.
+    Attributes:
+        before_time: Time of the last reading but one [ns].
+        before_speed: Speed of the last reading but one [rad/s].
+        last_time: Time of the last reading [ns].
+        last_speed: Speed of the last reading [rad/s].
+        deviation: Typical distance of readings from the line between their neighbours, as of single readings [rad/s].
+        count: Number of readings it comes from.
     """
 
     before_time: int | None = None
@@ -35,20 +42,35 @@ class SpeedReadings(msgspec.Struct, frozen=True):
 
     @property
     def noise(self) -> float:
-        """Standard deviation of a reading [rad/s]; 0 as long as nothing is known."""
+        """Return the standard deviation of a reading [rad/s]; 0 as long as nothing is known."""
         return self.deviation / MEAN_DEVIATION
 
     def forgotten(self) -> "SpeedReadings":
-        """Only the noise is remembered: what comes next does not follow these readings."""
+        """Return the state with the noise only, for readings that do not follow these.
+
+        Returns:
+            The state without readings.
+        """
         return SpeedReadings(deviation=self.deviation, count=self.count)
 
 
 NO_READINGS = SpeedReadings()
-"""Before the first one."""
+"""State before the first reading."""
 
 
 def take(readings: SpeedReadings, *, time: int, speed: float) -> tuple[SpeedReadings, tuple[int, float] | None]:
-    """Take a reading, later than all before it; what is believed now: the first one at once, then always the one before."""
+    """Take a reading, later than all before it.
+
+    The first reading is believed at once; after that each new one makes the one before it believed.
+
+    Args:
+        readings: State so far.
+        time: Time of the reading [ns].
+        speed: Speed of the reading [rad/s].
+
+    Returns:
+        Next state, and time [ns] and speed [rad/s] of the reading that is believed now, if any.
+    """
     before, last = readings.before_time, readings.last_time
     if last is None:
         first = SpeedReadings(None, 0.0, time, speed, readings.deviation, readings.count)

@@ -1,37 +1,43 @@
-"""Where fits start: at the nominal values, then at the best of random candidates around them, until starts agree."""
+"""Starts of a fit: the nominal values, then the best of random candidates around them, until starts agree."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
 from estimator.fit import STAGE_MISFITS, Fit, Problem, fit
 
 START_SPREAD_LOG = 0.35
-"""Standard deviation of the logarithm of a direct term in a random start."""
+"""Standard deviation of the logarithm of a direct term in a random start [-]."""
 START_SPREAD_CROSS = 0.35
-"""The same for a cross-coupled term, in units of its element's direct terms."""
+"""Standard deviation of a cross-coupled term in a random start, in units of its element's direct terms [-]."""
 AGREEING_STARTS = 3
-"""So many starts that end in the same misfit are believed, …"""
+"""Number of starts that must end in the same misfit for it to be believed."""
 SAME_MISFIT = 1.01
-"""… the same up to this factor."""
+"""Factor up to which two misfits are the same [-]."""
 CANDIDATES = 12
-"""Random candidates from which each start after the first is the best."""
+"""Number of random candidates from which each start after the first is the best."""
 GUESSED_CANDIDATES = 60
-"""The same where the document leaves nominal values out."""
+"""Number of random candidates where the document leaves nominal values out."""
 GUESSED_SPREAD = 1.5
-"""Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate."""
+"""Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate [-]."""
 
 
 class FitFailed(ValueError):
-    """The fit ran into numbers that are none."""
+    """Raised when no start leads to a finite misfit."""
 
 
 @dataclass(frozen=True)
 class BestFit:
-    """The best of several starts, the number of starts tried and the iterations spent in all of them."""
+    """Best of several starts.
+
+    Attributes:
+        fit: The best fit.
+        starts: Number of starts tried.
+        iterations: Number of steps spent in all of them.
+    """
 
     fit: Fit
     starts: int
@@ -43,7 +49,18 @@ def best_fit(
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
-    beginning: the first start, in the place of the nominal values. Raises FitFailed when no start leads to a finite misfit.
+    Args:
+        problem: Data, train and coordinates.
+        starts: Most starts.
+        seed: Seed of the random starts.
+        good: Function that accepts a fit.
+        beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
+
+    Returns:
+        The best fit.
+
+    Raises:
+        FitFailed: No start leads to a finite misfit.
     """
     rng = np.random.default_rng(seed)
     best: Fit | None = None
@@ -68,7 +85,7 @@ def best_fit(
 
 
 def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
-    """At the nominal values, else at the best of some random candidates, by their first-stage misfit."""
+    """Choose the nominal values, else the best of some random candidates by their first-stage misfit."""
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():
@@ -81,7 +98,7 @@ def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats
 
 
 def _candidate(coordinates: Coordinates, rng: np.random.Generator) -> Floats:
-    """Random coefficients around the expected ones; those that nobody knows share a common factor besides."""
+    """Draw coefficients around the expected ones; those that nobody knows share a common factor besides."""
     common = {quantity: GUESSED_SPREAD * rng.standard_normal() for quantity in sorted(set(coordinates.quantities))}
     theta = coordinates.centre.copy()
     for k, (quantity, direct) in enumerate(zip(coordinates.quantities, coordinates.logarithmic, strict=True)):

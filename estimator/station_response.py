@@ -1,4 +1,4 @@
-"""Response at any place of any shaft, not only at the probes: what the updated model says about seals, couplings, discs.
+"""Response of the updated model at any place of any shaft, not only at the probes: seals, couplings, discs.
 
 Between two nodes the shaft bends as its element does, by the shape functions of the Timoshenko beam (Friedman & Kosmatka,
 Comput. Struct. 47 (1993) 473, doi:10.1016/0045-7949(93)90243-7). A node more would change the mesh with which the unknowns
@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.error_propagation import PhasorBand
 from estimator.forced_response import forced_response
-from estimator.machine import Machine, Probe, Section
-from estimator.references import STATION_TOLERANCE
+from estimator.machine import Machine
+from estimator.parts import STATION_TOLERANCE, Probe, Section
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS, shear_coefficient
 from estimator.updated_model import UpdatedModel
@@ -23,7 +23,13 @@ from estimator.updated_model import UpdatedModel
 
 @dataclass(frozen=True)
 class StationResponse:
-    """Displacement at n places and S speeds [rad/s]. response: (S, n) 1× phasors, 0-to-peak [m], with 95 % band."""
+    """Displacement at n places and S speeds.
+
+    Attributes:
+        speed: Speeds (S,) [rad/s].
+        places: The n places.
+        response: 1× phasors (S, n), 0-to-peak [m], with 95 % bands.
+    """
 
     speed: Floats
     places: tuple[Probe, ...]
@@ -31,10 +37,18 @@ class StationResponse:
 
 
 def station_response(model: UpdatedModel, *, speed: Floats, places: Sequence[Probe]) -> StationResponse:
-    """Response of a machine to what was identified to excite it, in its sense of rotation.
+    """Compute the response of a machine to its identified excitations, in its sense of rotation.
 
-    speed: (S,) [rad/s], positive. places: as probes would sit there; the machine's own are places like any other.
-    Raises ValueError for a place that is not on a shaft or a speed that is not positive.
+    Args:
+        model: The updated model.
+        speed: Speeds (S,), positive [rad/s].
+        places: Places, as probes would sit there; the machine's own are places like any other.
+
+    Returns:
+        The response.
+
+    Raises:
+        ValueError: A place is not on a shaft, or a speed is not positive.
     """
     rotor = assemble_rotor(model.machine)
     rows = np.array([displacement_row(model.machine, rotor, place) for place in places]).reshape(-1, rotor.size)
@@ -43,7 +57,21 @@ def station_response(model: UpdatedModel, *, speed: Floats, places: Sequence[Pro
 
 
 def displacement_row(machine: Machine, rotor: Rotor, place: Probe) -> Floats:
-    """Row (N,) that gives the displacement along a place's angle from all degrees of freedom."""
+    """Compute the row that gives the displacement along a place's angle from all degrees of freedom.
+
+    Source: Friedman & Kosmatka (1993, doi:10.1016/0045-7949(93)90243-7).
+
+    Args:
+        machine: The machine.
+        rotor: Its assembled rotor.
+        place: The place.
+
+    Returns:
+        Row (N,) [-, m].
+
+    Raises:
+        ValueError: The place is not on a shaft.
+    """
     _require_on_shaft(machine, place)
     stations = rotor.stations[place.shaft]
     element = min(int(np.searchsorted(stations, place.station, side="right")) - 1, stations.size - 2)
@@ -67,7 +95,7 @@ def _along(angle: float, at: float, tilt: float) -> Floats:
 
 
 def _shape_functions(*, part: float, length: float, shear: float) -> tuple[float, float, float, float]:
-    """Displacement at a part of an element per displacement and slope at its two ends; shear: 12EI/(κGAl²)."""
+    """Compute the displacement at a part of an element per displacement and slope at its two ends; shear: 12EI/(κGAl²)."""
     s, bubble = part, shear / 2 * (part - part**2)
     return (
         (1 - 3 * s**2 + 2 * s**3 + shear * (1 - s)) / (1 + shear),

@@ -10,11 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats, probe_rows
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import probe_rows
 from estimator.modal_reduction import modal_basis
+from estimator.modal_transient import Sweep, modal_course
 from estimator.modes import modes
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor
@@ -67,28 +68,17 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
     if added is not None:
         values[: added.size] += added
-    sweep = _Sweep.along(law, grid)
+    sweep = Sweep.along(law, grid)
     force = synchronous_force(rotor, listed, values=values, direction=direction).onto(basis.expanded(left).conj().T)
     pushed, resting = force.at(sweep.speed, sweep.acceleration), force.at(sweep.speed)
     seen = probe_rows(machine, rotor) @ basis.expanded(shape)
     instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
     away = sweep.speed - spin
     for k in range(near.size):
-        course = _course(sweep, value[k] + away * drift[k], pushed[:, k], resting[:, k])
+        course = modal_course(sweep, value[k] + away * drift[k], pushed[:, k], resting[:, k])
         instant += course.deviation[place, None] * seen[:, k]
         averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
     return SweepTransient(instant, averaged)
-
-
-def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complexes:
-    """What a single mode λ under unbalance deviates from its steady state by (n,), per unit of modal force over ω².
-
-    time: (n,) [s], dense enough to follow the phase.
-    """
-    sweep = _Sweep.along(law, time)
-    steady = (sweep.speed**2).astype(np.complex128)
-    force = steady - 1j * sweep.acceleration
-    return _course(sweep, np.full(time.size, eigenvalue, dtype=np.complex128), force, steady).deviation
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -98,59 +88,6 @@ def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
     pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
     place = np.concatenate([[0], np.cumsum(pieces)])
     return np.interp(np.arange(place[-1] + 1), place, time), place
-
-
-@dataclass(frozen=True)
-class _Sweep:
-    """A speed law on a grid (n,) of instants: speed, acceleration, and what time [s] and angle [rad] each step takes."""
-
-    grid: Floats
-    speed: Floats
-    acceleration: Floats
-    step: Floats
-    turned: Floats
-
-    @classmethod
-    def along(cls, law: SpeedLaw, grid: Floats) -> "_Sweep":
-        return cls(grid, law.speed(grid), law.acceleration(grid), np.diff(grid), np.diff(law.angle(grid)))
-
-
-@dataclass(frozen=True)
-class _Course:
-    """A modal coordinate on the grid (n,): steady part, deviation from it, and the integral of both up to each instant."""
-
-    grid: Floats
-    rest: Complexes
-    deviation: Complexes
-    integral: Complexes
-
-    def mean(self, place: NDArray[np.intp]) -> Complexes:
-        """Mean of the coordinate around each of the instants (S,), half way to their neighbours."""
-        half = (place[1:] + place[:-1]) // 2
-        edges = np.concatenate([place[:1], half, place[-1:]])
-        return np.asarray(np.diff(self.integral[edges]) / np.diff(self.grid[edges]))
-
-
-def _course(sweep: _Sweep, eigenvalue: Complexes, force: Complexes, steady: Complexes) -> _Course:
-    """A modal coordinate for the modal force (n,) and that of a steady speed.
-
-    Its deviation d obeys ḋ = (λ - jω) d - ẇ_steady + (force - steady force); within a step λ - jω is its mean.
-    """
-    exponent, step = eigenvalue - 1j * sweep.speed, sweep.step
-    rest = -steady / exponent
-    z = (eigenvalue[1:] + eigenvalue[:-1]) / 2 * step - 1j * sweep.turned
-    growth = np.exp(z)
-    beside = force - steady
-    driven = step * (beside[1:] + beside[:-1]) / 2 - np.diff(rest)
-    # Before the first sample the mode lagged behind its steady state as it does in a slow sweep.
-    lag = ((rest[1] - rest[0]) / step[0] - beside[0]) / exponent[0]
-    bands = np.ones((2, rest.size), dtype=complex)
-    bands[1, :-1] = -growth
-    right = np.concatenate([[lag], (growth - 1.0) / z * driven])
-    deviation = scipy.linalg.solve_banded((1, 0), bands, right, check_finite=False)
-    # The equation integrated over a step: the deviation's integral is exact however often it turns within it.
-    gained = step * ((np.diff(deviation) - driven) / z + (rest[1:] + rest[:-1]) / 2)
-    return _Course(sweep.grid, rest, np.asarray(deviation), np.concatenate([[0.0], np.cumsum(gained)]))
 
 
 def _eigenvalue_drift(

@@ -1,39 +1,68 @@
-"""What turns with the shaft as forces on all degrees of freedom of a train, at changing speed too."""
+"""Forces on all degrees of freedom of a train that turn with the shaft, at changing speed too."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.parameters import Excitation
 from estimator.rotor import Rotor, plane_columns
 
 
 @dataclass(frozen=True)
 class SynchronousForce:
-    """Complex forces F of the force Re(F e^{jφ}) with φ the angle turned: `squared` times ω² - jα, and `constant`, each (N,).
+    """Force Re(F e^{jφ}) with φ the angle turned.
 
     A mass m at the radius e that turns with φ(t) pulls with m e (ω² - jα) e^{jφ}: its own acceleration, the tangential part
     included.
+
+    Attributes:
+        squared: Part (N,) of F that is multiplied by ω² - jα [kg m, kg m²].
+        constant: Constant part (N,) of F [N, N m].
     """
 
     squared: Complexes
     constant: Complexes
 
     def at(self, speed: Floats, acceleration: Floats | None = None) -> Complexes:
-        """F (S, N) [SI] at speeds (S,) [rad/s], positive, and accelerations (S,) [rad/s²], by default none."""
+        """Compute F at some speeds.
+
+        Args:
+            speed: Speeds (S,), positive [rad/s].
+            acceleration: Accelerations (S,) [rad/s²]; None for none.
+
+        Returns:
+            F (S, N) [N, N m].
+        """
         square = speed**2 if acceleration is None else speed**2 - 1j * acceleration
         return np.asarray(square[:, None] * self.squared + self.constant)
 
     def onto(self, vectors: Complexes) -> "SynchronousForce":
-        """What it does along vectors (k, N): the forces (k,) of as many coordinates."""
+        """Project the force on vectors.
+
+        Args:
+            vectors: Vectors (k, N) [-].
+
+        Returns:
+            The forces (k,) on as many coordinates.
+        """
         return SynchronousForce(vectors @ self.squared, vectors @ self.constant)
 
 
 def synchronous_force(
     rotor: Rotor, excitations: tuple[Excitation, ...], *, values: Complexes, direction: float
 ) -> SynchronousForce:
-    """The forces of the excitations' values (E,) [SI] on a rotor that turns in a direction, +1 or -1."""
+    """Assemble the forces of excitations on a rotor.
+
+    Args:
+        rotor: The rotor.
+        excitations: The E excitations.
+        values: Their values (E,) [SI].
+        direction: Sense of rotation, +1 or -1 [-].
+
+    Returns:
+        The forces.
+    """
     x_plane, y_plane = plane_columns(rotor.size)
     squared, constant = np.zeros(rotor.size, dtype=complex), np.zeros(rotor.size, dtype=complex)
     elastic = sum((part.stiffness for part in rotor.materials.values()), np.zeros_like(rotor.discs.stiffness))

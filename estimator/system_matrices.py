@@ -1,4 +1,4 @@
-"""The whole train in matrices, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f: shafts, discs, bearings, seals and couplings together."""
+"""Matrices of the whole train, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f: shafts, discs, bearings, seals and couplings."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -7,24 +7,30 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.modal_reduction import EVERYTHING, Basis
 from estimator.parameters import dense, unknowns
 from estimator.rotor import assemble_rotor
 
 CoefficientsOverSpeed = Floats | Callable[[float], Floats] | None
-"""Coefficients (K,) in SI, or what gives them at a spin speed [rad/s, without sign]; None: what the document expects."""
+"""Coefficients (K,) [SI], or a function that returns them at a spin speed [rad/s, without sign]; None for the expected
+ones."""
 
 KEPT = 4
-"""Matrices at hand, by their coefficients: a train whose coefficients do not follow the speed has but one."""
+"""Number of matrices cached, by their coefficients: a train whose coefficients do not follow the speed has but one."""
 
 
 @dataclass(frozen=True)
 class SystemMatrices:
-    """Matrices (N, N) in SI, order (x, y, θx, θy) per node, or over the coordinates of a basis, in the same order.
+    """Matrices of a train over (x, y, θx, θy) per node, or over the coordinates of a basis, in the same order.
 
-    mass, damping, stiffness; gyroscopic and circulatory (of the shafts' internal damping) per unit spin speed.
+    Attributes:
+        mass: Mass matrix M (N, N) [kg, kg m, kg m²].
+        damping: Damping matrix C (N, N) [N s/m, N s, N m s].
+        gyroscopic: Gyroscopic matrix G (N, N) per unit spin speed [kg, kg m, kg m²].
+        stiffness: Stiffness matrix K (N, N) [N/m, N, N m].
+        circulatory: Circulatory matrix H (N, N) of the shafts' internal damping per unit spin speed [N s/m, N s, N m s].
     """
 
     mass: Floats
@@ -34,16 +40,38 @@ class SystemMatrices:
     circulatory: Floats
 
     def dynamic_stiffness(self, eigenvalue: complex, *, spin: float) -> Complexes:
-        """K + Ω H + λ (C + Ω G) + λ² M, (N, N), of a motion e^{λt} at a spin speed Ω [rad/s], signed as the rotation."""
+        """Compute K + Ω H + λ (C + Ω G) + λ² M of a motion e^{λt}.
+
+        Args:
+            eigenvalue: λ [rad/s].
+            spin: Spin speed Ω, signed as the rotation [rad/s].
+
+        Returns:
+            Dynamic stiffness (N, N) [N/m, N, N m].
+        """
         elastic = self.stiffness + spin * self.circulatory
         return np.asarray(elastic + eigenvalue * (self.damping + spin * self.gyroscopic) + eigenvalue**2 * self.mass)
 
     def over(self, shapes: Floats) -> "SystemMatrices":
-        """The same for motions that are made of some shapes (N, n)."""
+        """Project the matrices on motions that are combinations of some shapes.
+
+        Args:
+            shapes: Shapes (N, n) [-].
+
+        Returns:
+            Matrices (n, n).
+        """
         return SystemMatrices(*(shapes.T @ getattr(self, one.name) @ shapes for one in fields(self)))
 
     def state_matrix(self, *, spin: float) -> Floats:
-        """A (2N, 2N) of ż = A z with z = (q, q̇), at a spin speed [rad/s]."""
+        """Compute A of ż = A z with z = (q, q̇).
+
+        Args:
+            spin: Spin speed Ω, signed as the rotation [rad/s].
+
+        Returns:
+            A (2N, 2N) [SI].
+        """
         size = self.mass.shape[0]
         forces = np.hstack([self.stiffness + spin * self.circulatory, self.damping + spin * self.gyroscopic])
         inverse_mass = scipy.linalg.cho_solve(scipy.linalg.cho_factor(self.mass), forces)
@@ -52,9 +80,18 @@ class SystemMatrices:
 
 
 def system_matrices(machine: Machine, *, coefficients: Floats | None = None, basis: Basis = EVERYTHING) -> SystemMatrices:
-    """Matrices of a machine with coefficients (K,) in SI, by default what the document expects (thesis Eq. 3.1-3.11).
+    """Assemble the matrices of a machine (thesis Eq. 3.1-3.11).
 
-    basis: over the coordinates of which, by default all degrees of freedom.
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,) [SI]; None for the expected ones.
+        basis: Basis of the coordinates, by default all degrees of freedom.
+
+    Returns:
+        The matrices.
+
+    Raises:
+        ValueError: The number of coefficients is not the machine's.
     """
     return _builder(machine, basis)(coefficients)
 
@@ -62,7 +99,19 @@ def system_matrices(machine: Machine, *, coefficients: Floats | None = None, bas
 def system_matrices_over_speed(
     machine: Machine, *, coefficients: CoefficientsOverSpeed = None, basis: Basis = EVERYTHING
 ) -> Callable[[float], SystemMatrices]:
-    """What gives the matrices at a spin speed [rad/s, without sign]; as `system_matrices`."""
+    """Return the function that assembles the matrices at a spin speed; as `system_matrices`.
+
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,) [SI], or a function of the speed that returns them; None for the expected ones.
+        basis: Basis of the coordinates, by default all degrees of freedom.
+
+    Returns:
+        Function of the spin speed [rad/s, without sign].
+
+    Raises:
+        ValueError: The number of coefficients is not the machine's.
+    """
     built = _builder(machine, basis)
     if callable(coefficients):
         at = coefficients

@@ -1,9 +1,10 @@
-"""Where the parts of a train lie along it, and how large they are: what a drawing to scale needs."""
+"""Layout of a train: place and size of its parts, for a drawing to scale."""
 
 import math
 from dataclasses import dataclass
 
-from estimator.machine import Disc, Machine
+from estimator.machine import Machine
+from estimator.parts import Disc
 
 STEEL = 7850.0
 """Density for the size of a disc of which only mass and inertia are known [kg/m³]."""
@@ -11,16 +12,27 @@ STEEL = 7850.0
 
 @dataclass(frozen=True)
 class DiscBody:
-    """A plain disc with the mass and polar inertia of the document. radius, width: [m]; None without polar inertia."""
+    """A plain disc with the mass and polar inertia of the document.
+
+    Attributes:
+        radius: Radius [m]; None without polar inertia.
+        width: Width [m]; None without polar inertia.
+    """
 
     radius: float | None
     width: float | None
 
 
 def shaft_begins(machine: Machine) -> dict[str, float]:
-    """Distance [m] of each shaft's driver-side end from that of the train, in order from driver to driven.
+    """Compute the distance of each shaft's driver-side end from that of the train.
 
     Shafts that no coupling joins to others follow behind.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Distance by shaft id, from driver to driven [m].
     """
     follows = {coupling.driver: coupling.driven for coupling in machine.couplings}
     driven = set(follows.values())
@@ -37,7 +49,14 @@ def shaft_begins(machine: Machine) -> dict[str, float]:
 
 
 def disc_body(disc: Disc) -> DiscBody:
-    """Size of a solid steel disc with this mass and polar inertia: I_p = m r²/2, m = ρ π r² b."""
+    """Compute the size of a solid steel disc with this mass and polar inertia: I_p = m r²/2, m = ρ π r² b.
+
+    Args:
+        disc: The disc.
+
+    Returns:
+        Its size [m].
+    """
     if disc.polar_inertia <= 0.0:
         return DiscBody(None, None)
     radius = math.sqrt(2.0 * disc.polar_inertia / disc.mass)

@@ -16,29 +16,35 @@ import scipy.optimize
 import scipy.special
 
 from estimator import control_charts, slow_drift
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.deviation import Whitening, comparable, element_distance, element_of
 from estimator.point import Point
 from estimator.slow_drift import Drift, TimeToLimit
 
 RUN_LENGTH = 520.0
-"""Identifications between two false alarms of one chart, on average: ten years of one a week."""
+"""Average number of identifications between two false alarms of one chart: ten years of one a week."""
 CUSUM_REFERENCE = 1.0
-"""Half of the step that is found soonest, in standard deviations: 2 σ, for a stiffness some 2 to 3 %."""
+"""Half of the step that is found soonest, in standard deviations [-]: 2 σ, for a stiffness some 2 to 3 %."""
 EWMA_WEIGHT = 0.2
-"""Weight of the newest run: the mean reaches over some nine."""
+"""Weight of the newest run [-]: the mean reaches over some nine."""
 LONGEST_DRIFT = 104
-"""Newest runs that a drift is looked for in: two years of one a week."""
+"""Number of newest runs in which a drift is searched: two years of one a week."""
 CENTRES = 7
-"""Nodes of the Gauss-Hermite rule over the baseline's centre."""
+"""Number of nodes of the Gauss-Hermite rule over the baseline's centre."""
 SCATTERS = 10
-"""Nodes of the Gauss-Legendre rule over the quantiles of the true scatter."""
+"""Number of nodes of the Gauss-Legendre rule over the quantiles of the true scatter."""
 LARGEST_LIMIT = 60.0
+"""Limit at which the search for a chart's limit stops [-]."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What one identification found at a time [weeks]."""
+    """Result of one identification at a time.
+
+    Attributes:
+        time: Time [weeks].
+        point: Values of its parameters.
+    """
 
     time: float
     point: Point
@@ -46,8 +52,13 @@ class Reading:
 
 @dataclass(frozen=True)
 class Chart:
-    """Where a control chart stands after the newest run. value: of an EWMA with sign. began: time of the change's likeliest
-    first run [weeks] where the limit is passed; None otherwise, and of an EWMA."""
+    """State of a control chart after the newest run.
+
+    Attributes:
+        value: Value of the chart, of an EWMA with sign [-].
+        limit: Limit of the chart [-].
+        began: Time of the change's likeliest first run [weeks] where the limit is passed; None otherwise, and of an EWMA.
+    """
 
     value: float
     limit: float
@@ -55,16 +66,24 @@ class Chart:
 
     @property
     def passed(self) -> bool:
-        """Whether the chart signals now."""
+        """Return whether the chart signals now."""
         return abs(self.value) > self.limit
 
 
 @dataclass(frozen=True)
 class TrendTest:
-    """What the runs since the baseline say of one coordinate, or of an element's distance.
+    """Tests of one coordinate, or of an element's distance, over the runs since the baseline.
 
-    step_up, step_down: CUSUM; of a distance there is no way down. creep: EWMA. drift: per week, of the change [-], of a
-    logarithm where the parameter is fitted as one; None for too few runs. newest: the last change, or distance [-].
+    Attributes:
+        name: Name of the coordinate or element.
+        element: Name of the element.
+        runs: Number of runs.
+        newest: Last change, or distance [-].
+        step_up: CUSUM upwards.
+        step_down: CUSUM downwards; None for a distance.
+        creep: EWMA.
+        drift: Drift per week of the change [1/week], of a logarithm where the parameter is fitted as one; None for too few
+            runs.
     """
 
     name: str
@@ -80,10 +99,20 @@ class TrendTest:
 def trend_tests(
     baseline: Sequence[Point], readings: Sequence[Reading], names: Sequence[str] | None = None
 ) -> tuple[TrendTest, ...]:
-    """Trends of every coordinate that the baseline determines, or of some, through the readings that determine it.
+    """Test the trend of every coordinate that the baseline determines, or of some, through the readings that determine it.
 
-    readings: behind the baseline, in ascending order of time. Answers are in the newest reading's order. Raises ValueError for
-    an empty baseline or times that do not ascend.
+    Sources: `control_charts`, `slow_drift`; limits after Jensen et al. (2006, module's docstring).
+
+    Args:
+        baseline: Points of the baseline's runs.
+        readings: Readings behind the baseline, in ascending order of time.
+        names: Names of the coordinates; None for all.
+
+    Returns:
+        Tests in the newest reading's order.
+
+    Raises:
+        ValueError: The baseline is empty, or the times do not ascend.
     """
     _require_ascending(readings)
     if not readings:
@@ -107,7 +136,19 @@ def trend_tests(
 def distance_trends(
     baseline: Sequence[Point], readings: Sequence[Reading], elements: Sequence[str] | None = None
 ) -> tuple[TrendTest, ...]:
-    """The same for the distance of every element, or of some, through the readings that determine all the newest one does."""
+    """Test the trend of every element's distance, or of some, through the readings that determine all the newest one does.
+
+    Args:
+        baseline: Points of the baseline's runs.
+        readings: Readings behind the baseline, in ascending order of time.
+        elements: Names of the elements; None for all.
+
+    Returns:
+        Tests in the newest reading's order.
+
+    Raises:
+        ValueError: The baseline is empty, or the times do not ascend.
+    """
     _require_ascending(readings)
     if not readings:
         return ()
@@ -130,9 +171,15 @@ def distance_trends(
 
 
 def time_to_change(drift: Drift, change: float, *, logarithmic: bool) -> TimeToLimit:
-    """Weeks until a drift reaches a change, given by its size [-], in the drift's own sense.
+    """Compute the time until a drift reaches a change in the drift's own sense.
 
-    logarithmic: whether the drift is that of a logarithm. A fall by 100 % or more is never reached then.
+    Args:
+        drift: The drift.
+        change: Size of the change [-].
+        logarithmic: Whether the drift is that of a logarithm; a fall by 100 % or more is never reached then.
+
+    Returns:
+        Times [weeks].
     """
     sign = math.copysign(1.0, drift.slope)
     if not logarithmic:
@@ -144,7 +191,15 @@ def time_to_change(drift: Drift, change: float, *, logarithmic: bool) -> TimeToL
 
 @cache
 def step_limit(*, runs: int, degrees_of_freedom: float) -> float:
-    """Limit of the one-sided CUSUM with RUN_LENGTH, for a baseline of so many runs and so well known a scatter."""
+    """Solve for the limit of the one-sided CUSUM with RUN_LENGTH, for a baseline of some runs.
+
+    Args:
+        runs: Number of runs of the baseline.
+        degrees_of_freedom: Degrees of freedom with which the scatter is known [-].
+
+    Returns:
+        Limit [-].
+    """
 
     def rate(limit: float, shift: float, ratio: float) -> float:
         return 1.0 / control_charts.cusum_run_length(reference=CUSUM_REFERENCE / ratio, limit=limit / ratio, shift=shift)
@@ -154,7 +209,15 @@ def step_limit(*, runs: int, degrees_of_freedom: float) -> float:
 
 @cache
 def creep_limit(*, runs: int, degrees_of_freedom: float) -> float:
-    """The same for the two-sided EWMA."""
+    """Solve for the limit of the two-sided EWMA with RUN_LENGTH, for a baseline of some runs.
+
+    Args:
+        runs: Number of runs of the baseline.
+        degrees_of_freedom: Degrees of freedom with which the scatter is known [-].
+
+    Returns:
+        Limit in long-run standard deviations of the mean [-].
+    """
 
     def rate(limit: float, shift: float, ratio: float) -> float:
         return 1.0 / control_charts.ewma_run_length(weight=EWMA_WEIGHT, limit=limit / ratio, shift=shift)
@@ -163,7 +226,10 @@ def creep_limit(*, runs: int, degrees_of_freedom: float) -> float:
 
 
 def _limit(rate: Callable[[float, float, float], float], runs: int, freedom: float) -> float:
-    """The limit at which the mean rate of false alarms is that of RUN_LENGTH. rate: by limit, shift and σ true / σ used."""
+    """Solve for the limit at which the mean rate of false alarms is that of RUN_LENGTH.
+
+    rate: by limit, shift and σ true / σ used.
+    """
     centres, centre_weights = np.polynomial.hermite_e.hermegauss(CENTRES)
     quantiles, scatter_weights = np.polynomial.legendre.leggauss(SCATTERS)
     shifts = centres / math.sqrt(runs)

@@ -1,4 +1,4 @@
-"""A smooth curve through points, cut where it turns: between two cuts it rises or falls, so crossings are bracketed."""
+"""Smooth curve through points, cut where it turns: between two cuts it rises or falls, so crossings are bracketed."""
 
 from dataclasses import dataclass
 
@@ -6,17 +6,24 @@ import numpy as np
 import scipy.interpolate
 import scipy.optimize
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 SAME = 1e-9
-"""Turns that lie so near to each other, in units of the points' distance, are one that rounding has doubled."""
+"""Distance of two turns, in units of the points' distance, up to which they are one that rounding has doubled [-]."""
 PRECISION = 1e-13
-"""Relative precision of a crossing."""
+"""Relative precision of a crossing [-]."""
 
 
 @dataclass(frozen=True)
 class TurningCurve:
-    """A cubic spline. cuts, heights: (K,) its points and turns, ascending, and the curve there. tops: (T,) of the maxima."""
+    """A cubic spline with its turns.
+
+    Attributes:
+        spline: The spline.
+        cuts: Places (K,) of its points and turns, ascending [any unit].
+        heights: The curve there (K,) [any unit].
+        tops: Places (T,) of its maxima [unit of the places].
+    """
 
     spline: scipy.interpolate.CubicSpline
     cuts: Floats
@@ -25,17 +32,31 @@ class TurningCurve:
 
     @classmethod
     def through(cls, place: Floats, height: Floats) -> "TurningCurve":
-        """Through points (S,) at ascending places (S,)."""
+        """Lay the curve through points.
+
+        Args:
+            place: Places (S,), ascending [any unit].
+            height: Heights (S,) [any unit].
+
+        Returns:
+            The curve.
+        """
         spline = scipy.interpolate.CubicSpline(place, height)
         turns = _turns(spline)
         cuts = np.union1d(place, turns)
         return cls(spline, cuts, np.asarray(spline(cuts)), turns[spline(turns, 2) < 0.0])
 
     def fallen_to(self, level: float, *, start: float, highest: float, upwards: bool) -> float | None:
-        """The first place beyond a start at which the curve is down to a level; None where it ends or rises too high before.
+        """Find the first place beyond a start at which the curve is down to a level.
 
-        highest: what is too high. start: where the curve is above the level. upwards: whether to look at larger places or at
-        smaller ones.
+        Args:
+            level: The level [unit of the heights].
+            start: Place where the curve is above the level [unit of the places].
+            highest: Height that the curve must not exceed before [unit of the heights].
+            upwards: Whether larger places are searched, or smaller ones.
+
+        Returns:
+            The place [unit of the places]; None where the curve ends or rises too high before.
         """
         beyond = np.flatnonzero(self.cuts > start) if upwards else np.flatnonzero(self.cuts < start)[::-1]
         heights = self.heights[beyond]
@@ -49,7 +70,7 @@ class TurningCurve:
 
 
 def _turns(spline: scipy.interpolate.CubicSpline) -> Floats:
-    """Where a spline's slope is zero, ascending."""
+    """Find where a spline's slope is zero, ascending."""
     cubic, square, slope, _ = spline.c
     length = np.diff(spline.x)
     a, b, c = 3.0 * cubic, 2.0 * square, slope

@@ -1,4 +1,4 @@
-"""Units: SI and rad/s inside, what people write outside. The one place where a factor stands."""
+"""Units: SI and rad/s inside, other units outside; every conversion factor stands here."""
 
 import math
 from typing import Literal
@@ -26,10 +26,24 @@ RADIANS: dict[PhaseUnit, float] = {"deg": math.pi / 180.0, "rad": 1.0}
 
 
 def rpm_to_rad_per_s(rpm: float) -> float:
-    """Spin speed [rad/s] of a speed [r/min]."""
+    """Convert a speed from r/min to rad/s.
+
+    Args:
+        rpm: Speed [r/min].
+
+    Returns:
+        Speed [rad/s].
+    """
     return rpm * RAD_PER_S["rpm"]
 
 
 def rad_per_s_to_rpm(rad_per_s: float) -> float:
-    """Speed [r/min] of a spin speed [rad/s]."""
+    """Convert a speed from rad/s to r/min.
+
+    Args:
+        rad_per_s: Speed [rad/s].
+
+    Returns:
+        Speed [r/min].
+    """
     return rad_per_s / RAD_PER_S["rpm"]

@@ -1,4 +1,4 @@
-"""The updated model: a machine with everything that an identification found put in, and how sure that is."""
+"""Updated model: a machine with the values that an identification found, and their covariance."""
 
 import math
 from collections.abc import Callable
@@ -7,7 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.identification import Identification
 from estimator.machine import Machine
@@ -17,16 +18,21 @@ from estimator.system_matrices import SystemMatrices, system_matrices_over_speed
 from estimator.units import rpm_to_rad_per_s
 
 HIGHEST_FREQUENCY = 2.5
-"""Natural frequencies are of interest up to this multiple of the speed range's end."""
+"""Multiple of the speed range's end up to which natural frequencies are of interest [-]."""
 
 
 @dataclass(frozen=True)
 class UpdatedModel:
     """A machine and the n coordinates that an identification found, without those of its measuring chains.
 
-    machine: with exact probes, so that what is predicted is the shaft's motion. coordinates: names. values: (n,) logarithms
-    of direct terms and scale factors, everything else in SI. covariance: (n, n) of the values.
-    Raises ValueError for coordinates that are not the machine's.
+    Attributes:
+        machine: The machine with exact probes, so that predictions are of the shaft's motion.
+        coordinates: Names of the n coordinates.
+        values: Values (n,) [SI, logarithms of direct terms and scale factors].
+        covariance: Covariance (n, n) of the values [SI²].
+
+    Raises:
+        ValueError: The coordinates are not the machine's, or values and covariance have another shape.
     """
 
     machine: Machine
@@ -44,7 +50,20 @@ class UpdatedModel:
 
     @classmethod
     def of(cls, machine: Machine, *, coefficients: Floats, unbalances: Complexes, covariance: Floats) -> "UpdatedModel":
-        """A model of constant coefficients (K,) [SI], unbalances (P,) [kg m], nothing else excited, E and ρ as documented."""
+        """Build a model of constant coefficients, with no other excitation than unbalances, E and ρ as documented.
+
+        Args:
+            machine: The machine.
+            coefficients: Coefficients (K,) [SI].
+            unbalances: Complex unbalances (P,) [kg m].
+            covariance: Covariance (n, n) of the coordinates [SI²].
+
+        Returns:
+            The model.
+
+        Raises:
+            ValueError: A direct term is not positive.
+        """
         exact = with_exact_probes(machine)
         coordinates = _coordinates(exact)
         theta = coordinates.with_coefficients(np.zeros(coordinates.size), np.asarray(coefficients, dtype=float))
@@ -54,32 +73,36 @@ class UpdatedModel:
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
         """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
-        known = _coordinates(self.machine)
-        if not known.follows:
-            return known
-        return Coordinates.of(replace(_reference(self.machine), speed=np.asarray(speed, dtype=float)), unbalance_scale=1.0)
+        return _coordinates(self.machine).at_speeds(np.asarray(speed, dtype=float))
 
     def coefficients(self, speed: float) -> Floats:
-        """Coefficients (K,) [SI] at a spin speed [rad/s, without sign]."""
+        """Compute the coefficients at a spin speed.
+
+        Args:
+            speed: Spin speed [rad/s, without sign].
+
+        Returns:
+            Coefficients (K,) [SI].
+        """
         coordinates = self.coordinates_at(np.array([speed]))
         return np.asarray(coordinates.coefficients(coordinates.theta(self.values)).reshape(-1))
 
     @property
     def excitations(self) -> Complexes:
-        """Excitations (E,) [SI], the unbalances first."""
+        """Return the excitations (E,) [SI], the unbalances first."""
         coordinates = _coordinates(self.machine)
         return coordinates.excitations(coordinates.theta(self.values))
 
     @property
     def scale_factors(self) -> dict[str, float]:
-        """Factor on each modulus and density that was identified, by name."""
+        """Return the factor [-] on each modulus and density that was identified, by name."""
         coordinates = _coordinates(self.machine)
         factors = coordinates.scales(coordinates.theta(self.values))
         return dict(zip(_reference(self.machine).scale_names, map(float, factors), strict=True))
 
     @cached_property
     def scaled_machine(self) -> Machine:
-        """The machine with the identified scale factors of E and ρ put into its materials."""
+        """Return the machine with the identified scale factors of E and ρ put into its materials."""
         factors = self.scale_factors
         materials = {
             name: material.model_copy(
@@ -94,9 +117,9 @@ class UpdatedModel:
 
     @property
     def basis(self) -> Basis:
-        """The coordinates of `matrices`: all degrees of freedom of a mesh that is not large.
+        """Return the basis of `matrices`: all degrees of freedom of a mesh that is not large.
 
-        The same for all values of a machine. Its modes up to `HIGHEST_FREQUENCY` times its highest speed, and up to the
+        It is the same for all values of a machine. Its modes up to `HIGHEST_FREQUENCY` times its highest speed, and up to the
         frequencies of its impact test, are as on the whole mesh.
         """
         tested = self.machine.impact_test.frequencies_hz if self.machine.impact_test is not None else ()
@@ -106,7 +129,7 @@ class UpdatedModel:
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
         """What gives the matrices of the whole train over the coordinates of `basis` at a spin speed [rad/s, without sign]."""
-        constant = not _coordinates(self.machine).follows
+        constant = not _coordinates(self.machine).models
         return system_matrices_over_speed(
             self.scaled_machine,
             coefficients=self.coefficients(1.0) if constant else self.coefficients,
@@ -114,7 +137,14 @@ class UpdatedModel:
         )
 
     def turning(self, direction: int) -> "UpdatedModel":
-        """The same machine turning in a sense: +1 from +x to +y, -1 against it."""
+        """Return the same machine turning in a given sense.
+
+        Args:
+            direction: +1 from +x to +y, -1 against it.
+
+        Returns:
+            The model.
+        """
         if direction == self.machine.direction:
             return self
         rotation = "positive" if direction > 0 else "negative"
@@ -122,18 +152,38 @@ class UpdatedModel:
 
 
 def updated_model(machine: Machine, identification: Identification) -> UpdatedModel:
-    """The model that an identification of the machine leads to.
+    """Build the model that an identification of the machine leads to.
 
-    Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: what they leave
-    open together with the others is in the covariance. Raises ValueError for an identification of another machine.
+    Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: the uncertainty
+    they leave together with the others is in the covariance.
+
+    Args:
+        machine: The machine.
+        identification: Its identification.
+
+    Returns:
+        The model.
+
+    Raises:
+        ValueError: The identification is of another machine.
     """
     return model_at(machine, identification.coordinates, identification.point, identification.covariance)
 
 
 def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, covariance: Floats | None = None) -> UpdatedModel:
-    """The model at values (n,) of named coordinates; those of measuring chains are left out. covariance: (n, n), or exact.
+    """Build the model at values of named coordinates; those of measuring chains are left out.
 
-    Raises ValueError for coordinates of another machine.
+    Args:
+        machine: The machine.
+        coordinates: Names of the n coordinates.
+        point: Values (n,) [SI, logarithms of direct terms and scale factors].
+        covariance: Covariance (n, n) [SI²]; None for exact values.
+
+    Returns:
+        The model.
+
+    Raises:
+        ValueError: The coordinates are of another machine.
     """
     exact = with_exact_probes(machine)
     names = _coordinates(exact).names
@@ -146,7 +196,14 @@ def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, cova
 
 
 def expected_model(machine: Machine) -> UpdatedModel:
-    """The model that a machine's document expects before anything is identified, taken as exactly known."""
+    """Build the model that a machine's document expects before anything is identified, taken as exactly known.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The model.
+    """
     exact = with_exact_probes(machine)
     coordinates = _coordinates(exact)
     size = coordinates.size
@@ -155,18 +212,25 @@ def expected_model(machine: Machine) -> UpdatedModel:
 
 @remembered
 def with_exact_probes(machine: Machine) -> Machine:
-    """The machine without gain errors and run-outs of its channels."""
+    """Return the machine without gain errors and run-outs of its channels.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The machine with exact probes.
+    """
     exact = {"gain_spread": 0.0, "run_out_spread": 0.0}
     return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
 
 
 @remembered
 def _reference(machine: Machine) -> CondensedTrain:
-    """The machine condensed at any one speed, to learn its coordinates from."""
+    """Condense the machine at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
 
 
 @remembered
 def _coordinates(machine: Machine) -> Coordinates:
-    """The machine's coordinates at that speed: their names, centre and spread are those at any."""
+    """Return the machine's coordinates at that speed: their names, centre and spread are those at any."""
     return Coordinates.of(_reference(machine), unbalance_scale=1.0)

@@ -1,4 +1,4 @@
-"""Whether a fit may be believed, and the words that say so."""
+"""Verdict on a fit: whether it may be believed, and why."""
 
 import math
 from dataclasses import dataclass
@@ -6,30 +6,36 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.fit import Fit, Problem, settled
 
 CHI_SQUARE_LIMIT = 5.0
-"""With stated noise, a fit is accepted when χ²/dof is at most 1 plus this many standard deviations √(2/dof)."""
+"""Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
 LARGEST_OUTLIER_PART = 0.1
-"""A fit that leaves out more than this part of the phasors explains the wrong ones."""
+"""Part of the phasors above which a fit that leaves them out explains the wrong ones [-]."""
 FEW_OUTLIERS = 5
-"""Fewer outliers than this say nothing about a channel."""
+"""Number of outliers below which they say nothing about a channel."""
 LARGEST_ESTIMATED_NOISE = 0.2
-"""An estimated relative noise above this is no noise but a model that does not fit."""
+"""Relative noise above which an estimate is no noise but a model that does not fit [-]."""
 SMALLEST_ESTIMATED_NOISE = 1e-5
-"""An estimated relative noise below this is rounding: the data were computed."""
+"""Relative noise below which an estimate is rounding: the data were computed [-]."""
 LARGEST_SERIAL_CORRELATION = 0.1
-"""With estimated noise, residuals of neighbouring speeds may be as alike as this, plus five standard deviations."""
+"""Largest correlation of residuals of neighbouring speeds with estimated noise, plus five standard deviations [-]."""
 LARGEST_ALIKENESS = 0.9
-"""Correlation from which on a larger one widens intervals no more."""
+"""Correlation from which on a larger one widens intervals no more [-]."""
 MUCH_NOISIER = 1.5
-"""A channel this many times as noisy as the noise model is mentioned."""
+"""Noise of a channel over the noise model's from which on it is mentioned [-]."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """accepted: whether the fit may be used. words: why. degrees_of_freedom: of χ², at least 1."""
+    """Verdict on a fit.
+
+    Attributes:
+        accepted: Whether the fit may be used.
+        words: The reason in words.
+        degrees_of_freedom: Degrees of freedom of χ², at least 1.
+    """
 
     accepted: bool
     words: str
@@ -37,12 +43,28 @@ class Verdict:
 
 
 def accepted(chi_square: float, freedom: int) -> bool:
-    """Whether χ² is no larger than the noise explains."""
+    """Check whether χ² is no larger than the noise explains.
+
+    Args:
+        chi_square: χ² [-].
+        freedom: Degrees of freedom.
+
+    Returns:
+        Whether it is.
+    """
     return chi_square / freedom <= 1.0 + CHI_SQUARE_LIMIT * math.sqrt(2.0 / freedom)
 
 
 def judge(problem: Problem, found: Fit) -> Verdict:
-    """Judge a fit by its χ², what it left out and, where its noise is estimated, the order in its residuals."""
+    """Judge a fit by its χ², its outliers and, where its noise is estimated, the order in its residuals.
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        The verdict.
+    """
     usable = int(np.count_nonzero(problem.measurement.usable))
     left_out = int(np.count_nonzero(found.outlier))
     freedom = max(1, 2 * (usable - left_out) - problem.coordinates.size)
@@ -68,17 +90,29 @@ def judge(problem: Problem, found: Fit) -> Verdict:
 
 @dataclass(frozen=True)
 class Remark:
-    """What an accepted fit should be told beside. inflation: factor on its covariance."""
+    """Remark on an accepted fit.
+
+    Attributes:
+        words: The remark.
+        inflation: Factor on the fit's covariance [-].
+    """
 
     words: str = ""
     inflation: float = 1.0
 
 
 def remark(problem: Problem, found: Fit) -> Remark:
-    """Whether the residuals show a pattern over speed, which χ² is not sharp enough for.
+    """Check whether the residuals show a pattern over speed, which χ² is not sharp enough for.
 
     Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
     and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression.
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        The remark, with words only where there is a pattern.
     """
     usable = int(np.count_nonzero(problem.measurement.usable & ~found.outlier))
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE or found.chi_square < usable:
@@ -96,7 +130,10 @@ def remark(problem: Problem, found: Fit) -> Remark:
 
 
 def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
-    """With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed."""
+    """Judge by the order of the residuals.
+
+    With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed.
+    """
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE and found.noise.floor == 0.0:
         return Verdict(True, f"accepted; no noise to be seen: {words}", freedom)
     if found.noise.relative * float(np.max(found.channel_noise)) > LARGEST_ESTIMATED_NOISE:
@@ -116,7 +153,15 @@ def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> V
 
 
 def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np.intp]]:
-    """Correlation (m,) of weighted residuals between neighbouring speeds of each channel, and the number of pairs (m,)."""
+    """Compute the correlation of weighted residuals between neighbouring speeds of each channel.
+
+    Args:
+        problem: The fit's problem, with m channels.
+        found: The fit.
+
+    Returns:
+        Correlations (m,) [-] and numbers of pairs (m,).
+    """
     final = settled(problem, found)
     model = final.model(found.theta)
     error = final.error(np.abs(model))
@@ -132,7 +177,7 @@ def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np
 
 
 def _misfitting_channel(problem: Problem, found: Fit) -> str:
-    """The channel that holds more than half of what χ² is too large by."""
+    """Name the channel that holds more than half of the excess of χ²."""
     final = settled(problem, found)
     model = final.model(found.theta)
     error = final.error(np.abs(model))
@@ -157,7 +202,7 @@ def _noisy_channels(problem: Problem, found: Fit) -> str:
 
 
 def _worst_channel(problem: Problem, found: Fit) -> str:
-    """Where most of the outliers are, if one channel has more than half of them."""
+    """Name the channel with more than half of the outliers, if there is one."""
     counts = np.count_nonzero(found.outlier, axis=0)
     worst = int(np.argmax(counts))
     if len(counts) < 2 or counts.sum() < FEW_OUTLIERS or counts[worst] <= counts.sum() / 2:

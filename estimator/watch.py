@@ -1,4 +1,4 @@
-"""What is to be said of a machine after its newest run: causes that its newest runs agree on, and those that have gone.
+"""Watch over a machine after its newest run: causes that its newest runs agree on, and those that have gone.
 
 A step shows in the newest runs at once, a creeping change only in the mean of several, in which the run-to-run variation
 averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides. A longer
@@ -16,16 +16,21 @@ from estimator.machine import Machine
 from estimator.observation import Observation
 
 LONGEST = 3
-"""The longest window has so many times as many runs as must agree."""
+"""Length of the longest window over the number of runs that must agree."""
 GONE = 0.3
-"""A cause that was said to be there is gone when its evidence falls below this part of what it took to say so."""
+"""Part of the evidence it took to report a cause, below which the cause is gone [-]."""
 Delay = Callable[[str, str], int]
-"""How many runs must agree on a cause of that kind at that element."""
+"""Function of kind and element that returns how many runs must agree on such a cause."""
 
 
 @dataclass(frozen=True)
 class Watch:
-    """A machine under watch: the baseline's observations and what they say together."""
+    """A machine under watch.
+
+    Attributes:
+        baseline: The baseline's observations.
+        reference: The reference that they make together.
+    """
 
     baseline: tuple[Observation, ...]
     reference: Reference
@@ -33,11 +38,30 @@ class Watch:
 
     @classmethod
     def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
-        """From the observations of a healthy machine. Raises ValueError as `reference` does."""
+        """Build the watch from the observations of a healthy machine.
+
+        Args:
+            machine: The machine.
+            baseline: Its observations.
+
+        Returns:
+            The watch.
+
+        Raises:
+            ValueError: The baseline does not make a reference, see `reference`.
+        """
         return cls(tuple(baseline), reference(machine, baseline))
 
     def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
-        """What the newest of the runs after the baseline, oldest first, agree on."""
+        """Find the causes that the newest of the runs after the baseline agree on.
+
+        Args:
+            after: Observations of the runs after the baseline, oldest first.
+            on_delay: Function that returns how many runs must agree on a cause.
+
+        Returns:
+            The diagnosis.
+        """
         causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
         for length in self._window_lengths(on_delay):
             if length > len(after):
@@ -55,7 +79,17 @@ class Watch:
         return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
 
     def gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
-        """Whether the newest runs show a cause no more."""
+        """Check whether the newest runs show a cause no more.
+
+        Args:
+            after: Observations of the runs after the baseline, oldest first.
+            kind: Kind of the cause.
+            element: Element of the cause.
+            off_delay: Number of newest runs that must not show it.
+
+        Returns:
+            Whether it has gone.
+        """
         if len(after) < off_delay:
             return False
         window = after[-off_delay:]
@@ -70,7 +104,15 @@ class Watch:
         return self._explanation(window).evidence.get((kind, element), 0.0) < GONE * STRONG
 
     def began(self, cause: Cause, after: Sequence[Observation]) -> int:
-        """Index of the run with which a cause most probably began: from there on the runs together speak for it most."""
+        """Find the run with which a cause most probably began: from there on the runs together speak for it most.
+
+        Args:
+            cause: The cause.
+            after: Observations of the runs after the baseline, oldest first.
+
+        Returns:
+            Index of the run.
+        """
         if not cause.names:
             return len(after) - len(cause.agreement)
         spoken = [agreement(self.reference, cause, one) for one in after]
@@ -78,7 +120,7 @@ class Watch:
         return int(np.argmax(sums))
 
     def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
-        """Whether the data of a single run have this fault: one that comes and goes has not gone."""
+        """Check whether the data of a single run have this fault: one that comes and goes has not gone."""
         faults = (*lost_channels(self.baseline, [one]), *many_outliers([one]))
         return any((fault.kind, fault.element) == (kind, element) for fault in faults)
 
@@ -87,14 +129,14 @@ class Watch:
         return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
 
     def _explanation(self, window: Sequence[Observation]) -> Diagnosis:
-        """Found once: several questions are asked about the same runs."""
+        """Diagnose a window once: several questions are asked about the same runs."""
         runs = tuple(window)
         if runs not in self._explained:
             self._explained[runs] = diagnose(self.reference, runs)
         return self._explained[runs]
 
     def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
-        """Causes in the machine, in its channels and in the data; nothing of the machine where no fit explains the runs."""
+        """Find causes in the machine, in its channels and in the data; none of the machine where no fit explains the runs."""
         found = self._explanation(window)
         channels = explained_channels(found)
         if not all(fits(one, channels) for one in window):

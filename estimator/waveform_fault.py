@@ -1,28 +1,36 @@
-"""What a waveform shows of a probe that does not measure: samples that are no numbers, a flat line, a rail, clipping."""
+"""Faults of a waveform from a probe that does not measure: samples that are no numbers, a flat line, a rail, clipping."""
 
 from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 WaveformFault = Literal["not finite", "rail", "flat line", "clipped"]
 
 UNUSABLE: frozenset[WaveformFault] = frozenset({"not finite", "rail", "flat line"})
 """Faults that leave nothing to be read; a clipped waveform still gives a phasor, too small."""
 CLIPPED_IN_A_ROW = 3
-"""Samples in a row at the extreme value that make a flat top."""
+"""Number of samples in a row at the extreme value that make a flat top."""
 CLIPPED_RATIO = 8.0
-"""Samples at the extreme against those at the value next to it. The top of a rounded sine has at most 1 / (√2 - 1) = 2.4."""
+"""Samples at the extreme over those at the value next to it from which on a top is flat [-]; the top of a rounded sine has at
+most 1 / (√2 - 1) = 2.4.
+"""
 
 
 def waveform_fault(
     signal: Floats, *, samples_per_turn: float, rails: tuple[float, float] | None = None
 ) -> WaveformFault | None:
-    """What is wrong with a waveform (N,), or None.
+    """Find the fault of a waveform.
 
-    samples_per_turn: a flat line is one value for a turn or longer. rails: the measuring range in the unit of the waveform;
-    half of the samples at its ends or beyond is a rail, any less is clipping.
+    Args:
+        signal: Waveform (N,) [any unit].
+        samples_per_turn: Samples in a turn of the shaft [-]; a flat line is one value for a turn or longer.
+        rails: Measuring range [unit of the waveform]; half of the samples at its ends or beyond is a rail, any less is
+            clipping.
+
+    Returns:
+        The fault, or None.
     """
     if not np.all(np.isfinite(signal)):
         return "not finite"

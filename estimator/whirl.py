@@ -8,20 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.shaft import NODE_DOFS
 
 PLANAR = 0.05
-"""A mode whose whirl is weaker than this, on a scale from 0 (in a plane) to 1 (circular), is called planar."""
+"""Whirl below which a mode is called planar, on a scale from 0 (in a plane) to 1 (circular) [-]."""
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """Ellipses, arrays of any one shape.
+    """Ellipses, arrays of any one shape (...).
 
-    semi_major: ≥ 0, in the phasors' unit. semi_minor: positive when the point whirls with the rotation, negative against it.
-    inclination: of the major axis, from +x towards +y [rad], in (-π/2, π/2]. delay: phase ωt [rad] at which the point is at
-    the end of the major axis that lies at `inclination`.
+    Attributes:
+        semi_major: Semi-major axes (...), not negative [unit of the phasors].
+        semi_minor: Semi-minor axes (...), positive when the point whirls with the rotation, negative against it [unit of the
+            phasors].
+        inclination: Inclinations (...) of the major axis from +x towards +y, in (-π/2, π/2] [rad].
+        delay: Phases ωt (...) at which the point is at the end of the major axis that lies at `inclination` [rad].
     """
 
     semi_major: Floats
@@ -31,7 +34,16 @@ class Orbit:
 
 
 def orbit(x: Complexes, y: Complexes, *, direction: int) -> Orbit:
-    """Orbits of points with displacement phasors x and y; direction: +1 for rotation from +x to +y, else -1."""
+    """Compute the orbits of points from their displacement phasors (Childs 1993, §1.4).
+
+    Args:
+        x: Phasors (...) along x [any unit].
+        y: Phasors (...) along y [unit of x].
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+
+    Returns:
+        The ellipses.
+    """
     with_axes = (np.asarray(x) + 1j * np.asarray(y)) / 2
     against_axes = np.conj(np.asarray(x) - 1j * np.asarray(y)) / 2
     # On the major axis both circles point the same way.
@@ -47,10 +59,17 @@ def orbit(x: Complexes, y: Complexes, *, direction: int) -> Orbit:
 
 
 def whirl(shapes: Complexes, mass: Floats, *, direction: int) -> Floats:
-    """How far each mode whirls: +1 circular with the rotation, -1 circular against it, 0 in a plane or undecided, (n,).
+    """Compute how far each mode whirls: +1 circular with the rotation, -1 circular against it, 0 in a plane or undecided.
 
-    shapes: (N, n) displacements of all degrees of freedom; mass: (N, N), by which the nodes count. The mean over the train:
-    a mode may whirl forward in one place and backward in another.
+    It is the mean over the train: a mode may whirl forward in one place and backward in another.
+
+    Args:
+        shapes: Displacements (N, n) of all degrees of freedom in n modes [any unit].
+        mass: Mass matrix (N, N), by which the nodes count [SI].
+        direction: Sense of rotation, +1 from +x to +y, else -1.
+
+    Returns:
+        Whirl (n,), -1 to 1 [-].
     """
     turned = np.empty_like(shapes)
     # (x, y, θx, θy) turned by 90° from +x to +y.
@@ -62,7 +81,14 @@ def whirl(shapes: Complexes, mass: Floats, *, direction: int) -> Floats:
 
 
 def whirl_name(value: float) -> str:
-    """'forward', 'backward' or 'planar' of a whirl between -1 and 1."""
+    """Name the sense of a whirl: 'forward', 'backward' or 'planar'.
+
+    Args:
+        value: Whirl, -1 to 1 [-].
+
+    Returns:
+        The name.
+    """
     if abs(value) < PLANAR:
         return "planar"
     return "forward" if value > 0 else "backward"

@@ -1,4 +1,4 @@
-"""What people write, in documents and in requests: a field that nobody knows is refused, and a truth value is no number."""
+"""Strict models of documents and requests: an unknown field is refused, and a truth value is no number."""
 
 import functools
 import typing

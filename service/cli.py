@@ -5,7 +5,6 @@ import logging
 import signal
 import threading
 import time
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -16,10 +15,11 @@ from pydantic import ValidationError
 
 from estimator.gate import Gated, identify_gated
 from estimator.identification import Identification
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
 from estimator.recorded import Recorded
+from estimator.rules import QualityRules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
@@ -40,6 +40,7 @@ from service.printing import (
     slow_roll_text,
 )
 from service.recording import read_recording, split, write_recording
+from service.release import VERSION
 from service.retention_command import retention_app
 from service.security.command import audit_app, key_app
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
@@ -70,7 +71,7 @@ Method = Literal["likelihood", "regression"]
 
 def _say_version(asked: bool) -> None:
     if asked:
-        say(f"rundown {version('rundown')}")
+        say(f"rundown {VERSION}")
         raise typer.Exit
 
 
@@ -98,7 +99,7 @@ def serve(
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
     # The web server and the database take a second to import, which no other command should pay.
-    from service.running import PortUnusable
+    from service.listening_socket import PortUnusable
     from service.running import serve as run_service
     from service.security.exposure import Exposed
     from storage.claim import DatabaseUnusable

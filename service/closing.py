@@ -20,8 +20,7 @@ from service.sharing import Share, Whole
 from storage import jobs, machines, quarantine, runs
 from storage.damage import is_damage
 from storage.database import Database
-from storage.errors import concerns_all
-from storage.leases import NotHeld
+from storage.errors import NotHeld, concerns_all
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)

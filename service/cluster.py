@@ -1,9 +1,9 @@
-"""A Dask cluster that computes identifications, by the address of its scheduler. Its workers are `rundown worker`.
+"""An executor that computes on a Dask cluster, found by the address of its scheduler. Its workers are `rundown worker`.
 
-They keep the limits of time and memory, and end what does not. What they cannot notice is noticed here: a worker that is
-frozen as a whole, or cut off, no longer says anything to the scheduler; it gets no more tasks, and what it has is given up
-when its time is over. One of another release, as its name tells, gets nothing: a task that it cannot open would end it. Should
-it get something after all, it refuses it (`service.cluster_task`).
+Workers keep the limits of time and memory, and end what does not. This side notices what they cannot: a worker that is frozen
+as a whole, or cut off, no longer says anything to the scheduler; it gets no more tasks, and what it has is given up when its
+time is over. A worker of another release, as its name tells, gets nothing: it would end on a task that it cannot unpickle.
+Should it get something after all, it refuses it (`service.cluster_task`).
 """
 
 import logging
@@ -19,7 +19,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from service import cluster_task
-from service.engines import EngineAway, Refused
+from service.executor import ExecutorUnavailable, TaskRefused
 from service.processes import Stuck
 
 if TYPE_CHECKING:
@@ -51,8 +51,8 @@ class _Sent:
     to: tuple[str, ...]
 
 
-class Cluster:
-    """An engine, see `service.engines`."""
+class DaskExecutor:
+    """Computes on the workers of a Dask scheduler; see `service.executor.Executor`."""
 
     def __init__(self, address: str) -> None:
         self._address = address
@@ -68,18 +68,20 @@ class Cluster:
         self._warnings: tuple[str, ...] = ()
 
     def capacity(self) -> int:
-        """One task for each thread of the workers that can be used. Raises EngineAway."""
+        """Return one task for each thread of the workers that can be used. Raises ExecutorUnavailable."""
         workers = self._workers()
         if not workers:
-            raise EngineAway(f"the Dask scheduler at {self._address} has no workers: start some with `rundown worker`")
+            raise ExecutorUnavailable(
+                f"the Dask scheduler at {self._address} has no workers: start some with `rundown worker`"
+            )
         doubtful = self._doubtful(workers)
         self._usable = tuple(address for address in workers if address not in doubtful)
         if not self._usable:
-            raise EngineAway("; ".join(doubtful.values()))
+            raise ExecutorUnavailable("; ".join(doubtful.values()))
         return sum(int(workers[address]["nthreads"]) for address in self._usable)
 
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
-        """As of Engine."""
+        """Compute a task, as `Executor.submit` says."""
         release, to = cluster_task.RELEASE, self._usable
         future: Any = self._connected().submit(
             cluster_task.compute, release, pickle.dumps((work, task)), limit_s, pure=False, workers=to
@@ -87,11 +89,11 @@ class Cluster:
         answer: Future[R] = Future()
         with self._lock:
             self._sent[answer] = _Sent(future, limit_s, time.monotonic(), to)
-        future.add_done_callback(partial(self._answered, answer))
+        future.add_done_callback(partial(self._pass_on, answer))
         return answer
 
     def look(self) -> None:
-        """Find workers that say nothing any more, and give up what they should have computed by now. Raises EngineAway."""
+        """Find silent workers, and give up what they should have computed by now. Raises ExecutorUnavailable."""
         with self._lock:
             sent = dict(self._sent)
         if not (sent or self._warnings) or time.monotonic() < self._looked + LOOK_S:
@@ -110,16 +112,16 @@ class Cluster:
                     self._give_up(answer, Stuck(silent[address]))
 
     def warnings(self) -> Sequence[str]:
-        """As of Engine."""
+        """Return why some workers get no tasks at present."""
         return self._warnings
 
     def close(self) -> None:
-        """As of Engine."""
+        """Leave the scheduler and give up what is being computed."""
         if self._client is not None:
             self._client.close(timeout=CONNECT_S)  # type: ignore[no-untyped-call]
 
     def _workers(self) -> dict[str, Any]:
-        """What the scheduler says of each, by address."""
+        """Ask the scheduler for its workers, by address."""
         workers: dict[str, Any] = self._asked("identity", n_workers=-1)["workers"]
         now, before, self._seen = time.monotonic(), self._seen, {}
         for address, one in workers.items():
@@ -128,19 +130,21 @@ class Cluster:
         return workers
 
     def _asked(self, question: str, **how: Any) -> Any:
-        """What the scheduler answers, in time: it may be frozen itself. Raises EngineAway."""
+        """Return the scheduler's answer, in time: it may be frozen itself. Raises ExecutorUnavailable."""
         client = self._connected()
         ask = getattr(client.scheduler, question)
         try:
             return client.sync(ask, callback_timeout=CONNECT_S, **how)  # type: ignore[no-untyped-call]
         except (OSError, TimeoutError) as error:
             why = str(error) or "it takes too long"
-            raise EngineAway(f"the Dask scheduler at {self._address} does not answer: {why}") from error
+            raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {why}") from error
 
     def _doubtful(self, workers: Mapping[str, Any]) -> dict[str, str]:
-        """Workers that get no tasks now, and why; that is warned of, too."""
+        """Return the workers that get no tasks now, and why; that is warned of, too."""
         now = time.monotonic()
-        found = {address: _unlike(address, cluster_task.release_of(str(one["name"]))) for address, one in workers.items()}
+        found = {
+            address: _release_mismatch(address, cluster_task.release_of(str(one["name"]))) for address, one in workers.items()
+        }
         with self._lock:
             self._refused = {address: one for address, one in self._refused.items() if address in workers and one[1] > now}
             found |= {address: words for address, (words, _) in self._refused.items()}
@@ -153,15 +157,15 @@ class Cluster:
         silent = [address for address, (_, at) in self._seen.items() if at < since]
         return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
 
-    def _answered(self, answer: Future[Any], future: Any) -> None:
-        """Called in a thread of Dask's when a task is computed, refused or lost."""
+    def _pass_on(self, answer: Future[Any], future: Any) -> None:
+        """Pass on what became of a task that is computed, refused or lost; runs in a thread of Dask's."""
         from distributed import KilledWorker
 
         with self._lock:
             if answer not in self._sent:
                 return
         try:
-            told: cluster_task.Answer = future.result(timeout=2 * CONNECT_S)
+            told: cluster_task.TaskAnswer = future.result(timeout=2 * CONNECT_S)
             if told["done"] is None:
                 raise self._refusal(told["address"], told["release"])
             done, value = pickle.loads(told["done"])
@@ -174,11 +178,11 @@ class Cluster:
         else:
             self._finish(answer, value) if done else self._give_up(answer, value)
 
-    def _refusal(self, address: str, release: str) -> Refused:
-        words = _unlike(address, release) or f"the Dask worker at {address} refuses its tasks"
+    def _refusal(self, address: str, release: str) -> TaskRefused:
+        words = _release_mismatch(address, release) or f"the Dask worker at {address} refuses its tasks"
         with self._lock:
             self._refused[address] = words, time.monotonic() + REFUSED_S
-        return Refused(words)
+        return TaskRefused(words)
 
     def _finish(self, answer: Future[Any], outcome: object) -> None:
         with self._lock:
@@ -200,27 +204,27 @@ class Cluster:
             answer.set_exception(reason)
 
     def _connected(self) -> "Client":
-        """The client, a new one where there is none or the last one has given up."""
+        """Return the client, a new one where there is none or the last one has given up."""
         from distributed import Client  # takes a second to import, which only a cluster's user should pay
 
         if self._client is not None and self._client.status == "running":
             return self._client
         if self._client is not None:
             if self._client.status == "connecting":
-                raise EngineAway(f"the Dask scheduler at {self._address} does not answer")
+                raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer")
             self._client = None
         try:
             self._client = Client(  # type: ignore[no-untyped-call]
                 self._address, timeout=CONNECT_S, set_as_default=False, name=f"rundown-{os.getpid()}"
             )
         except OSError as error:
-            raise EngineAway(f"the Dask scheduler at {self._address} does not answer: {error}") from error
+            raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {error}") from error
         logger.info("identifications are computed by the Dask cluster at %s", self._address)
         return self._client
 
 
-def _unlike(address: str, release: str | None) -> str:
-    """What is wrong with a worker's release, if anything."""
+def _release_mismatch(address: str, release: str | None) -> str:
+    """Say what is wrong with a worker's release, if anything."""
     ours = cluster_task.RELEASE
     if release is None:
         return f"the Dask worker at {address} does not say its release: start it as `rundown worker` of release {ours}"

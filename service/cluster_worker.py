@@ -7,7 +7,7 @@ import threading
 from distributed import Worker
 
 from service import cluster_task
-from service.processes import SeparateProcesses
+from service.processes import ProcessPool
 
 logger = logging.getLogger(__name__)
 
@@ -21,7 +21,7 @@ def work(scheduler: str, *, processes: int, memory_bytes: int, stop: threading.E
 
 async def _work(scheduler: str, processes: int, memory_bytes: int, stop: threading.Event) -> None:
     while not stop.is_set():
-        computing = SeparateProcesses(processes, memory_bytes=memory_bytes)
+        computing = ProcessPool(processes, memory_bytes=memory_bytes)
         cluster_task.compute_in(computing)
         try:
             # The memory limit is each process's own; this process only passes tasks on, each in a thread that waits.

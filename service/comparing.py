@@ -1,4 +1,4 @@
-"""What an identification is compared with: the baseline in force, and the runs between it and now."""
+"""Comparison of an identification with the baseline in force: the identifications of the baseline, and the runs since."""
 
 import statistics
 from collections.abc import Sequence
@@ -16,6 +16,20 @@ LONGEST_HISTORY = 520
 """Newest runs behind a baseline that trends are tested over: ten years of one a week."""
 WEEK = 7 * 86_400 * 1_000_000_000
 """[ns]"""
+
+
+@dataclass(frozen=True)
+class ComparisonTerms:
+    """The terms on which an identification of a single run is compared.
+
+    began: who began the baseline in force and why; None for the machine's first runs. like: what is comparable, under
+    revisions of the document that describe the same machine, of the same kind of run, with the same slow-roll vectors, behind
+    the beginning of the baseline.
+    """
+
+    identification: IdentificationRow
+    began: BaselineRow | None
+    like: Like
 
 
 @dataclass(frozen=True)
@@ -46,16 +60,8 @@ class Compared:
         return None
 
 
-def compared(
-    session: Session, stored: IdentificationRow, *, baseline_runs: int, accepted: bool = True, longest: int = LONGEST_HISTORY
-) -> Compared:
-    """What an identification of a single run is compared with.
-
-    accepted: only such runs come after the baseline; otherwise the refused ones as well. longest: at most so many of them.
-
-    Like is compared with like: under revisions of the document that describe the same machine, of the same kind of run, with
-    the same slow-roll vectors, over about the same speeds, behind the beginning of the baseline in force.
-    """
+def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
+    """Read on which terms an identification is compared. Raises MachineUnknown."""
     began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
     like = Like(
         revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
@@ -63,17 +69,40 @@ def compared(
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
     )
-    first, wanted = baseline_of(session, stored.machine_id, like, began, baseline_runs=baseline_runs)
-    known = {row.id for row in first}
+    return ComparisonTerms(stored, began, like)
+
+
+def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:
+    """Read the accepted runs that an identification of a single run is compared with."""
+    terms = terms_of(session, stored)
+    first, wanted = baseline_of(session, stored.machine_id, terms.like, terms.began, baseline_runs=baseline_runs)
+    return compared_with(session, terms, first, wanted)
+
+
+def compared_with(
+    session: Session,
+    terms: ComparisonTerms,
+    baseline: Sequence[IdentificationRow],
+    wanted: int,
+    *,
+    accepted: bool = True,
+    longest: int = LONGEST_HISTORY,
+) -> Compared:
+    """Read the runs between a baseline and an identification, over about the same speeds.
+
+    baseline, wanted: as of `baseline_of`. accepted: only such runs come after the baseline; otherwise the refused ones as
+    well. longest: at most so many of them.
+    """
+    stored, known = terms.identification, {row.id for row in baseline}
     newest = identifications.newest(
-        session, stored.machine_id, like, limit=longest + wanted, last=stored.measured_at, accepted=accepted
+        session, stored.machine_id, terms.like, limit=longest + wanted, last=stored.measured_at, accepted=accepted
     )
     after = [row for row in reversed(newest) if row.id not in known]
-    if began is None and first:
+    if terms.began is None and baseline:
         # What was refused before the machine's first good run belongs to nothing.
-        after = [row for row in after if row.measured_at >= first[0].measured_at]
-    after = [row for row in after if alike_speeds(row, first)]
-    return Compared(stored, began, wanted, first, after[-longest:])
+        after = [row for row in after if row.measured_at >= baseline[0].measured_at]
+    after = [row for row in after if alike_speeds(row, baseline)]
+    return Compared(stored, terms.began, wanted, baseline, after[-longest:])
 
 
 def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:

@@ -22,7 +22,7 @@ from typing import Any
 import httpx
 import numpy as np
 
-from estimator.parameters import is_direct
+from estimator.parameter_description import describe
 from service.documents import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
@@ -264,10 +264,11 @@ def _compare(estimate: dict[str, Any], truth: dict[str, Any], errors: list[float
         relative["unbalance"].append(math.hypot(value - real, estimate["imaginary"] - imaginary) / math.hypot(real, imaginary))
         return
     true = truth["parameters"][name]
-    if name.endswith((".kxx", ".kyy")):
-        relative["coupling" if name.startswith("coupling.") else "stiffness"].append(abs(value / true - 1.0))
+    said = describe(name)
+    if said.positive and said.term is not None and said.term.quantity == "stiffness":
+        relative["coupling" if said.element_kind == "coupling" else "stiffness"].append(abs(value / true - 1.0))
     # A direct term's error is one of its logarithm.
-    errors.append(math.log(value / true) / (error / value) if is_direct(name) else (value - true) / error)
+    errors.append(math.log(value / true) / (error / value) if said.positive else (value - true) / error)
 
 
 def _median_percent(values: list[float]) -> float:

@@ -7,11 +7,12 @@ from functools import cached_property
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.errors import Conflict
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.quality import EXCLUDING
+from estimator.rules import Noise
 from estimator.slow_roll import SlowRoll, corrected
 from estimator.updated_model import UpdatedModel, model_at
 from storage import identifications, machines, runs, slow_roll

@@ -22,8 +22,7 @@ from service.sharing import Share, Whole
 from service.storing import Storing
 from service.submissions import UNFORESEEN, NotStoring, Submission, Submissions
 from service.wire import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, JSON, Key, Received, Rejected, source_key
-from storage.errors import concerns_all, words
-from storage.leases import NotHeld
+from storage.errors import NotHeld, concerns_all, words
 from storage.longest import Longest
 
 logger = logging.getLogger(__name__)

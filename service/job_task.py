@@ -1,14 +1,15 @@
-"""A job as a task for a worker: its runs' samples, its options, what it is compared with; and what its result came from."""
+"""Building the task of a job: its runs' samples, its options, the runs it is compared with; and the origin of its result."""
 
 import logging
 from dataclasses import asdict
-from importlib.metadata import version as version_of_the_code
 
 from sqlalchemy.orm import Session
 
 from estimator.identification import Options
 from estimator.machine import parse_machine
-from service import requesting, worker
+from service import requesting
+from service.release import VERSION
+from service.task import IdentificationTask
 from storage import identifications, jobs, machines, runs, slow_roll
 from storage.blocks import DamagedBlock, encode
 from storage.identifications import Origin
@@ -21,12 +22,12 @@ GATHERED_KIND = "gathered"
 
 
 def reopened(session: Session, row: JobRow) -> tuple[int, ...]:
-    """How often each of a job's runs has been made anew."""
+    """Return how often each of a job's runs has been made anew."""
     return tuple(runs.get(session, run_id).times_reopened or 0 for run_id in row.run_ids)
 
 
-def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -> worker.Task:
-    """What a worker needs to compute a job, whose slow-roll version is settled. Raises what its data raise."""
+def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -> IdentificationTask:
+    """Build the task of a job whose slow-roll version is settled. Raises the errors that its data raise."""
     revision = runs.get(session, row.run_ids[0]).revision
     blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
     document = machines.revision(session, row.machine_id, revision).document
@@ -34,7 +35,7 @@ def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -
     machine, vectors = parse_machine(document), None
     if version is not None:
         vectors = slow_roll.vectors(slow_roll.get(session, row.machine_id, version), machine)
-    return worker.Task(
+    return IdentificationTask(
         document,
         blocks,
         requesting.fit_options(row, options),
@@ -47,13 +48,13 @@ def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -
 
 
 def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: int | None) -> tuple[int, bytes] | None:
-    """The point of the machine's first good identification: from there outliers lead no fit astray."""
+    """Return the point of the machine's first good identification: from there outliers lead no fit astray."""
     first = identifications.first_of(session, row.machine_id, revision=revision, slow_roll_version=slow_roll_version)
     return None if first is None or first.point is None else (first.id, first.point)
 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
-    """The run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
+    """Return the run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
     before = runs.before(session, runs.get(session, row.run_ids[0]))
     if before is None:
         return None
@@ -66,7 +67,7 @@ def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
 
 
 def origin(session: Session, row: JobRow, options: Options, beginning: int | None) -> Origin:
-    """What an identification was made from. beginning: id of the identification from which its fit started, if any."""
+    """Describe the origin of an identification. beginning: id of the identification from which the fit started, if any."""
     used = [runs.get(session, run_id) for run_id in row.run_ids]
     version = requesting.slow_roll_version(session, row)
     described = asdict(requesting.fit_options(row, options))
@@ -84,6 +85,6 @@ def origin(session: Session, row: JobRow, options: Options, beginning: int | Non
         run_ids=row.run_ids,
         measured_at=max(run.time_last or run.time_first for run in used),
         options=described,
-        code_version=version_of_the_code("rundown"),
+        code_version=VERSION,
         slow_roll_version=version,
     )

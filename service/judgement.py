@@ -1,12 +1,13 @@
-"""What a worker is asked of a machine's newest runs, and what it answers: see `service.judging`."""
+"""The context that an assessment of a machine's newest runs is made from, and the assessment: see `service.judging`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from estimator.machine import Condition, Machine
+from estimator.machine import Machine
 from estimator.observation import Fit
 from estimator.point import Point
+from estimator.rules import Condition
 from service.alert_life import Severity
 from service.limits import Limits
 
@@ -20,8 +21,8 @@ Conditions = Mapping[str, float | None]
 
 
 @dataclass(frozen=True)
-class JudgedRun:
-    """One identification of a run. fit: what it says; measured_at: [ns]."""
+class AssessedRun:
+    """An identification of one run. fit: its result; measured_at: [ns]."""
 
     id: int
     measured_at: int
@@ -30,10 +31,10 @@ class JudgedRun:
 
 
 @dataclass(frozen=True)
-class History:
+class BaselineHistory:
     """Runs behind a baseline, oldest first. times: [weeks since 1970]. conditions: of the machine, that parameters may follow.
 
-    baseline, after: per run what was determined, and the conditions under which.
+    baseline, after: the parameters that each run determined, and its operating conditions.
     """
 
     conditions: Sequence[Condition]
@@ -43,27 +44,35 @@ class History:
 
 
 @dataclass(frozen=True)
-class Question:
-    """What is to be judged. limits: in force; basis: the baseline and the limits in force, by number.
+class AssessmentBasis:
+    """What a person may change while an assessment is made: the baseline and the limits in force, by number."""
 
-    speaking: kind and element of the machine's open alerts of a diagnosis. rates: None where nothing is to be said of rates;
-    drifting: severity of the open alerts of that rule by element. baseline, after: oldest first; no baseline: nothing is
-    diagnosed.
+    baseline_id: int | None
+    limits_version: int | None
+
+
+@dataclass(frozen=True)
+class AssessmentContext:
+    """Everything that an assessment needs to know of a machine.
+
+    baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
+    alerts of a diagnosis. history: None where rates of change are not assessed; open_rates: severity of the open alerts of
+    that rule by element.
     """
 
     machine: Machine
     limits: Limits
-    basis: tuple[int | None, int | None]
-    baseline: tuple[JudgedRun, ...]
-    after: tuple[JudgedRun, ...]
-    speaking: tuple[tuple[str, str], ...]
-    rates: History | None
-    drifting: Mapping[str, Severity]
+    basis: AssessmentBasis
+    baseline: tuple[AssessedRun, ...]
+    after: tuple[AssessedRun, ...]
+    open_causes: tuple[tuple[str, str], ...]
+    history: BaselineHistory | None
+    open_rates: Mapping[str, Severity]
 
 
 @dataclass(frozen=True)
-class FoundCause:
-    """A cause, what else would explain it, its size and form, and the units of its changes by name.
+class DiagnosedCause:
+    """A cause, its runners-up as an explanation, its size and form, and the units of its changes by name.
 
     began_at, began: time [ns] and identification of the run with which it most probably began.
     """
@@ -78,25 +87,28 @@ class FoundCause:
 
 
 @dataclass(frozen=True)
-class Found:
-    """A diagnosis. baseline: ids that it rests on. gone: which of the question's alerts speak of nothing any more."""
+class MachineDiagnosis:
+    """Causes of a machine's change against its baseline.
+
+    baseline: ids of the identifications that it rests on. gone: the `open_causes` of the context that are no longer there.
+    """
 
     baseline: tuple[int, ...]
-    causes: tuple[FoundCause, ...]
+    causes: tuple[DiagnosedCause, ...]
     gone: frozenset[tuple[str, str]]
 
 
 @dataclass(frozen=True)
-class Rates:
-    """What drifts too fast, and the elements whose alerts speak of nothing any more."""
+class RateAssessment:
+    """Parameters that change too fast. gone: elements of the context's `open_rates` that no longer do."""
 
     findings: tuple["RateFinding", ...]
     gone: frozenset[str]
 
 
 @dataclass(frozen=True)
-class Judgement:
-    """The answer. None: nothing can be said."""
+class Assessment:
+    """The assessment of a machine. diagnosis, rates: None where nothing can be said."""
 
-    diagnosis: Found | None
-    rates: Rates | None
+    diagnosis: MachineDiagnosis | None
+    rates: RateAssessment | None

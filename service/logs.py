@@ -7,7 +7,7 @@ from typing import Literal
 
 import msgspec
 
-from storage.plain_text import plain_lines
+from storage.text import plain_lines
 
 LogFormat = Literal["text", "json"]
 

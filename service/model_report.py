@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from estimator.amplification import amplification
+from estimator.arrays import Floats
 from estimator.balance_grade import balance_grades
 from estimator.balancing import balance
-from estimator.condensation import Floats
 from estimator.critical_speed import critical_speed_table
 from estimator.impact_test import compare_impact_test, measured_frequencies
 from estimator.misalignment_force import coupling_forces

@@ -1,8 +1,8 @@
-"""Worker processes on this machine, each with one piece of work at a time.
+"""A pool of worker processes on this machine, each with one task at a time.
 
-A process has a thread that talks with it through a pipe, and may wait for it for ever. What must happen in time is looked
-after by one more thread: a process that is over its time is killed (SIGKILL, which ends stopped ones as well), its work ends
-in Stuck, and a new process takes its place. Nothing waits for one that the kernel does not let die, as in input that hangs.
+A process has a thread that talks with it through a pipe, and may wait for it for ever. One more thread watches the time: a
+process that is over its time is killed (SIGKILL, which ends stopped ones as well), its task ends in Stuck, and a new process
+takes its slot. Nothing waits for a process that the kernel does not let die, as in input that hangs.
 """
 
 import logging
@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
-from service import worker
+from service import process_setup, time_limit
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -27,11 +27,11 @@ T = TypeVar("T")
 logger = logging.getLogger(__name__)
 
 START_S = 60.0
-"""How long a process may take until it is there, …"""
+"""How long a process may take to start."""
 HAND_OVER_S = 30.0
-"""… until it says that it has got a piece of work, …"""
-GRACE_S = worker.GRACE_S + 5.0
-"""… and how much longer than allowed for that, after which it should have ended itself."""
+"""How long it may take to say that it has received a task."""
+GRACE_S = time_limit.GRACE_S + 5.0
+"""How much longer than allowed a task may take here: by then the process should have ended itself."""
 WATCH_S = 0.25
 RETRY_S = 1.0
 """Pause after no process could be begun."""
@@ -45,22 +45,22 @@ class Stuck(RuntimeError):
 
 
 class Interrupted(RuntimeError):
-    """A piece of work was given up because its processes are shut down."""
+    """A task was given up because its processes are shut down."""
 
 
 @dataclass(frozen=True)
-class _Piece:
-    """Work that is pickled, how long it may take [s], and who waits for it."""
+class _WorkItem:
+    """A pickled task, its time limit [s], and the future of who waits for it."""
 
     payload: bytes
     limit_s: float
     future: Future[Any]
 
 
-class SeparateProcesses:
-    """So many processes, begun when there is work, and the work that waits for them.
+class ProcessPool:
+    """A number of processes, begun with the first task, and the queue of tasks that wait for them.
 
-    Work ends in what it raises, in BrokenProcessPool where its process died, in Stuck where that stopped answering, or in
+    A task ends in what it raises, in BrokenProcessPool where its process died, in Stuck where that stopped answering, or in
     Interrupted by `shutdown`.
     """
 
@@ -68,43 +68,43 @@ class SeparateProcesses:
         """memory_bytes: what each process may hold of its own; more raises MemoryError in it."""
         self._workers = workers
         self._memory = memory_bytes
-        self._waiting: SimpleQueue[_Piece | None] = SimpleQueue()
+        self._waiting: SimpleQueue[_WorkItem | None] = SimpleQueue()
         self._lock = threading.Lock()
-        self._places: list[_Place] = []
+        self._slots: list[_Slot] = []
         self._stop = threading.Event()
         self._watching = threading.Thread(target=self._watch, name="watching processes", daemon=True)
 
     def submit(self, limit_s: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Have work done that keeps to its own time of `limit_s` [s]; what does not is stopped shortly afterwards."""
+        """Queue a task that keeps to its own time of `limit_s` [s]; one that does not is stopped shortly afterwards."""
         future: Future[T] = Future()
         payload = pickle.dumps((work, args, kwargs))
         with self._lock:
             if self._stop.is_set():
                 raise Interrupted("these processes are shut down")
-            if not self._places:
-                self._places = [_Place(self._waiting, self._memory) for _ in range(self._workers)]
+            if not self._slots:
+                self._slots = [_Slot(self._waiting, self._memory) for _ in range(self._workers)]
                 self._watching.start()
-        self._waiting.put(_Piece(payload, limit_s, future))
+        self._waiting.put(_WorkItem(payload, limit_s, future))
         return future
 
     def shutdown(self) -> None:
         """Kill the processes and give up what they compute; what waits is cancelled."""
         with self._lock:
             self._stop.set()
-            places = self._places
-        if not places:
+            slots = self._slots
+        if not slots:
             return
         self._watching.join()
-        while (piece := self._next()) is not None:
-            piece.future.cancel()
-        for place in places:
-            place.give_up(Interrupted("its process was shut down"))
+        while (item := self._next()) is not None:
+            item.future.cancel()
+        for slot in slots:
+            slot.give_up(Interrupted("its process was shut down"))
             self._waiting.put(None)
         until = time.monotonic() + DEATH_S
-        for place in places:
-            place.join(until - time.monotonic())
+        for slot in slots:
+            slot.join(until - time.monotonic())
 
-    def _next(self) -> _Piece | None:
+    def _next(self) -> _WorkItem | None:
         try:
             return self._waiting.get_nowait()
         except Empty:
@@ -112,27 +112,27 @@ class SeparateProcesses:
 
     def _watch(self) -> None:
         while not self._stop.wait(WATCH_S):
-            for number, place in enumerate(self._places):
+            for number, slot in enumerate(self._slots):
                 try:
-                    self._look_at(number, place)
+                    self._look_at(number, slot)
                 except Exception:
                     logger.exception("a worker process cannot be looked after, trying again")
 
-    def _look_at(self, number: int, place: "_Place") -> None:
-        if (silent := place.silent_s()) is not None:
+    def _look_at(self, number: int, slot: "_Slot") -> None:
+        if (silent := slot.silent_s()) is not None:
             logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
-            self._places[number] = _Place(self._waiting, self._memory)
-            place.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
+            self._slots[number] = _Slot(self._waiting, self._memory)
+            slot.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
-class _Place:
+class _Slot:
     """A process and the thread that talks with it."""
 
-    def __init__(self, waiting: "SimpleQueue[_Piece | None]", memory_bytes: int) -> None:
+    def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", memory_bytes: int) -> None:
         self._waiting = waiting
         self._memory = memory_bytes
         self._lock = threading.Lock()
-        self._piece: _Piece | None = None
+        self._item: _WorkItem | None = None
         self._given_up: Exception | None = None
         self._asked, self._until = 0.0, math.inf
         self._process: Any = None  # of the context that spawns
@@ -141,7 +141,7 @@ class _Place:
         self._thread.start()
 
     def silent_s(self) -> float | None:
-        """How long the process has not answered [s], where that is too long."""
+        """Return how long the process has not answered [s], where that is too long."""
         now = time.monotonic()
         return now - self._asked if now > self._until else None
 
@@ -159,22 +159,22 @@ class _Place:
         self._thread.join(max(0.0, seconds))
 
     def _run(self) -> None:
-        while self._given_up is None and (piece := self._waiting.get()) is not None:
-            if piece.future.set_running_or_notify_cancel():
+        while self._given_up is None and (item := self._waiting.get()) is not None:
+            if item.future.set_running_or_notify_cancel():
                 with self._lock:
-                    self._piece = piece
-                self._compute(piece)
+                    self._item = item
+                self._compute(item)
         self._end()
 
-    def _compute(self, piece: _Piece) -> None:
+    def _compute(self, item: _WorkItem) -> None:
         try:
             if self._given_up is not None:
                 raise self._given_up
             pipe = self._pipe or self._begun()
             self._allow(HAND_OVER_S)
-            pipe.send_bytes(piece.payload)
+            pipe.send_bytes(item.payload)
             pipe.recv_bytes()
-            self._allow(piece.limit_s + GRACE_S)
+            self._allow(item.limit_s + GRACE_S)
             done, value = pickle.loads(pipe.recv_bytes())
         except (EOFError, OSError) as error:
             self._end()
@@ -185,7 +185,7 @@ class _Place:
             self._settle(value) if done else self._settle(error=value)
 
     def _begun(self) -> Connection:
-        """A new process. Raises Interrupted where none can be had at present, which is not the work's fault."""
+        """Begin a process. Raises Interrupted where none can be had at present, which is not the task's fault."""
         try:
             return self._begin()
         except (EOFError, OSError, RuntimeError) as error:
@@ -214,16 +214,16 @@ class _Place:
         self._until = self._asked + seconds
 
     def _settle(self, value: object = None, *, error: BaseException | None = None) -> None:
-        """Tell who waits, once: the watching thread may have done so already."""
+        """Complete the future, once: the watching thread may have done so already."""
         with self._lock:
-            piece, self._piece = self._piece, None
+            item, self._item = self._item, None
             self._until = math.inf
-        if piece is None:
+        if item is None:
             return
         if error is None:
-            piece.future.set_result(value)
+            item.future.set_result(value)
         else:
-            piece.future.set_exception(error)
+            item.future.set_exception(error)
 
     def _end(self) -> None:
         with self._lock:
@@ -237,8 +237,8 @@ class _Place:
 
 
 def _serve(pipe: Connection, memory_bytes: int) -> None:
-    """What runs in the process: one piece of work after the other, until there is nobody to give any."""
-    worker.prepare(memory_bytes)
+    """Compute one task after the other in the process, until the parent closes the pipe."""
+    process_setup.set_up(memory_bytes)
     pipe.send_bytes(HERE)
     while True:
         try:
@@ -258,7 +258,7 @@ def _done(payload: bytes) -> bytes:
 
 
 def failed(error: BaseException) -> bytes:
-    """An error as it is told by another process; in words where it cannot be pickled, or not be read again."""
+    """Pickle an error for another process; in words where it cannot be pickled, or not be read again."""
     try:
         told = pickle.dumps((False, error))
         pickle.loads(told)

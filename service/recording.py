@@ -12,8 +12,10 @@ import msgspec
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from estimator.condensation import Complexes, Floats
-from estimator.machine import Identifier, Machine, Positive, Unbalance, field_path
+from estimator.arrays import Complexes, Floats
+from estimator.field_types import Identifier, Positive
+from estimator.machine import Machine, field_path
+from estimator.parts import Unbalance
 from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
 from estimator.identification import Options
-from estimator.machine import QualityRules
+from estimator.rules import QualityRules
 from service.job_quota import LONGEST_IDENTITY, JobQuota
 from storage import jobs, machines, runs, slow_roll
 from storage.job_order import ASKED

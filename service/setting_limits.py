@@ -13,8 +13,12 @@ class LimitsChanged(Outdated):
 
 
 def limits_in_force(session: Session, machine_id: str) -> Limits:
-    """A machine's limits; the defaults where nobody has set any."""
-    row = limits.in_force(session, machine_id)
+    """Read a machine's limits; the defaults where nobody has set any."""
+    return limits_of(limits.in_force(session, machine_id))
+
+
+def limits_of(row: LimitsRow | None) -> Limits:
+    """Parse the limits that a row holds; the defaults where there is none."""
     return Limits() if row is None else Limits.model_validate(row.document)
 
 

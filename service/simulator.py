@@ -14,7 +14,7 @@ from typing import TextIO
 import numpy as np
 import zenoh
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.segmentation import RunKind
 from estimator.simulation import (

@@ -17,8 +17,8 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.plain_text import nul_back, plain_text
 from storage.tables import AuditHeadRow, AuditRow
+from storage.text import nul_back, plain_text
 
 BEGINNING = "0" * 64
 """What the first entry is bound to."""

@@ -6,8 +6,8 @@ import zlib
 import msgspec
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.channel_effects import ChannelEffects
-from estimator.condensation import Floats
 
 ZIP = b"PK"
 """With which a block begins that an older release wrote: a file of numpy's."""

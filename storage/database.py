@@ -5,28 +5,24 @@ Of both kinds holds: one writes at a time, and who only looks sees one state fro
 
 import re
 import sqlite3
-import threading
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import AbstractContextManager, closing, contextmanager
 from typing import Any
 
 from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-from storage import database_version, file_lock, postgresql_archive, private_files
+from storage import database_version, file_lock, private_files, writer_turn
 from storage.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.damage import Damage, marker_of
-from storage.json_text import written
 from storage.longest import Longest
 from storage.looking import damages
-from storage.schema import known_revisions, revision_of
+from storage.schema_upgrade import bring_up_to_date
 from storage.sqlite_files import SqliteFiles
+from storage.text import json_text
+from storage.writer_turn import WriterTurn
 
-BUSY_TIMEOUT_MS = 15_000
-"""How long a writer waits for its turn."""
-SAVING_TURN_S = 1.0
-"""How long the saving of a log that is gone waits for its turn among writers; it is tried again."""
 LARGEST_LOG = 64 * 2**20
 """To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
 WRITER_KEY = CLAIM_KEY + 1
@@ -51,17 +47,17 @@ class Database:
         """Open and migrate. Raises DatabaseUnusable."""
         self.engine = engine_of(url)
         try:
-            self._migrate()
+            bring_up_to_date(self.engine)
         except (DBAPIError, DatabaseUnusable, OSError) as error:
             self.engine.dispose()
             cause = error.orig if isinstance(error, DBAPIError) else error
             raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
         self.url = url
         self._claim = Claim(self.engine)
-        self._turn = threading.Lock()
         self.longest_transaction = Longest()
         """Of those that write, from when it was their turn until they were durable."""
         self._files = _kept_files(self.engine)
+        self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
         path = file_of(self.engine)
         self._place = None if path is None else file_lock.use(path)
         self.damage = Damage(None if path is None else marker_of(path))
@@ -134,11 +130,7 @@ class Database:
         files = self._files
         if files is None or files.look():
             return
-        if not files.saved and self._turn.acquire(timeout=SAVING_TURN_S):
-            try:
-                files.save()
-            finally:
-                self._turn.release()
+        self._turn.save(files)
         raise DatabaseUnusable(files.trouble)
 
     def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
@@ -188,57 +180,9 @@ class Database:
             file_lock.leave(self._place)
             self._place = None
 
-    @contextmanager
-    def turn(self) -> Iterator[None]:
-        """Writers of this process wait here for each other and not in SQLite, in turn and until the checkpoint behind a commit
-        is over: see `storage.database_version`. PostgreSQL orders them itself.
-        """
-        if self.kind != "sqlite":
-            yield
-        elif self._turn.acquire(timeout=BUSY_TIMEOUT_MS / 1000):
-            try:
-                with self._durably():
-                    yield
-            finally:
-                self._turn.release()
-        else:
-            waited = TimeoutError(f"database is locked: another thread has written for {BUSY_TIMEOUT_MS / 1000:.0f} s")
-            raise OperationalError(None, None, waited)
-
-    @contextmanager
-    def _durably(self) -> Iterator[None]:
-        """What is committed to a log that is gone is saved before anybody counts on it. Raises OperationalError."""
-        if self._files is None:
-            yield
-            return
-        self._files.require()
-        yield
-        if not self._files.look() and not self._files.save():
-            self._files.require()
-
-    def _migrate(self) -> None:
-        # Under the writer's lock: several processes may open a new database at once.
-        with self.engine.execution_options(writing="alone").begin() as connection:
-            if postgresql_archive.interrupted(connection):
-                raise DatabaseUnusable("a restore into it was interrupted: run `rundown restore FILE --overwrite` again")
-            found = revision_of(connection)
-            if found == known_revisions()[0]:
-                return
-            with self._for_ourselves(older=found is not None):
-                from storage.migrating import upgrade
-
-                upgrade(connection)
-
-    @contextmanager
-    def _for_ourselves(self, *, older: bool) -> Iterator[None]:
-        """A schema that others work with is not changed under them. Raises DatabaseUnusable where somebody does."""
-        claim = Claim(self.engine)
-        try:
-            if older:
-                claim.take()
-            yield
-        finally:
-            claim.release()
+    def turn(self) -> AbstractContextManager[None]:
+        """Have the turn among the writers of this process, see `storage.writer_turn`. Raises OperationalError."""
+        return self._turn.taken()
 
 
 def _kept_files(engine: Engine) -> SqliteFiles | None:
@@ -329,7 +273,7 @@ def _engine(url: str | URL) -> Engine:
             f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
-        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=written
+        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
     )
     if dialect == "postgresql":
         event.listen(engine, "begin", _begin_postgresql)
@@ -355,7 +299,7 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
     # Transactions are begun by `_begin_sqlite`: the driver's own handling starts them too late for a safe upgrade to writing.
     connection.isolation_level = None
     try:
-        connection.execute(f"PRAGMA busy_timeout = {BUSY_TIMEOUT_MS}")
+        connection.execute(f"PRAGMA busy_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
             # Of a new file only; of an older one it would change nothing, and wait for its writer.
             connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
@@ -378,6 +322,6 @@ def _begin_postgresql(connection: Any) -> None:
     # What reads before it writes would otherwise have to expect that another one wrote in between.
     writing = connection.get_execution_options().get("writing")
     if writing:
-        connection.exec_driver_sql(f"SET LOCAL lock_timeout = {BUSY_TIMEOUT_MS}")
+        connection.exec_driver_sql(f"SET LOCAL lock_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
     if writing == "alone":
         connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER_KEY})")

@@ -1,9 +1,18 @@
-"""What an error of the database says, and whom it concerns."""
+"""Errors of the database and of leases: whom they concern, and the words that they say."""
+
+from collections.abc import Collection
 
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, TimeoutError
 
 from storage.damage import is_of_a_part
-from storage.leases import NotHeld
+
+
+class NotHeld(RuntimeError):
+    """A lease is another replica's by now."""
+
+    def __init__(self, names: Collection[str]) -> None:
+        super().__init__(f"held by another replica, or by none: {', '.join(sorted(names))}")
+        self.names = frozenset(names)
 
 
 def concerns_all(error: BaseException) -> bool:

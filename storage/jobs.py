@@ -15,9 +15,9 @@ from storage.job_order import AUTOMATIC, TRIED, next_jobs, next_turn
 from storage.job_order import QUEUED as QUEUED
 from storage.job_order import RUNNING as RUNNING
 from storage.paging import Keys, ordered
-from storage.plain_text import plain_text
 from storage.plant_scope import EVERY_PLANT
 from storage.tables import JobRow, ReplicaRow
+from storage.text import plain_text
 
 DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
 """State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""

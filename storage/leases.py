@@ -9,16 +9,9 @@ from collections.abc import Collection, Sequence
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
+from storage.errors import NotHeld
 from storage.replicas import clock
 from storage.tables import LeaseRow
-
-
-class NotHeld(RuntimeError):
-    """A lease is another replica's by now."""
-
-    def __init__(self, names: Collection[str]) -> None:
-        super().__init__(f"held by another replica, or by none: {', '.join(sorted(names))}")
-        self.names = frozenset(names)
 
 
 def ensure(session: Session, names: Collection[str]) -> None:

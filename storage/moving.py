@@ -1,6 +1,6 @@
 """Taking all data over from one database to another, of whatever kind: all of them, compared in the end, or none.
 
-Older releases let NUL into texts, which SQLite keeps and PostgreSQL cannot: there it is escaped (`storage.plain_text`).
+Older releases let NUL into texts, which SQLite keeps and PostgreSQL cannot: there it is escaped (`storage.text`).
 """
 
 import math
@@ -15,10 +15,9 @@ from sqlalchemy import JSON, URL, Column, Connection, MetaData, Result, Table, f
 
 from storage.claim import file_of
 from storage.database import Database, lent_engine, require_there, shown
-from storage.json_text import finite
-from storage.plain_text import nul_escaped
 from storage.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
 from storage.tables import Base
+from storage.text import finite, nul_escaped
 
 AT_ONCE = 200
 """Rows on their way at a time."""

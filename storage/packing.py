@@ -7,7 +7,8 @@ then the noise that is left. Numbers that are no such multiples are kept as they
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from estimator.arrays import Floats
+
 Bytes = NDArray[np.uint8]
 
 QUANTUM = 2.0**-36

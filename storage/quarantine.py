@@ -8,8 +8,8 @@ from sqlalchemy import CursorResult, delete, func, select, update
 from sqlalchemy.orm import Session
 
 from storage.paging import Keys, ordered
-from storage.plain_text import plain_text
 from storage.tables import QuarantineCountRow, QuarantineRow
+from storage.text import plain_text
 
 KEPT_ROWS = 10_000
 KEPT_BYTES = 4096

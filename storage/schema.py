@@ -1,5 +1,6 @@
 """Which revision of the schema a database has, which ones this release knows, and how many rows its tables hold."""
 
+from importlib import resources
 from pathlib import Path
 
 from sqlalchemy import Connection, func, inspect, select, text
@@ -7,7 +8,7 @@ from sqlalchemy import Connection, func, inspect, select, text
 from storage.claim import DatabaseUnusable
 from storage.tables import Base, ChangeCountRow
 
-MIGRATIONS = Path(__file__).with_name("migrations")
+MIGRATIONS = Path(str(resources.files("storage"))) / "migrations"
 """Whose file names begin with the revision that they lead to, each higher than the one before."""
 KEPT_BY_ITSELF = frozenset({ChangeCountRow.__tablename__})
 """Tables that each database fills by itself; they hold no data."""

@@ -13,7 +13,8 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from estimator.errors import Missing
-from estimator.machine import Machine, Probe
+from estimator.machine import Machine
+from estimator.parts import Probe
 from estimator.slow_roll import SlowRoll
 from storage import machines
 from storage.clock import now

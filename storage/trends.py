@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from sqlalchemy import func, null, select
 from sqlalchemy.orm import Session
 
+from estimator.arrays import Floats
 from storage.identifications import counting
 from storage.runs import DISCARDED
 from storage.tables import BaselineRow, DerivedRow, EstimateRow, IdentificationRow, MachineRow, RunRow
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Texts = NDArray[np.object_]
 

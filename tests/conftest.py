@@ -15,13 +15,20 @@ from tests.databases import Databases, Kind, NewDatabase, PostgresqlDatabases, S
 from tests.plant import machine
 from tests.postgresql import FAST, Server, server
 
-FIRST = ("browser", "distribution", "end_to_end", "faults")
-"""Folders of which a few tests take as long as hundreds of others: last, they would leave one process alone with them."""
+TESTS = Path(__file__).parent
+FIRST = frozenset({"browser", "distribution", "end_to_end", "faults"})
+"""Folders, at any depth, of which a few tests take as long as hundreds of others: last, they would leave one process alone
+with them."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What takes longest begins first."""
-    items.sort(key=lambda item: item.path.parent.name not in FIRST)
+    """Begin with what takes longest."""
+    items.sort(key=lambda item: not takes_long(item.path))
+
+
+def takes_long(path: Path) -> bool:
+    """Whether a file of tests lies in one of the folders that come first, or in a folder below one."""
+    return not FIRST.isdisjoint(path.relative_to(TESTS).parts[:-1])
 
 
 def pytest_collection_finish() -> None:

@@ -1,14 +1,15 @@
-"""Judging in one go what `rundown serve` judges in a worker, between two transactions."""
+"""Assess in one go what `rundown serve` judges in a worker, between two transactions."""
 
 from sqlalchemy.orm import Session
 
 from service import watching
-from service.judging import judged
+from service.assessment_context import load_context, load_state
+from service.judging import assess
 from storage.tables import IdentificationRow
 
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
-    """Ask, answer and carry out."""
-    question = watching.question(session, stored, baseline_runs=baseline_runs)
-    if question is not None:
-        watching.carry_out(session, stored, question, judged(question))
+    """Load the context, assess it and apply the assessment."""
+    context = load_context(session, stored, baseline_runs=baseline_runs)
+    if context is not None:
+        watching.apply(session, stored, context, assess(context), load_state(session, stored))

@@ -18,8 +18,9 @@ from estimator.channel_status import ChannelStatus
 from estimator.condensation import condense
 from estimator.estimates import Estimate
 from estimator.identification import Identification
-from estimator.machine import Machine, Noise, parse_machine
-from estimator.parameters import is_direct
+from estimator.machine import Machine, parse_machine
+from estimator.parameter_description import is_direct
+from estimator.rules import Noise
 from estimator.units import rpm_to_rad_per_s
 from service.journal import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch

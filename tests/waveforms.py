@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 
 RATE = 2048.0
 START_NS = 1_700_000_000 * 1_000_000_000

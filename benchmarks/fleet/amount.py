@@ -14,11 +14,12 @@ import numpy as np
 import scipy.optimize
 import yaml
 
-from estimator.condensation import Floats
-from estimator.machine import Coupling, Machine, parse_machine
+from estimator.arrays import Floats
+from estimator.machine import Machine, parse_machine
 from estimator.misalignment import neighbouring_bearings
 from estimator.modes import natural_frequencies
 from estimator.parameters import unknowns
+from estimator.parts import Coupling
 from estimator.rotor import assemble_rotor
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

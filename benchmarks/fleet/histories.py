@@ -13,9 +13,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
-from estimator.parameters import Coefficient, Quantity
+from estimator.parameters import Coefficient
+from estimator.quantities import Quantity
 from estimator.simulation import Truth, draw_truth
 
 STIFFNESS_SCATTER, DAMPING_SCATTER, UNBALANCE_SCATTER = 0.01, 0.05, 0.01

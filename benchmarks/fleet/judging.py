@@ -10,9 +10,9 @@ from estimator.identification import Identification
 from estimator.observation import Observation, observed
 from estimator.watch import Watch
 from service.alert_life import Severity
+from service.assessment_context import LOOKED_BACK
 from service.diagnosis_rules import cause_severity, delays, rule_of
 from service.limits import Limits
-from service.watching import LOOKED_BACK
 
 Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""

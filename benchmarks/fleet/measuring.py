@@ -15,7 +15,7 @@ import threadpoolctl
 from benchmarks.fleet.amount import example
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History, Seasonality, State
 from benchmarks.fleet.scenarios import SAMPLES, SCENARIOS
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.identification import Identification, identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement

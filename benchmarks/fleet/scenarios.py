@@ -22,7 +22,8 @@ from benchmarks.fleet.histories import (
     UnbalanceChanged,
     history,
 )
-from estimator.condensation import Floats, condense
+from estimator.arrays import Floats
+from estimator.condensation import condense
 from estimator.machine import Machine
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor

@@ -16,7 +16,7 @@ from estimator.condensation import CondensedTrain, condense
 from estimator.identification import Identification, identify, identify_train
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.sensitivity import sensitivity
+from estimator.response import sensitivity
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise
 from estimator.thesis.reduced_model import ReducedModel, ResponseEquations, response_equations

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.thesis.flexible import Floats, Subject
-from estimator.machine import Material, Section
+from estimator.parts import Material, Section
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS, shear_coefficient
 

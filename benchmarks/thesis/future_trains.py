@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from estimator.machine import Machine, parse_machine
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 
 Document = dict[str, Any]
 

@@ -15,9 +15,8 @@ from estimator.coordinates import Coordinates
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine
 from estimator.measurement import Measurement
-from estimator.parameters import is_direct
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.parameter_description import is_direct
+from estimator.response import response, sensitivity
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

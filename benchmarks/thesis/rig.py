@@ -16,10 +16,9 @@ from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.point import Point
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
 from estimator.simulation import noise
 from estimator.thesis.flexible_train import flexible_train, full_response
 from estimator.thesis.reduced_model import reduced_response, response_equations

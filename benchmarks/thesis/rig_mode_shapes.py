@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.rig import Rig
 from benchmarks.thesis.tables import table
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.mode_shapes import ModeShape, mode_shapes
 
 HIGHEST_HZ = 450.0

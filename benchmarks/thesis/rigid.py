@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from estimator.condensation import CondensedTrain
 from estimator.identification import Identification, identify_train
-from estimator.machine import Noise
 from estimator.measurement import Measurement, joined
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
+from estimator.rules import Noise
 from estimator.thesis.noise import Sharing, multiplicative_noise
 from estimator.thesis.regression import Method, Scaling, Solution, solve
 from estimator.thesis.rigid_regression import rigid_regression

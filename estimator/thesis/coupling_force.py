@@ -1,19 +1,30 @@
-"""What a coupling transmits: the thesis's misalignment forces and moments (Eq. 2.11-2.12)."""
+"""Forces that a coupling transmits: the thesis's misalignment forces and moments (Eq. 2.11-2.12)."""
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.shaft import NODE_DOFS
-from estimator.thesis.flexible_train import Complexes, FlexibleTrain, Floats
+from estimator.thesis.flexible_train import FlexibleTrain
 
 
 def coupling_force(
     train: FlexibleTrain, *, coupling: int, coefficients: Floats, displacement: Complexes, speed: Floats
 ) -> Complexes:
-    """Phasors (S, 4) of F_x, F_y [N] and of the moments about x and y [N m] that the driver half exerts on the driven half.
+    """Compute the forces and moments that the driver half of a coupling exerts on the driven half (thesis Eq. 2.11-2.12).
 
-    coupling: its number in the machine document, from 0. coefficients: (K,) SI, of all elements. displacement: (S, 8) of
-    the driver half, then of the driven half, each (x, y, θx, θy) [m, rad]. speed: (S,) [rad/s].
-    Raises IndexError for a coupling that the train does not have, ValueError for a displacement of another shape.
+    Args:
+        train: The train.
+        coupling: Number of the coupling in the machine document, from 0.
+        coefficients: Coefficients (K,) of all elements [SI].
+        displacement: Displacements (S, 8) of the driver half, then of the driven half, each (x, y, θx, θy) [m, rad].
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Phasors (S, 4) of F_x, F_y [N] and of the moments about x and y [N m].
+
+    Raises:
+        IndexError: The train has no such coupling.
+        ValueError: The displacement has another shape.
     """
     if not 0 <= coupling < train.coupling.size // (2 * NODE_DOFS):
         raise IndexError(f"the train has no coupling number {coupling}")

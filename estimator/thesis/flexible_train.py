@@ -10,14 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
 from estimator.rayleigh import RayleighDamping
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Indices = NDArray[np.intp]
 
 
@@ -25,9 +24,18 @@ Indices = NDArray[np.intp]
 class FlexibleTrain:
     """A train with N degrees of freedom, K unknown coefficients and P unknown unbalances.
 
-    mass, gyroscopic, damping, stiffness: (N, N) of shafts and discs. left, right: (N, K) vectors a, b of the coefficients;
-    viscous: (K,) True where a coefficient acts on the velocity. bearing: translations at the bearings; coupling: translations
-    and rotations of both halves of every coupling; disc: translations at the discs. unknowns: names and nominal values.
+    Attributes:
+        mass: Mass matrix (N, N) of shafts and discs [kg, kg m, kg m²].
+        gyroscopic: Gyroscopic matrix (N, N) of shafts and discs [kg, kg m, kg m²].
+        damping: Damping matrix (N, N) of the shafts [N s/m, N s, N m s].
+        stiffness: Stiffness matrix (N, N) of the shafts [N/m, N, N m].
+        left: Vectors a (N, K) of the coefficients [-].
+        right: Vectors b (N, K) of the coefficients [-].
+        viscous: True where a coefficient acts on the velocity (K,).
+        bearing: Degrees of freedom (2 per bearing,): translations at the bearings.
+        coupling: Degrees of freedom (8 per coupling,): translations and rotations of both halves.
+        disc: Degrees of freedom (2 per disc,): translations at the discs.
+        unknowns: Names and nominal values.
     """
 
     mass: Floats
@@ -44,17 +52,28 @@ class FlexibleTrain:
 
     @property
     def size(self) -> int:
-        """Number of degrees of freedom."""
+        """Return the number of degrees of freedom."""
         return int(self.mass.shape[0])
 
     @property
     def interface(self) -> Indices:
-        """Degrees of freedom at bearings and couplings, where the unknown coefficients act (the thesis's B and C)."""
+        """Return the degrees of freedom (n,) at bearings and couplings.
+
+        The unknown coefficients act there (the thesis's B and C).
+        """
         return np.concatenate([self.bearing, np.setdiff1d(self.coupling, self.bearing)])
 
 
 def flexible_train(machine: Machine, *, rayleigh: RayleighDamping | None = None) -> FlexibleTrain:
-    """Assemble a machine; `rayleigh` damps its shafts, not its discs (Eq. 3.5 and 3.11)."""
+    """Assemble a machine (thesis Eq. 3.1-3.23).
+
+    Args:
+        machine: The machine.
+        rayleigh: Damping of its shafts, not of its discs (Eq. 3.5 and 3.11); None for none.
+
+    Returns:
+        The train.
+    """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
     damping = np.zeros_like(rotor.mass)
@@ -77,14 +96,32 @@ def flexible_train(machine: Machine, *, rayleigh: RayleighDamping | None = None)
 
 
 def dynamic_stiffness(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> Complexes:
-    """Known part of Z, (S, N, N), at spin speeds (S,) [rad/s] in the directions (S,) +1 or -1 (Eq. 3.18)."""
+    """Compute the known part of Z (thesis Eq. 3.18).
+
+    Args:
+        train: The train.
+        speed: Spin speeds (S,) [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        Known part of Z (S, N, N) [N/m, N, N m].
+    """
     omega = speed[:, None, None]
     spin = (speed * direction)[:, None, None]
     return np.asarray(train.stiffness - omega**2 * train.mass + 1j * omega * (train.damping + spin * train.gyroscopic))
 
 
 def unbalance_force(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> Complexes:
-    """Force (S, N, 2P) per real and imaginary part of each unbalance (Eq. 3.35; its mirror image against +x to +y)."""
+    """Compute the forces per real and imaginary part of each unbalance (thesis Eq. 3.35; its mirror image against +x to +y).
+
+    Args:
+        train: The train.
+        speed: Spin speeds (S,) [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        Forces (S, N, 2P) per unbalance [N/(kg m)].
+    """
     force = np.zeros((speed.size, train.size, 2 * len(train.unknowns.unbalances)), dtype=complex)
     square = speed**2
     for plane, item in enumerate(train.unknowns.unbalances):
@@ -97,9 +134,17 @@ def unbalance_force(train: FlexibleTrain, *, speed: Floats, direction: Floats) -
 def full_response(
     train: FlexibleTrain, *, coefficients: Floats, unbalances: Complexes, speed: Floats, direction: Floats
 ) -> Complexes:
-    """Phasors (S, N) of every degree of freedom [m, rad] (Eq. 3.23, 4.42).
+    """Compute the phasors of every degree of freedom (thesis Eq. 3.23, 4.42).
 
-    coefficients: (K,) SI. unbalances: (P,) complex [kg m]. speed: (S,) [rad/s], positive. direction: (S,) +1 or -1.
+    Args:
+        train: The train.
+        coefficients: Coefficients (K,) [SI].
+        unbalances: Complex unbalances (P,) [kg m].
+        speed: Spin speeds (S,), positive [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        Phasors (S, N) [m, rad].
     """
     elastic = (train.left * np.where(train.viscous, 0.0, coefficients)) @ train.right.T
     viscous = (train.left * np.where(train.viscous, coefficients, 0.0)) @ train.right.T
@@ -109,7 +154,14 @@ def full_response(
 
 
 def parts(unbalances: Complexes) -> Floats:
-    """Real and imaginary parts (..., 2P) of complex unbalances (..., P), one pair after the other (Eq. 3.36)."""
+    """Separate complex unbalances into real and imaginary parts, one pair after the other (thesis Eq. 3.36).
+
+    Args:
+        unbalances: Complex unbalances (..., P) [kg m].
+
+    Returns:
+        Parts (..., 2P) [kg m].
+    """
     return np.stack([unbalances.real, unbalances.imag], axis=-1).reshape(*unbalances.shape[:-1], -1)
 
 

@@ -1,4 +1,5 @@
-"""An impact test on a train at standstill (§5.6): blows at some places, an accelerometer at another, peaks in the spectrum."""
+"""Impact test on a train at standstill (thesis §5.6): blows at some places, an accelerometer at another, the
+spectrum's peaks."""
 
 import math
 from collections.abc import Sequence
@@ -6,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.half_power import peak_samples
 from estimator.machine import Machine
 from estimator.parameters import dense, unknowns
@@ -16,7 +17,14 @@ from estimator.shaft import NODE_DOFS
 
 @dataclass(frozen=True)
 class Place:
-    """A lateral direction at a station of a shaft. angle_deg: from +x towards +y. size: of a blow, negative against it."""
+    """A lateral direction at a station of a shaft.
+
+    Attributes:
+        shaft: Id of the shaft.
+        station: Station from the driver-side end [m].
+        angle_deg: Angle from +x towards +y [°].
+        size: Size of a blow, negative against the direction [-].
+    """
 
     shaft: str
     station: float
@@ -27,10 +35,22 @@ class Place:
 def impact_spectrum(
     machine: Machine, *, coefficients: Floats, blows: Sequence[Place], sensor: Place, frequency: Floats
 ) -> Complexes:
-    """Acceleration per impulse (F,) [1/kg] at a sensor after simultaneous, ideally short blows, at frequencies (F,) [Hz].
+    """Compute the acceleration per impulse at a sensor after simultaneous, ideally short blows (thesis §5.6).
 
-    coefficients: (K,) SI, in the order of the machine's unknowns. The spectrum is -ω² sᵀ (K - ω²M + jωC)⁻¹ f.
-    Raises ValueError for a place that is no node of the model.
+    The spectrum is -ω² sᵀ (K - ω²M + jωC)⁻¹ f.
+
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,), in the order of the machine's unknowns [SI].
+        blows: Places of the blows.
+        sensor: Place of the accelerometer.
+        frequency: Frequencies (F,) [Hz].
+
+    Returns:
+        Spectrum (F,) [1/kg].
+
+    Raises:
+        ValueError: A place is no node of the model.
     """
     rotor = assemble_rotor(machine)
     elements = unknowns(machine, rotor).coefficients
@@ -50,7 +70,15 @@ def impact_spectrum(
 
 
 def spectrum_peaks(frequency: Floats, spectrum: Complexes) -> tuple[Floats, Floats]:
-    """Frequencies [those given] and magnitudes of the peaks of a spectrum (F,), by ascending frequency."""
+    """Find the peaks of a spectrum.
+
+    Args:
+        frequency: Frequencies (F,), ascending [any unit].
+        spectrum: Spectrum (F,) [any unit].
+
+    Returns:
+        Frequencies (k,) and magnitudes (k,) of the peaks, by ascending frequency [units of the arguments].
+    """
     magnitude = np.abs(spectrum)
     peaks = peak_samples(magnitude)
     return frequency[peaks], magnitude[peaks]

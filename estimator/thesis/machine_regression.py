@@ -1,4 +1,4 @@
-"""The thesis's Chapter 4 identification on a machine's own run, as published: beside the maximum-likelihood fit, to compare.
+"""Identification of the thesis's Chapter 4 on a machine's own run, as published, to compare with the maximum-likelihood fit.
 
 High-frequency condensation to the bearings' translations and a least-squares regression (Eq. 4.54-4.57, 4.71). It has no
 intervals, is biased by noise in the regressors and wrong at speeds where stiffness matters: see the evidence page.
@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import Floats, condense
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import condense
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.shaft import NODE_DOFS
-from estimator.thesis.flexible_train import Complexes, flexible_train
+from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import high_frequency_condensed
 from estimator.thesis.regression import Scaling, Solution, solve
@@ -27,10 +28,15 @@ from estimator.thesis.tikhonov import Rule
 
 @dataclass(frozen=True)
 class PublishedEstimate:
-    """names and units: of the real unknowns (C,), real and imaginary part of each unbalance apart. solution: their values.
+    """Estimate of C real unknowns by the published method.
 
-    reduced_chi_square: of the measured phasors against the response of the machine with these values, by its noise model;
-    about 1 if they explain the run. impossible: direct terms that came out zero or negative.
+    Attributes:
+        names: Names of the unknowns, real and imaginary part of each unbalance apart.
+        units: Units of the unknowns.
+        solution: Their values.
+        reduced_chi_square: χ² per degree of freedom of the measured phasors against the response of the machine with these
+            values, by its noise model [-]; about 1 if they explain the run.
+        impossible: Direct terms that came out zero or negative.
     """
 
     names: tuple[str, ...]
@@ -41,16 +47,26 @@ class PublishedEstimate:
 
 
 class NotMeasuredAtBearings(ValueError):
-    """The method needs both translations at every bearing at every speed."""
+    """Raised when a bearing's two translations are not measured, which the method needs at every speed."""
 
 
 def regress(
     machine: Machine, measurement: Measurement, *, scaling: Scaling = "norm", tikhonov: Rule | None = None
 ) -> PublishedEstimate:
-    """Identify as Chapter 4 of the thesis does.
+    """Identify as Chapter 4 of the thesis does (Eq. 4.54-4.57, 4.71).
 
-    scaling: of the regression's columns. tikhonov: rule for a regularisation that draws towards the nominal values (§6.5).
-    Raises NotMeasuredAtBearings, and what `solve` raises.
+    Args:
+        machine: The machine.
+        measurement: Phasors of its run.
+        scaling: Scaling of the regression's columns.
+        tikhonov: Rule for a regularisation that draws towards the nominal values (§6.5); None for none.
+
+    Returns:
+        The estimate.
+
+    Raises:
+        NotMeasuredAtBearings: A bearing lacks two probes at different angles.
+        ValueError: The equations are fewer than the unknowns or do not contain one.
     """
     translations, used = bearing_translations(machine, measurement)
     train = flexible_train(machine)
@@ -79,7 +95,7 @@ def regress(
 
 
 def _reduced_chi_square(machine: Machine, measurement: Measurement, coefficients: Floats, parts: Floats) -> float:
-    """How far the whole machine with these values is from the run, per measured number beyond the unknowns."""
+    """Compute the distance of the whole machine with these values from the run, per measured number beyond the unknowns."""
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     own = parts.reshape(-1, 2) @ np.array([1.0, 1.0j])
     excitations = np.zeros((measurement.speed.size, len(train.unknowns.excitations)), dtype=complex)
@@ -94,9 +110,17 @@ def _reduced_chi_square(machine: Machine, measurement: Measurement, coefficients
 
 
 def bearing_translations(machine: Machine, measurement: Measurement) -> tuple[Complexes, NDArray[np.bool_]]:
-    """Translations (S, n) [m] along x and y at the bearings as `FlexibleTrain.bearing` orders them, and usable samples (S,).
+    """Compute the translations along x and y at the bearings, as `FlexibleTrain.bearing` orders them.
 
-    Raises NotMeasuredAtBearings, which names the bearings without two probes at different angles.
+    Args:
+        machine: The machine.
+        measurement: S samples of its channels.
+
+    Returns:
+        Translations (S, n) [m], and which samples are usable (S,).
+
+    Raises:
+        NotMeasuredAtBearings: Bearings lack two probes at different angles; the error names them.
     """
     rotor = assemble_rotor(machine)
     at_node: dict[int, list[int]] = {}

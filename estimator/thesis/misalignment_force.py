@@ -2,17 +2,26 @@
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain, Floats
+from estimator.arrays import Complexes, Floats
+from estimator.condensation import CondensedTrain
 from estimator.thesis.rigid_train import Y
 
 COUPLING = "coupling.C"
+"""Name of the coupling."""
 
 
 def misalignment_force(train: CondensedTrain, *, coefficients: Floats, displacement: Complexes) -> Complexes:
-    """Phasors (S, 4) of F_x, F_y [N] and of the moments M_xz, M_yz [N m] of the coupling.
+    """Compute forces and moments of the coupling (thesis Eq. 2.11-2.12).
 
-    train: a rigid train at S speeds. coefficients: (42,) in its order. displacement: (S, 8) [m].
     The sign of a moment is that of the thesis's φ_y1 - φ_y2 and φ_x1 - φ_x2.
+
+    Args:
+        train: A rigid train at S speeds.
+        coefficients: Coefficients (42,) in its order [N/m, N m/rad, N s/m].
+        displacement: Displacements (S, 8) [m].
+
+    Returns:
+        Phasors (S, 4) of F_x, F_y [N] and of the moments M_xz, M_yz [N m].
     """
     items = train.unknowns.coefficients
     force = np.zeros((train.speed.size, 4), dtype=complex)

@@ -7,20 +7,29 @@ import math
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Complexes = NDArray[np.complex128]
+from estimator.arrays import Complexes
+
 Sharing = Literal["none", "channel", "speed", "all"]
-"""Which phasors share one random number: none of them, all speeds of a channel, all channels of a speed, or all."""
+"""Phasors that share one random number: none of them, all speeds of a channel, all channels of a speed, or all."""
 
 
 def multiplicative_noise(
     response: Complexes, *, percent: float, rng: np.random.Generator, sharing: Sharing = "none"
 ) -> Complexes:
-    """The response (S, m) times 1 + (R / R_max - 1/2) N / 100, with R uniform between 0 and 1 (thesis Eq. 2.19-2.20).
+    """Multiply a response by 1 + (R / R_max - 1/2) N / 100, with R uniform between 0 and 1 (thesis Eq. 2.19-2.20).
 
-    percent: N. sharing: the thesis does not say how many numbers are drawn; "none" is one for each phasor.
-    Raises ValueError for a negative percentage.
+    Args:
+        response: Phasors (S, m) [any unit].
+        percent: N [%].
+        rng: Random generator.
+        sharing: Phasors that share one number; the thesis does not say how many are drawn, "none" is one for each phasor.
+
+    Returns:
+        Noisy phasors (S, m) [unit of the response].
+
+    Raises:
+        ValueError: The percentage is negative.
     """
     if not percent >= 0.0:
         raise ValueError(f"noise of {percent} %: must be at least 0")
@@ -33,14 +42,30 @@ def multiplicative_noise(
 
 
 def multiplicative_rms(percent: float) -> float:
-    """Rms of the relative error that `multiplicative_noise` makes: N / (100 √12), for many numbers drawn."""
+    """Compute the rms of the relative error that `multiplicative_noise` makes: N / (100 √12), for many numbers drawn.
+
+    Args:
+        percent: N [%].
+
+    Returns:
+        Rms error [-].
+    """
     return percent / 100.0 / math.sqrt(12.0)
 
 
 def complex_noise(response: Complexes, *, rms: float, rng: np.random.Generator) -> Complexes:
-    """The response plus circular complex Gaussian noise of that rms, relative to each phasor's amplitude.
+    """Add circular complex Gaussian noise to a response.
 
-    Raises ValueError for a negative rms.
+    Args:
+        response: Phasors (S, m) [any unit].
+        rms: Rms of the noise, relative to each phasor's amplitude [-].
+        rng: Random generator.
+
+    Returns:
+        Noisy phasors (S, m) [unit of the response].
+
+    Raises:
+        ValueError: The rms is negative.
     """
     if not rms >= 0.0:
         raise ValueError(f"noise of rms {rms}: must be at least 0")

@@ -9,15 +9,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.thesis.flexible_train import Complexes, Floats, parts
+from estimator.arrays import Complexes, Floats
+from estimator.thesis.flexible_train import parts
 
 
 @dataclass(frozen=True)
 class ReducedModel:
-    """A train over n retained degrees of freedom at S speeds.
+    """A train over n retained degrees of freedom at S speeds, with K coefficients and P unbalances.
 
-    speed: (S,) [rad/s]. known: (S, n, n) dynamic stiffness without the unknowns. force: (S, n, 2P) per part of each
-    unbalance. left, right: (S, n, K) vectors of the coefficients. viscous: (K,) True where one acts on the velocity.
+    Attributes:
+        speed: Speeds (S,) [rad/s].
+        known: Dynamic stiffness (S, n, n) without the unknowns [N/m, N, N m].
+        force: Forces (S, n, 2P) per part of each unbalance [N/(kg m)].
+        left: Vectors a (S, n, K) of the coefficients [-].
+        right: Vectors b (S, n, K) of the coefficients [-].
+        viscous: True where a coefficient acts on the velocity (K,).
     """
 
     speed: Floats
@@ -29,7 +35,7 @@ class ReducedModel:
 
     @property
     def rate(self) -> Complexes:
-        """1 for a stiffness, jω for a damping coefficient, (S, K)."""
+        """Return the factor (S, K) with which each coefficient acts: 1 for a stiffness, jω for a damping [-, rad/s]."""
         return np.where(self.viscous, 1j * self.speed[:, None], 1.0)
 
 
@@ -37,7 +43,10 @@ class ReducedModel:
 class ResponseEquations:
     """Complex equations `coefficient` β + `unbalance` U = `target` of S samples with n rows each.
 
-    coefficient: (S, n, K). unbalance: (S, n, 2P). target: (S, n).
+    Attributes:
+        coefficient: Columns (S, n, K) of the coefficients β [SI].
+        unbalance: Columns (S, n, 2P) of the unbalances' parts U [SI].
+        target: Right-hand side (S, n) [N, N m].
     """
 
     coefficient: Complexes
@@ -46,10 +55,15 @@ class ResponseEquations:
 
 
 def reduced_response(model: ReducedModel, *, coefficients: Floats, unbalances: Complexes) -> Complexes:
-    """Phasors (S, n) of the retained degrees of freedom [m, rad].
+    """Solve for the phasors of the retained degrees of freedom (thesis Eq. 3.37-3.41, 4.58-4.71).
 
-    coefficients: (K,), or (S, K) where they depend on the speed. unbalances: (P,), or (S, P) where trial masses come and go
-    [kg m].
+    Args:
+        model: The reduced train.
+        coefficients: Coefficients (K,), or (S, K) where they depend on the speed [SI].
+        unbalances: Complex unbalances (P,), or (S, P) where trial masses come and go [kg m].
+
+    Returns:
+        Phasors (S, n) [m, rad].
     """
     unknown = (model.left * (model.rate * coefficients)[:, None, :]) @ np.swapaxes(model.right, 1, 2)
     force = model.force @ parts(unbalances)[..., None]
@@ -57,9 +71,17 @@ def reduced_response(model: ReducedModel, *, coefficients: Floats, unbalances: C
 
 
 def response_equations(model: ReducedModel, displacement: Complexes) -> ResponseEquations:
-    """The equations that measured phasors (S, n) give (Eq. 3.37, 4.61).
+    """Assemble the equations that measured phasors give (thesis Eq. 3.37, 4.61).
 
-    Raises ValueError when the phasors' shape is not (S, n).
+    Args:
+        model: The reduced train.
+        displacement: Measured phasors (S, n) [m, rad].
+
+    Returns:
+        The equations.
+
+    Raises:
+        ValueError: The phasors' shape is not (S, n).
     """
     if displacement.shape != model.known.shape[:2]:
         raise ValueError(f"the displacement has shape {displacement.shape}, should have {model.known.shape[:2]}")

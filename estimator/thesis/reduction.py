@@ -8,14 +8,21 @@ displacements, as if stiffness did not matter there.
 
 import numpy as np
 
-from estimator.thesis.flexible_train import FlexibleTrain, Floats, Indices, dynamic_stiffness, unbalance_force
+from estimator.arrays import Floats
+from estimator.thesis.flexible_train import FlexibleTrain, Indices, dynamic_stiffness, unbalance_force
 from estimator.thesis.reduced_model import ReducedModel
 
 
 def eliminated(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> ReducedModel:
-    """The train over its interface degrees of freedom, without any approximation (Eq. 3.24-3.35).
+    """Reduce a train to its interface degrees of freedom, without any approximation (thesis Eq. 3.24-3.35).
 
-    speed: (S,) [rad/s], positive. direction: (S,) +1 or -1.
+    Args:
+        train: The train.
+        speed: Speeds (S,), positive [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        The reduced train.
     """
     kept = train.interface
     inner = np.setdiff1d(np.arange(train.size), kept)
@@ -35,13 +42,28 @@ def eliminated(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> Red
 
 
 def dynamic_masters(train: FlexibleTrain) -> Indices:
-    """What the dynamic condensation retains: bearing translations, couplings, disc translations (Eq. 4.53)."""
+    """List what the dynamic condensation retains: bearing translations, couplings, disc translations (thesis Eq. 4.53).
+
+    Args:
+        train: The train.
+
+    Returns:
+        Degrees of freedom (m,).
+    """
     others = np.setdiff1d(np.concatenate([train.coupling, train.disc]), train.bearing)
     return np.concatenate([train.bearing, others])
 
 
 def dynamic_transformation(train: FlexibleTrain, *, speed: Floats) -> Floats:
-    """Tᵈ (S, N, m) from the m masters to all degrees of freedom, without damping and gyroscopic effect (Eq. 4.47-4.51)."""
+    """Compute Tᵈ from the m masters to all degrees of freedom, without damping and gyroscopic effect (thesis Eq. 4.47-4.51).
+
+    Args:
+        train: The train.
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Tᵈ (S, N, m) [-].
+    """
     masters = dynamic_masters(train)
     slaves = np.setdiff1d(np.arange(train.size), masters)
     stiffness = train.stiffness - speed[:, None, None] ** 2 * train.mass
@@ -52,7 +74,15 @@ def dynamic_transformation(train: FlexibleTrain, *, speed: Floats) -> Floats:
 
 
 def high_frequency_transformation(train: FlexibleTrain, *, speed: Floats) -> Floats:
-    """Tᵈ Tʰ (S, N, h) from the h bearing translations to all degrees of freedom (Eq. 4.54-4.57)."""
+    """Compute Tᵈ Tʰ from the h bearing translations to all degrees of freedom (thesis Eq. 4.54-4.57).
+
+    Args:
+        train: The train.
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Tᵈ Tʰ (S, N, h) [-].
+    """
     dynamic = dynamic_transformation(train, speed=speed)
     mass = np.swapaxes(dynamic, 1, 2) @ train.mass @ dynamic
     kept = train.bearing.size
@@ -61,7 +91,17 @@ def high_frequency_transformation(train: FlexibleTrain, *, speed: Floats) -> Flo
 
 
 def reduced(train: FlexibleTrain, transformation: Floats, *, speed: Floats, direction: Floats) -> ReducedModel:
-    """The train with its displacements tied to n masters by a transformation (S, N, n) (Eq. 4.52, 4.55)."""
+    """Reduce a train by tying its displacements to n masters (thesis Eq. 4.52, 4.55).
+
+    Args:
+        train: The train.
+        transformation: Transformation (S, N, n) from the masters to all degrees of freedom [-].
+        speed: Speeds (S,) [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        The reduced train.
+    """
     transposed = np.swapaxes(transformation, 1, 2)
     return ReducedModel(
         speed=speed,
@@ -74,10 +114,28 @@ def reduced(train: FlexibleTrain, transformation: Floats, *, speed: Floats, dire
 
 
 def dynamically_condensed(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> ReducedModel:
-    """The train over bearing translations, couplings and disc translations (Eq. 4.52)."""
+    """Reduce a train to bearing translations, couplings and disc translations (thesis Eq. 4.52).
+
+    Args:
+        train: The train.
+        speed: Speeds (S,) [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        The reduced train.
+    """
     return reduced(train, dynamic_transformation(train, speed=speed), speed=speed, direction=direction)
 
 
 def high_frequency_condensed(train: FlexibleTrain, *, speed: Floats, direction: Floats) -> ReducedModel:
-    """The train over bearing translations alone (Eq. 4.55)."""
+    """Reduce a train to bearing translations alone (thesis Eq. 4.55).
+
+    Args:
+        train: The train.
+        speed: Speeds (S,) [rad/s].
+        direction: Senses of rotation (S,), +1 or -1 [-].
+
+    Returns:
+        The reduced train.
+    """
     return reduced(train, high_frequency_transformation(train, speed=speed), speed=speed, direction=direction)

@@ -10,22 +10,24 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.thesis.tikhonov import Rule, SpectralProblem, choose_parameter, filter_factors
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 Scaling = Literal["none", "thesis", "norm"]
 Method = Literal["orthogonal", "inverse", "pseudo-inverse"]
 
 
 @dataclass(frozen=True)
 class Regression:
-    """A x = b in real numbers.
+    """Equations A x = b in real numbers.
 
-    matrix: (R, C). target: (R,). names: of the C unknowns. thesis_scale: (C,) factor by which the thesis multiplies each
-    column (1 / mean spin speed for some, 1 for the others).
+    Attributes:
+        matrix: A (R, C) [SI].
+        target: b (R,) [SI].
+        names: Names of the C unknowns.
+        thesis_scale: Factor (C,) by which the thesis multiplies each column, 1 / mean spin speed for some [s/rad], 1 for the
+            others.
     """
 
     matrix: Floats
@@ -48,9 +50,13 @@ class Regression:
 class Solution:
     """A least-squares solution.
 
-    values: (C,) unknowns in their own units. residual: (R,) A x - b. condition_number_before, _after: ratio of the largest
-    to the smallest singular value of A before and after column scaling (that of the normal equations is its square).
-    scale: (C,) factor on each column. parameter: λ of the regularisation on the scaled problem, 0 without.
+    Attributes:
+        values: Unknowns (C,) in their own units [SI].
+        residual: A x - b (R,) [SI].
+        condition_number_before: Largest over smallest singular value of A [-]; that of the normal equations is its square.
+        condition_number_after: The same after column scaling [-].
+        scale: Factor on each column (C,) [SI].
+        parameter: λ of the regularisation on the scaled problem, 0 without [-].
     """
 
     values: Floats
@@ -62,14 +68,29 @@ class Solution:
 
 
 def real_rows(equations: Complexes) -> Floats:
-    """Complex equations (R, ...) as real ones (2R, ...): the real parts first, then the imaginary parts (Eq. 2.14)."""
+    """Separate complex equations into real ones: the real parts first, then the imaginary parts (thesis Eq. 2.14).
+
+    Args:
+        equations: Complex equations (R, ...) [any unit].
+
+    Returns:
+        Real equations (2R, ...) [unit of the argument].
+    """
     return np.concatenate([equations.real, equations.imag], axis=0)
 
 
 def column_scale(regression: Regression, scaling: Scaling) -> Floats:
-    """Factor on each column (C,): none, the thesis's, or one over the column's norm.
+    """Compute the factor on each column: none, the thesis's, or one over the column's norm (van der Sluis 1969).
 
-    Raises ValueError for a column of zeros, whose unknown no equation contains.
+    Args:
+        regression: The equations.
+        scaling: Kind of the scaling.
+
+    Returns:
+        Factors (C,) [SI].
+
+    Raises:
+        ValueError: A column is zero, so that no equation contains its unknown.
     """
     norm = np.linalg.norm(regression.matrix, axis=0)
     if not np.all(norm > 0.0):
@@ -81,7 +102,14 @@ def column_scale(regression: Regression, scaling: Scaling) -> Floats:
 
 
 def condition_number(matrix: Floats) -> float:
-    """2-norm condition number; infinite for a singular matrix."""
+    """Compute the condition number in the 2-norm.
+
+    Args:
+        matrix: Matrix (R, C) [any unit].
+
+    Returns:
+        Condition number [-]; infinite for a singular matrix.
+    """
     singular_values = np.linalg.svd(matrix, compute_uv=False)
     return float(singular_values[0] / singular_values[-1]) if singular_values[-1] > 0.0 else float("inf")
 
@@ -94,14 +122,25 @@ def solve(
     tikhonov: Rule | None = None,
     expected: Floats | None = None,
 ) -> Solution:
-    """Solve a regression by least squares.
+    """Solve a regression by least squares (thesis Eq. 2.14-2.18, Appendix D).
 
-    method: "orthogonal" by the singular values of A; "inverse" literally as Eq. 2.16, (AᵀA)⁻¹Aᵀb; "pseudo-inverse" the same
-    with a pseudo-inverse that cuts off singular values of AᵀA below its size times the machine's precision.
-    tikhonov: the rule that chooses the regularisation's parameter on the scaled problem; it draws the unknowns towards
-    `expected` (C,), zero if left out. Without a rule, `expected` is not used.
-    Raises ValueError for fewer equations than unknowns, for an unknown that no equation contains, for a regularisation with
-    another method than the orthogonal; numpy.linalg.LinAlgError where AᵀA is exactly singular.
+    "orthogonal" solves by the singular values of A; "inverse" literally as Eq. 2.16, (AᵀA)⁻¹Aᵀb; "pseudo-inverse" the same
+    with a pseudo-inverse that cuts off singular values of AᵀA below its size times the machine's precision. It lets
+    numpy.linalg.LinAlgError through where AᵀA is exactly singular.
+
+    Args:
+        regression: The equations.
+        scaling: Scaling of the columns.
+        method: Method of solution.
+        tikhonov: Rule that chooses the regularisation's parameter on the scaled problem; None for none.
+        expected: Values (C,) that the regularisation draws the unknowns towards [SI]; None for zero. Not used without a rule.
+
+    Returns:
+        The solution.
+
+    Raises:
+        ValueError: The equations are fewer than the unknowns, no equation contains an unknown, or a regularisation is asked
+            for with another method than the orthogonal.
     """
     rows, columns = regression.matrix.shape
     if rows < columns:

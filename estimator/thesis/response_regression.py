@@ -1,24 +1,40 @@
-"""From equations of motion at measured phasors to the thesis's regressions, for constant and speed-dependent coefficients."""
+"""Regressions of the thesis from equations of motion at measured phasors, for constant and speed-dependent coefficients."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.parameters import Unknowns
-from estimator.thesis.flexible_train import Complexes, Floats, parts
+from estimator.thesis.flexible_train import parts
 from estimator.thesis.reduced_model import ResponseEquations
 from estimator.thesis.regression import Regression, real_rows
 
 
 def real_names(unknowns: Unknowns) -> tuple[str, ...]:
-    """Names of the K + 2P real unknowns, coefficients first."""
+    """List the names of the K + 2P real unknowns.
+
+    Args:
+        unknowns: The unknowns.
+
+    Returns:
+        Names, coefficients first.
+    """
     planes = [f"{plane.name}.{part}" for plane in unknowns.unbalances for part in ("real", "imaginary")]
     return tuple([one.name for one in unknowns.coefficients] + planes)
 
 
 def with_trial_unbalances(equations: ResponseEquations, trial: Complexes) -> ResponseEquations:
-    """The same equations when known trial unbalances (S, P) [kg m] sat on the discs beside the unknown ones (§4.5)."""
+    """Return the equations for known trial unbalances on the discs beside the unknown ones (thesis §4.5).
+
+    Args:
+        equations: The equations.
+        trial: Trial unbalances (S, P) [kg m].
+
+    Returns:
+        The equations with the trial unbalances on the right-hand side.
+    """
     moved = (equations.unbalance @ parts(trial)[..., None])[..., 0]
     return ResponseEquations(equations.coefficient, equations.unbalance, equations.target - moved)
 
@@ -26,10 +42,16 @@ def with_trial_unbalances(equations: ResponseEquations, trial: Complexes) -> Res
 def speed_independent_regression(
     equations: ResponseEquations, unknowns: Unknowns, *, mean_speed: float, damping_scaled: bool
 ) -> Regression:
-    """One value of each unknown for all speeds (Eq. 3.41, 4.71).
+    """Build the regression with one value of each unknown for all speeds (thesis Eq. 3.41, 4.71).
 
-    mean_speed: ω_a [rad/s] of the thesis's column scaling 1/ω_a, which acts on the unbalances (§2.3.2) and, where
-    `damping_scaled`, on the damping coefficients too (§4.5).
+    Args:
+        equations: The equations.
+        unknowns: The unknowns.
+        mean_speed: ω_a of the thesis's column scaling 1/ω_a, which acts on the unbalances (§2.3.2) [rad/s].
+        damping_scaled: Whether it acts on the damping coefficients too (§4.5).
+
+    Returns:
+        The regression.
     """
     columns = np.concatenate([equations.coefficient, equations.unbalance], axis=2)
     return Regression(
@@ -43,11 +65,21 @@ def speed_independent_regression(
 def speed_dependent_regression(
     equations: ResponseEquations, unknowns: Unknowns, *, group: NDArray[np.intp], mean_speed: float
 ) -> Regression:
-    """Coefficients of their own for each group of samples, one set of unbalances for all (Eq. 4.66-4.70).
+    """Build the regression with coefficients of their own for each group of samples, one set of unbalances for all.
 
-    group: (S,) number of each sample's group, from 0; a group is one speed with all its runs. The names of a group's
-    coefficients end in "@" and its number; the unbalances come last.
-    Raises ValueError when the groups are not numbered without gaps.
+    Source: thesis Eq. 4.66-4.70. The names of a group's coefficients end in "@" and its number; the unbalances come last.
+
+    Args:
+        equations: The equations.
+        unknowns: The unknowns.
+        group: Number of each sample's group (S,), from 0; a group is one speed with all its runs.
+        mean_speed: ω_a of the thesis's column scaling 1/ω_a [rad/s].
+
+    Returns:
+        The regression.
+
+    Raises:
+        ValueError: The groups are not numbered without gaps.
     """
     count = int(group.max()) + 1
     if not np.array_equal(np.unique(group), np.arange(count)):

@@ -1,4 +1,4 @@
-"""The laboratory rig of Chapter 5: what the thesis printed of it, and misalignment as a growth of its coefficients.
+"""Laboratory rig of the thesis's Chapter 5: the numbers printed of it, and misalignment as a growth of its coefficients.
 
 The text gives one number per case, the largest growth, and the impact tests' frequencies; the rest was in figures. Both are
 turned into growths of all coefficients here, by assumptions that each function states.
@@ -10,14 +10,14 @@ from typing import Self
 import numpy as np
 import scipy.optimize
 
-from estimator.condensation import Complexes, Floats
+from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.modes import eigenvalues
 from estimator.parameters import Unknowns, unknowns
 from estimator.rotor import assemble_rotor
 
 SPEEDS_HZ = (17.0, 21.0, 25.0, 29.0, 31.0, 33.0, 37.0, 41.0)
-"""Speeds at which the rig was measured (§5.4)."""
+"""Speeds at which the rig was measured [Hz] (§5.4)."""
 H1: Complexes = np.array(
     [
         5.57e-5 - 3.57e-6j,
@@ -32,15 +32,19 @@ H1: Complexes = np.array(
 )
 """Horizontal response of bearing 1 at these speeds [m] (Table 5.3)."""
 ALIGNED_HZ = (150.0, 203.0, 364.0)
-"""Natural frequencies in the impact test without misalignment, both couplings mounted (Table 5.5)."""
+"""Natural frequencies in the impact test without misalignment, both couplings mounted [Hz] (Table 5.5)."""
 
 
 @dataclass(frozen=True)
 class MisalignmentCase:
-    """One misalignment of the rig (Table 5.4).
+    """One misalignment of the rig (thesis Table 5.4).
 
-    angle_deg, offset_mm: Δα and Δδ. growth: of c_yx of bearing 4, the largest of all [-] (§5.7). frequencies_hz: in the
-    impact test (Table 5.5), where one is printed.
+    Attributes:
+        name: Name of the case.
+        angle_deg: Angular misalignment Δα [°].
+        offset_mm: Parallel misalignment Δδ [mm].
+        growth: Growth of c_yx of bearing 4, the largest of all [-] (§5.7).
+        frequencies_hz: Natural frequencies in the impact test [Hz] (Table 5.5), where they are printed.
     """
 
     name: str
@@ -58,13 +62,17 @@ CASES = (
     MisalignmentCase("C₁", 0.16, 0.5, 0.60, (156.0, 207.0, 366.0)),
     MisalignmentCase("C₂", 0.32, 1.0, 0.68),
 )
+"""Misalignments of the rig."""
 
 
 @dataclass(frozen=True)
 class BearingGrowth:
-    """Relative growth of the coefficients of each shaft's bearings [-], and how well it explains the frequencies.
+    """Relative growth of the coefficients of each shaft's bearings; the coupling grows with the driven shaft's bearings.
 
-    The coupling grows with the driven shaft's bearings. misfit: (3,) relative frequency error that is left.
+    Attributes:
+        driver: Growth of the driving shaft's bearings [-].
+        driven: Growth of the driven shaft's bearings [-].
+        misfit: Relative frequency errors (3,) that are left [-].
     """
 
     driver: float
@@ -73,9 +81,16 @@ class BearingGrowth:
 
     @classmethod
     def to_reach(cls, machine: Machine, change: Floats) -> Self:
-        """The growths that change the first three frequencies by these factors (3,), in the least-squares sense.
+        """Fit the growths that change the first three frequencies by given factors, in the least-squares sense.
 
         Three frequencies cannot tell more apart. Growth between -90 % and +900 %.
+
+        Args:
+            machine: The machine.
+            change: Factors (3,) on the frequencies [-].
+
+        Returns:
+            The growths.
         """
         nominal, _ = nominal_values(machine)
         aligned = plane_frequencies(machine, coefficients=nominal)
@@ -91,15 +106,31 @@ class BearingGrowth:
 
 
 def printed_growth(case: MisalignmentCase, unknowns: Unknowns) -> Floats:
-    """Factor on each coefficient (K,): c_yx of bearing 4 grows as printed, all others by half of it, which is assumed."""
+    """Return the growth of a case (thesis §5.7): c_yx of bearing 4 as printed, all others half of it, which is assumed.
+
+    Args:
+        case: The case.
+        unknowns: The unknowns.
+
+    Returns:
+        Factor on each coefficient (K,) [-].
+    """
     largest = "bearing.B4.cyx"
     return np.array([1.0 + case.growth * (1.0 if one.name == largest else 0.5) for one in unknowns.coefficients])
 
 
 def shaft_factors(machine: Machine, *, driver: float, driven: float) -> Floats:
-    """Factor on each coefficient (K,): one for the bearings of the first shaft, one for those of the second and the coupling.
+    """Return one factor for the bearings of the first shaft, and one for those of the second and the coupling.
 
     The rig was misaligned by lifting the second shaft's bearings, so the coupling is taken to follow them.
+
+    Args:
+        machine: The machine.
+        driver: Factor of the first shaft's bearings [-].
+        driven: Factor of the second shaft's bearings and the coupling [-].
+
+    Returns:
+        Factor on each coefficient (K,) [-].
     """
     shaft = {f"bearing.{bearing.id}": bearing.shaft for bearing in machine.bearings}
     by_shaft = {machine.shafts[0].id: driver, machine.shafts[1].id: driven}
@@ -108,9 +139,16 @@ def shaft_factors(machine: Machine, *, driver: float, driven: float) -> Floats:
 
 
 def nominal_values(machine: Machine) -> tuple[Floats, Complexes]:
-    """Coefficients (K,) [SI] and unbalances (P,) [kg m] of a document that gives them all.
+    """Return the nominal values of a document that gives them all.
 
-    Raises ValueError for one that does not.
+    Args:
+        machine: The machine.
+
+    Returns:
+        Coefficients (K,) [SI] and unbalances (P,) [kg m].
+
+    Raises:
+        ValueError: The document lacks a value.
     """
     unknown = _unknowns(machine)
     missing = [one.name for one in unknown.coefficients if one.nominal is None]
@@ -124,9 +162,17 @@ def nominal_values(machine: Machine) -> tuple[Floats, Complexes]:
 
 
 def plane_frequencies(machine: Machine, *, coefficients: Floats, count: int = 3) -> Floats:
-    """The first natural frequencies at standstill [Hz], (count,), each the mean of its two planes; coefficients: (K,) SI.
+    """Compute the first natural frequencies at standstill, each the mean of its two planes.
 
     They are |λ|/2π, undamped frequencies: a damped one is what a run through resonance shows, and differs little.
+
+    Args:
+        machine: The machine.
+        coefficients: Coefficients (K,) [SI].
+        count: Number of frequencies.
+
+    Returns:
+        Frequencies (count,) [Hz].
     """
     roots = eigenvalues(machine, coefficients=coefficients)[: 2 * count]
     return np.asarray(np.abs(roots).reshape(count, 2).mean(axis=1) / (2.0 * np.pi))

@@ -1,4 +1,4 @@
-"""The regression of Chapter 2: the equations of motion with measured displacements put in, linear in the 50 unknowns.
+"""Regression of the thesis's Chapter 2: the equations of motion with measured displacements, linear in the 50 unknowns.
 
 Z(p) q = F u becomes Σ p_k a_k (b_kᵀ q)(1 or jω) - F u = -Z_known q (Eq. 2.13-2.17). Where the print's [kʳ], [cʳ] and [uʳ]
 differ from Eq. 2.10, the equation is followed: 1/16 and not 0.062, +jω and not -jω, e^{jφ} and not e^{jωφ}.
@@ -8,16 +8,26 @@ Noise in q stands in the matrix too, so that the estimate is biased by it.
 
 import numpy as np
 
-from estimator.condensation import Complexes, CondensedTrain
+from estimator.arrays import Complexes
+from estimator.condensation import CondensedTrain
 from estimator.thesis.regression import Regression, real_rows
 
 
 def rigid_regression(train: CondensedTrain, displacement: Complexes) -> Regression:
-    """The regression A x = b over all S speeds of a train, in both senses of rotation if it has them.
+    """Build the regression A x = b over all S speeds of a train, in both senses of rotation if it has them.
 
-    displacement: (S, n) measured phasors of all degrees of freedom [m]. The unknowns are those of `rigid_train.names()`.
-    The thesis scales the unbalances' columns by one over the mean spin speed (end of §2.3.2).
-    Raises ValueError for a displacement of another shape.
+    Source: thesis Eq. 2.13-2.17; the unbalances' columns are scaled by one over the mean spin speed (end of §2.3.2). The
+    unknowns are those of `rigid_train.names()`.
+
+    Args:
+        train: The train.
+        displacement: Measured phasors (S, n) of all degrees of freedom [m].
+
+    Returns:
+        The regression.
+
+    Raises:
+        ValueError: The displacement has another shape.
     """
     wanted = train.known.shape[:2]
     if displacement.shape != wanted:

@@ -13,33 +13,39 @@ printed natural frequencies come out.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag, eigvals
 
+from estimator.arrays import Complexes, Floats
 from estimator.condensation import CondensedTrain
 from estimator.elimination import GivenShafts
-from estimator.parameters import DIRECT, Coefficient, Excitation, Quantity, Unknowns, dense
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
+from estimator.parameters import Coefficient, Excitation, Unknowns, dense
+from estimator.quantities import Quantity
+from estimator.terms import LATERAL, TERMS, Term
 
 SIZE = 8
+"""Number of degrees of freedom."""
 BEARINGS = 4
+"""Number of bearings."""
 X, Y = 0, 4
 """First degree of freedom of each plane."""
 DISC_WEIGHTS = ((0.75, 0.25, 0.0, 0.0), (0.25, 0.75, 0.0, 0.0), (0.0, 0.0, 0.75, 0.25), (0.0, 0.0, 0.25, 0.75))
-"""Displacement of each disc by those of the journals (Eq. 2.1)."""
+"""Displacement of each disc per displacement of each journal [-] (Eq. 2.1)."""
 COUPLING_WEIGHTS = (-0.25, 1.25, -1.25, 0.25)
-"""x_c1 - x_c2 by the journals' displacements (Eq. 2.1)."""
+"""x_c1 - x_c2 per displacement of each journal [-] (Eq. 2.1)."""
 
 
 @dataclass(frozen=True)
 class RigidTrain:
     """Known properties of the two rotors and the values assumed for the unknowns.
 
-    span: (2,) distance of the bearings of each shaft [m]. shaft_mass [kg], shaft_inertia [kg m²]: (2,). disc_mass [kg],
-    disc_inertia [kg m²]: (4,). coefficients: (42,) in the order of `names` [N/m, N m/rad, N s/m]. unbalances: (4,) complex
-    [kg m].
+    Attributes:
+        span: Distance of the bearings of each shaft [m].
+        shaft_mass: Mass of each shaft [kg].
+        shaft_inertia: Moment of inertia of each shaft [kg m²].
+        disc_mass: Mass of each disc [kg].
+        disc_inertia: Moment of inertia of each disc [kg m²].
+        coefficients: Coefficients (42,) in the order of `names` [N/m, N m/rad, N s/m].
+        unbalances: Complex unbalances (4,) [kg m].
     """
 
     span: tuple[float, float]
@@ -52,14 +58,17 @@ class RigidTrain:
 
     @property
     def values(self) -> Floats:
-        """The 50 real unknowns in the order of Table 2.1."""
+        """Return the 50 real unknowns (50,) in the order of Table 2.1 [SI]."""
         return np.concatenate([self.coefficients, np.stack([self.unbalances.real, self.unbalances.imag], axis=-1).reshape(-1)])
 
 
 def printed_train() -> RigidTrain:
-    """The train of Tables 2.2-2.7, with the shafts' moment of inertia halved to 0.0498 kg m².
+    """Return the train of Tables 2.2-2.7, with the shafts' moment of inertia halved to 0.0498 kg m².
 
     The bearings of a shaft of 1.25 m are 1 m apart. Unbalances as in Table 2.3.
+
+    Returns:
+        The train.
     """
     bearing_stiffness = [
         (2.5e5, 1.2e5, 1.35e5, 2.75e5),
@@ -84,18 +93,37 @@ def printed_train() -> RigidTrain:
 
 
 def unbalances_of(magnitude: tuple[float, ...], angle_deg: tuple[float, ...]) -> Complexes:
-    """Complex unbalances [kg m] from magnitudes [kg m] and angles [degrees]."""
+    """Convert magnitudes and angles to complex unbalances.
+
+    Args:
+        magnitude: Magnitudes (P,) [kg m].
+        angle_deg: Angles (P,) [°].
+
+    Returns:
+        Unbalances (P,) [kg m].
+    """
     return np.asarray(np.array(magnitude) * np.exp(1j * np.deg2rad(angle_deg)))
 
 
 def names() -> tuple[str, ...]:
-    """The 50 real unknowns in the order of Table 2.1."""
+    """List the 50 real unknowns in the order of Table 2.1.
+
+    Returns:
+        Their names.
+    """
     parts = [f"disc.D{disc}.unbalance.{part}" for disc in range(1, 5) for part in ("real", "imaginary")]
     return (*(coefficient.name for coefficient in _coefficients(printed_train())), *parts)
 
 
 def mass(train: RigidTrain) -> Floats:
-    """Mass matrix (8, 8) [kg] from the kinetic energy of Eq. 2.2, the discs' m l̄² left out of I."""
+    """Assemble the mass matrix from the kinetic energy of thesis Eq. 2.2, the discs' m l̄² left out of I.
+
+    Args:
+        train: The train.
+
+    Returns:
+        Mass matrix (8, 8) [kg].
+    """
     planes = []
     for shaft in (0, 1):
         first, second = 2 * shaft, 2 * shaft + 1
@@ -111,9 +139,17 @@ def mass(train: RigidTrain) -> Floats:
 
 
 def condensed(train: RigidTrain, *, speed: Floats, direction: Floats) -> CondensedTrain:
-    """The train at S speeds, ready for `response` and `sensitivity`; its channels are the 8 degrees of freedom.
+    """Condense the train at S speeds (thesis Eq. 2.8-2.10), ready for `response` and `sensitivity`.
 
-    speed: (S,) [rad/s], positive. direction: (S,) +1 for rotation from +x to +y, -1 against it. Source: Eq. 2.8-2.10.
+    Its channels are the 8 degrees of freedom.
+
+    Args:
+        train: The train.
+        speed: Speeds (S,), positive [rad/s].
+        direction: Sense of rotation (S,) [-]: +1 from +x to +y, -1 against it.
+
+    Returns:
+        The condensed train.
     """
     coefficients = _coefficients(train)
     planes = tuple(
@@ -136,7 +172,14 @@ def condensed(train: RigidTrain, *, speed: Floats, direction: Floats) -> Condens
 
 
 def stiffness_and_damping(train: RigidTrain) -> tuple[Floats, Floats]:
-    """[K] [N/m] and [C] [N s/m] of Eq. 2.8, each (8, 8), as sums of outer products."""
+    """Assemble [K] and [C] of thesis Eq. 2.8 as sums of outer products.
+
+    Args:
+        train: The train.
+
+    Returns:
+        [K] (8, 8) [N/m] and [C] (8, 8) [N s/m].
+    """
     coefficients = _coefficients(train)
     left = dense([one.left for one in coefficients], SIZE)
     right = dense([one.right for one in coefficients], SIZE)
@@ -146,7 +189,14 @@ def stiffness_and_damping(train: RigidTrain) -> tuple[Floats, Floats]:
 
 
 def natural_frequencies(train: RigidTrain) -> Floats:
-    """Undamped natural frequencies (8,) [rad/s], ascending."""
+    """Solve for the undamped natural frequencies.
+
+    Args:
+        train: The train.
+
+    Returns:
+        Frequencies (8,), ascending [rad/s].
+    """
     stiffness, _ = stiffness_and_damping(train)
     return np.sort(np.sqrt(eigvals(stiffness, mass(train))).real)
 
@@ -156,7 +206,7 @@ def _square(vector: list[float] | Floats) -> Floats:
 
 
 def _force(speed: Floats, direction: Floats) -> Complexes:
-    """Force columns (S, 8, 8): ω² U (1, -j) per plane for rotation from +x to +y, its mirror image against it (Eq. 2.9)."""
+    """Assemble force columns (S, 8, 8): ω² U (1, -j) per plane from +x to +y, its mirror image against it (Eq. 2.9)."""
     force = np.zeros((speed.size, SIZE, 2 * len(DISC_WEIGHTS)), dtype=complex)
     square = speed[:, None] ** 2
     sense = direction[:, None]
@@ -168,33 +218,34 @@ def _force(speed: Floats, direction: Floats) -> Complexes:
 
 
 def _coefficients(train: RigidTrain) -> tuple[Coefficient, ...]:
-    """The 42 coefficients in the order of Table 2.1: stiffnesses of bearings and coupling, then dampings."""
+    """List the 42 coefficients in the order of Table 2.1: stiffnesses of bearings and coupling, then dampings."""
     journals = [(f"bearing.B{bearing + 1}", {bearing: 1.0}) for bearing in range(BEARINGS)]
     coupling = ("coupling.C", dict(enumerate(COUPLING_WEIGHTS)))
     bending = {0: 1 / train.span[0], 1: -1 / train.span[0], 2: 1 / train.span[1], 3: -1 / train.span[1]}
-    places: list[tuple[str, str, Quantity, dict[int, float], dict[int, float]]] = []
-    kinds: tuple[tuple[str, Quantity], ...] = (("k", "stiffness"), ("c", "damping"))
-    for letter, quantity in kinds:
+    places: list[tuple[str, Term, dict[int, float], dict[int, float]]] = []
+    quantities: tuple[Quantity, ...] = ("stiffness", "damping")
+    for quantity in quantities:
         for element, weights in (*journals, coupling):
-            for axes in ("xx", "xy", "yx", "yy"):
-                left, right = (_in_plane(weights, axis) for axis in axes)
-                places.append((element, letter + axes, quantity, left, right))
+            places += [
+                (element, term, _in_plane(weights, term.force), _in_plane(weights, term.motion))
+                for term in LATERAL
+                if term.quantity == quantity
+            ]
         if quantity == "stiffness":
             # [K] and [kʳ] put k_phix into the x-plane, Eq. 2.4 into the other; [K] is followed.
             for name, axis in (("k_phix", "x"), ("k_phiy", "y")):
                 vector = _in_plane(bending, axis)
-                places.append((coupling[0], name, "angular stiffness", vector, vector))
+                places.append((coupling[0], TERMS[name], vector, vector))
     return tuple(
         Coefficient(
-            name=f"{element}.{name}",
+            name=f"{element}.{term.name}",
             element=element,
-            quantity=quantity,
+            term=term,
             pairs=((left, right),),
-            direct=name in DIRECT,
             nominal=float(value),
             scale=abs(float(value)),
         )
-        for (element, name, quantity, left, right), value in zip(places, train.coefficients, strict=True)
+        for (element, term, left, right), value in zip(places, train.coefficients, strict=True)
     )
 
 

@@ -1,16 +1,23 @@
-"""Noise on time signals, in decibels or per cent (thesis Appendix E), and what it leaves in a phasor."""
+"""Noise on time signals, in decibels or per cent (thesis Appendix E), and the error that it leaves in a phasor."""
 
 import math
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 
 def decibels(percent: float) -> float:
-    """Signal-to-noise ratio [dB] of noise whose amplitude is so many per cent of the signal's (Eq. E.1).
+    """Convert noise in per cent of the signal's amplitude to a signal-to-noise ratio (thesis Eq. E.1).
 
-    Raises ValueError for a percentage that is not positive.
+    Args:
+        percent: Amplitude of the noise over the signal's [%].
+
+    Returns:
+        Signal-to-noise ratio [dB].
+
+    Raises:
+        ValueError: The percentage is not positive.
     """
     if not percent > 0.0:
         raise ValueError(f"noise of {percent} %: only positive noise has a signal-to-noise ratio")
@@ -18,14 +25,30 @@ def decibels(percent: float) -> float:
 
 
 def percent(decibels: float) -> float:
-    """Amplitude of the noise in per cent of the signal's, from the signal-to-noise ratio [dB] (Eq. E.1)."""
+    """Convert a signal-to-noise ratio to noise in per cent of the signal's amplitude (thesis Eq. E.1).
+
+    Args:
+        decibels: Signal-to-noise ratio [dB].
+
+    Returns:
+        Amplitude of the noise over the signal's [%].
+    """
     return float(100.0 * 10.0 ** (-decibels / 20.0))
 
 
 def noisy_signal(signal: Floats, *, decibels: float, rng: np.random.Generator) -> Floats:
-    """A time signal (N,) plus white Gaussian noise with that signal-to-noise ratio [dB] of rms values about the mean.
+    """Add white Gaussian noise to a time signal (thesis Appendix E).
 
-    Raises ValueError for a signal that does not vary, which has no ratio to any noise.
+    Args:
+        signal: Signal (N,) [any unit].
+        decibels: Signal-to-noise ratio of rms values about the mean [dB].
+        rng: Random generator.
+
+    Returns:
+        Noisy signal (N,) [unit of the signal].
+
+    Raises:
+        ValueError: The signal does not vary, so that it has no ratio to any noise.
     """
     spread = float(np.std(signal))
     if not spread > 0.0:
@@ -34,10 +57,19 @@ def noisy_signal(signal: Floats, *, decibels: float, rng: np.random.Generator) -
 
 
 def phasor_error(*, percent: float, samples: int) -> float:
-    """Rms error of a phasor, relative to its amplitude, that white noise leaves in a least-squares fit to so many samples.
+    """Compute the rms error that white noise leaves in the phasor of a least-squares fit.
 
-    Noise of σ = p/100·X/√2 gives each part of the phasor the variance 2σ²/N, so the error is √2·p/(100√N) [-].
-    Raises ValueError for fewer than three samples.
+    Noise of σ = p/100·X/√2 gives each part of the phasor the variance 2σ²/N, so the error is √2·p/(100√N).
+
+    Args:
+        percent: Amplitude p of the noise over the signal's [%].
+        samples: Number N of samples.
+
+    Returns:
+        Error relative to the phasor's amplitude [-].
+
+    Raises:
+        ValueError: There are fewer than three samples.
     """
     if samples < 3:
         raise ValueError(f"{samples} samples cannot determine mean, cosine and sine: three at least")

@@ -9,24 +9,27 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-Floats = NDArray[np.float64]
+from estimator.arrays import Floats
+
 Rule = Literal["generalised cross-validation", "L-curve"]
 
 GRID = 200
-"""Values of λ, evenly spaced in ln λ, among which the rules look before they refine."""
+"""Number of values of λ, evenly spaced in ln λ, that the rules compare before they refine."""
 SMALLEST = 1e-16
-"""Smallest λ considered, as a part of the largest singular value."""
+"""Smallest λ considered, as a part of the largest singular value [-]."""
 
 
 @dataclass(frozen=True)
 class SpectralProblem:
     """A least-squares problem in the coordinates of its singular vectors.
 
-    singular_values: (C,) descending, positive. components: (C,) of the target along the left singular vectors.
-    remainder: squared norm of the target outside of them. rows: R, number of equations.
+    Attributes:
+        singular_values: Singular values (C,), descending, positive [-].
+        components: Components (C,) of the target along the left singular vectors [-].
+        remainder: Squared norm of the target outside of them [-].
+        rows: Number R of equations.
     """
 
     singular_values: Floats
@@ -36,37 +39,84 @@ class SpectralProblem:
 
     @classmethod
     def of(cls, left: Floats, singular_values: Floats, target: Floats) -> Self:
-        """From the thin left singular vectors (R, C), the singular values (C,) and the target (R,)."""
+        """Project a target on the left singular vectors.
+
+        Args:
+            left: Thin left singular vectors (R, C) [-].
+            singular_values: Singular values (C,) [-].
+            target: Target (R,) [-].
+
+        Returns:
+            The problem.
+        """
         components = left.T @ target
         outside = target - left @ components
         return cls(singular_values, components, float(outside @ outside), target.size)
 
     def residual_square(self, parameter: float) -> float:
-        """‖A x - b‖² of the solution for λ."""
+        """Compute ‖A x - b‖² of the solution for λ.
+
+        Args:
+            parameter: λ [-].
+
+        Returns:
+            Squared norm [-].
+        """
         damped = damped_parts(self.singular_values, parameter) * self.components
         return float(damped @ damped) + self.remainder
 
     def solution_square(self, parameter: float) -> float:
-        """‖x‖² of the solution for λ."""
+        """Compute ‖x‖² of the solution for λ.
+
+        Args:
+            parameter: λ [-].
+
+        Returns:
+            Squared norm [-].
+        """
         x = filter_factors(self.singular_values, parameter) * self.components / self.singular_values
         return float(x @ x)
 
 
 def filter_factors(singular_values: Floats, parameter: float) -> Floats:
-    """s²/(s² + λ²), (C,)."""
+    """Compute the filter factors s²/(s² + λ²).
+
+    Args:
+        singular_values: Singular values s (C,) [-].
+        parameter: λ [-].
+
+    Returns:
+        Factors (C,) [-].
+    """
     return np.asarray(1.0 / (1.0 + (parameter / singular_values) ** 2))
 
 
 def damped_parts(singular_values: Floats, parameter: float) -> Floats:
-    """1 - s²/(s² + λ²) = λ²/(s² + λ²), (C,), without the cancellation for small λ."""
+    """Compute 1 - s²/(s² + λ²) = λ²/(s² + λ²) without the cancellation for small λ.
+
+    Args:
+        singular_values: Singular values s (C,) [-].
+        parameter: λ [-].
+
+    Returns:
+        Parts (C,) [-].
+    """
     square = parameter**2
     return np.asarray(square / (singular_values**2 + square))
 
 
 def generalised_cross_validation(problem: SpectralProblem, parameter: float) -> float:
-    """‖A x - b‖² / (R - Σ f)² with f = s²/(s² + λ²).
+    """Compute ‖A x - b‖² / (R - Σ f)² with f = s²/(s² + λ²) (Golub, Heath and Wahba 1979).
 
-    An estimate of the mean square error with which left-out equations are predicted, over their number R.
+    An estimate of the mean square error with which left-out equations are predicted, over their number R. Source:
+    doi:10.1080/00401706.1979.10489751.
+
+    Args:
+        problem: The problem.
+        parameter: λ [-].
+
+    Returns:
+        Criterion, smaller is better [-].
     """
     damped = damped_parts(problem.singular_values, parameter)
     freedom = problem.rows - damped.size + float(damped.sum())
@@ -74,10 +124,17 @@ def generalised_cross_validation(problem: SpectralProblem, parameter: float) -> 
 
 
 def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
-    """Curvature of (ln ‖A x - b‖, ln ‖x‖) over growing λ; positive at the corner.
+    """Compute the curvature of (ln ‖A x - b‖, ln ‖x‖) over growing λ; positive at the corner (Hansen and O'Leary 1993).
 
-    With η = ‖x‖², ρ = ‖A x - b‖² and dρ/dλ = -λ² dη/dλ it needs no second derivative:
-    2 ηρ/|η'| (λ²η'ρ + 2ληρ + λ⁴ηη') / (λ⁴η² + ρ²)^(3/2).
+    With η = ‖x‖², ρ = ‖A x - b‖² and dρ/dλ = -λ² dη/dλ it needs no second derivative: 2 ηρ/|η'| (λ²η'ρ + 2ληρ + λ⁴ηη') / (λ⁴η²
+    + ρ²)^(3/2). Source: doi:10.1137/0914086.
+
+    Args:
+        problem: The problem.
+        parameter: λ [-].
+
+    Returns:
+        Curvature [-].
     """
     factors = filter_factors(problem.singular_values, parameter)
     damped = damped_parts(problem.singular_values, parameter)
@@ -92,9 +149,16 @@ def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
 
 
 def choose_parameter(problem: SpectralProblem, rule: Rule) -> float:
-    """λ by the rule: the best of a grid over the singular values' range, then refined around it.
+    """Choose λ by the rule: the best of a grid over the singular values' range, then refined around it.
 
     The smallest λ considered lies where it changes nothing; a rule that wants no regularisation ends there.
+
+    Args:
+        problem: The problem.
+        rule: The rule.
+
+    Returns:
+        λ [-].
     """
     criterion = generalised_cross_validation if rule == "generalised cross-validation" else _flatness
     largest = float(problem.singular_values[0])

@@ -1,4 +1,4 @@
-"""From a time signal to a phasor: the thesis's reading of one maximum and one minimum (§5.4), and a least-squares fit.
+"""Phasor of a time signal: the thesis's reading of one maximum and one minimum (§5.4), and a least-squares fit.
 
 Both count from the instant of the keyphasor's pulse and give x(t) = Re(X e^{+jωt}), t = 0 at the pulse.
 """
@@ -8,17 +8,26 @@ import math
 import numpy as np
 import scipy.signal
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 FILTER_ORDER = 2
 """Order of the Butterworth filter, which the thesis does not print."""
 
 
 def band_passed(signal: Floats, *, sampling_rate: float, frequency: float, half_width: float = 2.0) -> Floats:
-    """The signal (N,) through a Butterworth band-pass from frequency - half_width to frequency + half_width [Hz] (§5.4, 5).
+    """Filter a signal by a Butterworth band-pass (thesis §5.4, 5), forwards and backwards, which leaves the phase alone.
 
-    sampling_rate: [Hz]. Run forwards and backwards, which leaves the phase alone. Raises ValueError when the band does not
-    lie between zero and half the sampling rate.
+    Args:
+        signal: Signal (N,) [any unit].
+        sampling_rate: Sampling rate [Hz].
+        frequency: Middle of the band [Hz].
+        half_width: Half width of the band [Hz].
+
+    Returns:
+        Filtered signal (N,) [unit of the signal].
+
+    Raises:
+        ValueError: The band does not lie between zero and half the sampling rate.
     """
     low, high = frequency - half_width, frequency + half_width
     if not 0.0 < low < high < sampling_rate / 2:
@@ -28,11 +37,22 @@ def band_passed(signal: Floats, *, sampling_rate: float, frequency: float, half_
 
 
 def extrema_phasor(signal: Floats, *, time: Floats, pulse: float, frequency: float) -> complex:
-    """X from the first maximum behind the pulse and the minimum next to it (Eq. 5.1), φ from the maximum's delay (Eq. 5.2).
+    """Compute a phasor from the first maximum behind the pulse and the minimum next to it (thesis Eq. 5.1-5.2).
 
-    signal, time: (N,) filtered displacement [m] at its instants [s]. pulse: instant of the keyphasor's pulse [s].
-    frequency: of rotation [Hz]. The delay t means a lag, so the phasor is X e^{-2πjt/T}. Nothing is interpolated between
-    samples, as the thesis does not say that it was. Raises ValueError when less than a period and a half follow the pulse.
+    The delay t of the maximum means a lag, so the phasor is X e^{-2πjt/T}. Nothing is interpolated between samples, as the
+    thesis does not say that it was.
+
+    Args:
+        signal: Filtered displacement (N,) [m].
+        time: Instants (N,) [s].
+        pulse: Instant of the keyphasor's pulse [s].
+        frequency: Frequency of rotation [Hz].
+
+    Returns:
+        Phasor [m].
+
+    Raises:
+        ValueError: Less than a period and a half follow the pulse.
     """
     period = 1.0 / frequency
     first = (time >= pulse) & (time < pulse + period)
@@ -48,9 +68,19 @@ def extrema_phasor(signal: Floats, *, time: Floats, pulse: float, frequency: flo
 
 
 def least_squares_phasor(signal: Floats, *, time: Floats, pulse: float, frequency: float) -> complex:
-    """Phasor of the mean, cosine and sine that fit the whole signal best; arguments as in `extrema_phasor`, no filter needed.
+    """Fit mean, cosine and sine to the whole signal; no filter is needed.
 
-    Raises ValueError for fewer than three samples.
+    Args:
+        signal: Displacement (N,) [m].
+        time: Instants (N,) [s].
+        pulse: Instant of the keyphasor's pulse [s].
+        frequency: Frequency of rotation [Hz].
+
+    Returns:
+        Phasor [m].
+
+    Raises:
+        ValueError: There are fewer than three samples.
     """
     if signal.size < 3:
         raise ValueError(f"{signal.size} samples cannot determine mean, cosine and sine: three at least")

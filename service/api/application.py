@@ -3,7 +3,6 @@
 import functools
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
-from importlib.metadata import version
 
 from anyio.to_thread import current_default_thread_limiter
 from fastapi import APIRouter, Depends, FastAPI
@@ -61,6 +60,7 @@ from service.api.unchanged import ConditionalGet
 from service.api.unheeded import reject_unknown_parameters
 from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
+from service.release import VERSION
 from service.security.answer_headers import SecurityHeaders
 from service.security.authentication import Authentication
 from service.security.configuration import Security
@@ -136,7 +136,7 @@ def _bare() -> FastAPI:
     """Return all routes, with nothing behind them."""
     app = FastAPIOffline(
         title="Rundown",
-        version=version("rundown"),
+        version=VERSION,
         description="Condition monitoring of coupled rotor trains: runs, identifications, parameter trends, alerts.",
         docs_url=None,
         redoc_url=None,

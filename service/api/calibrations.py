@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, status
 from pydantic import BaseModel, ConfigDict, Field
 
-from estimator.machine import Identifier
+from estimator.field_types import Identifier
 from service.api.access import MachineId, Period, Reading, database, instant
 from service.api.fields import Moment, Said
 from service.api.paging import ByTime

@@ -10,8 +10,8 @@ from sqlalchemy.orm import Session
 
 from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
 from estimator.machine import Machine
+from estimator.parameter_description import is_direct
 from estimator.parameter_names import derived_unit
-from estimator.parameters import is_direct
 from estimator.point import Point
 from estimator.slow_drift import Drift
 from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests

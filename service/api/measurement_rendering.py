@@ -6,8 +6,8 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.channel_status import ChannelStatus
-from estimator.condensation import Complexes, Floats
 from estimator.machine import Machine
 from estimator.units import RADIANS, rad_per_s_to_rpm
 from service.api import measurement_schemas as schemas

@@ -12,9 +12,9 @@ from typing import Annotated, Any, TypeVar
 import numpy as np
 from fastapi import APIRouter, Query, Request
 
+from estimator.arrays import Floats
 from estimator.balancing import Correction, balance
 from estimator.campbell import Campbell, campbell
-from estimator.condensation import Floats
 from estimator.critical_speed import CriticalSpeed, critical_speed_table
 from estimator.error_propagation import PhasorBand
 from estimator.estimates import CONFIDENCE_95

@@ -14,8 +14,8 @@ from fastapi import HTTPException, status
 
 from estimator.document_size import document_size
 from estimator.machine import Machine
-from service.processes import SeparateProcesses, Stuck
-from service.worker import OutOfTime, limited
+from service.processes import ProcessPool, Stuck
+from service.time_limit import OutOfTime, limited
 
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
 """A train of more is a long one."""
@@ -41,13 +41,13 @@ class ModelProcess:
         self._time_s = time_s
         self._memory = memory_bytes
         self._lock = threading.Lock()
-        self._processes: SeparateProcesses | None = None
+        self._processes: ProcessPool | None = None
 
     def compute(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
         """Return or raise what a function of a module does. Raises HTTPException 503 where it needs more time or memory."""
         with self._lock:
             if self._processes is None:
-                self._processes = SeparateProcesses(1, memory_bytes=self._memory)
+                self._processes = ProcessPool(1, memory_bytes=self._memory)
             future: Future[T] = self._processes.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
         try:
             return future.result()

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Annotated, cast
 
 from fastapi import APIRouter, Query, Request, Response, status
@@ -13,6 +12,7 @@ from service.api import operation_schemas as schemas
 from service.api.access import Reading, database, moment, principal
 from service.api.paging import ById, BySource
 from service.api.times import Time
+from service.release import VERSION
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
 from service.wire import OwnFault, Reason
 from storage import quarantine, samples
@@ -69,7 +69,7 @@ async def _health(request: Request) -> schemas.Health:
     whole = schemas.Health(
         healthy=healthy,
         ready=ready,
-        version=version("rundown"),
+        version=VERSION,
         parts=parts,
         database=kept.version,
         warnings=[*kept.objections, *request.app.state.warnings()],

@@ -6,7 +6,7 @@ import numpy as np
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.orbit import Finding, StationOrbits, orbit_findings, station_orbits
 from estimator.probe_axes import probe_stations
 from estimator.slow_roll import corrected

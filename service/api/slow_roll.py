@@ -12,7 +12,8 @@ from fastapi import APIRouter, Body, Request, Response, status
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sqlalchemy.orm import Session
 
-from estimator.machine import Identifier, Machine
+from estimator.field_types import Identifier
+from estimator.machine import Machine
 from estimator.slow_roll import SlowRoll, capture
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.written import Written

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from estimator.arrays import Floats
 from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api.downsampling import Chosen, min_max
 from service.api.values import rfc3339_texts
@@ -17,7 +18,7 @@ from storage import machines, trends
 from storage.changes import Changes
 from storage.database import Database
 from storage.jobs import RUN
-from storage.trends import Floats, History, Integers, Stamp, Texts
+from storage.trends import History, Integers, Stamp, Texts
 
 MOST_KEPT = 512
 """Histories kept in memory; one of 2,000 points takes some 600 kB."""

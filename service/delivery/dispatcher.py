@@ -34,8 +34,8 @@ from storage.clock import now, to_datetime
 from storage.damage import is_damage
 from storage.database import Database
 from storage.errors import concerns_all
-from storage.plain_text import plain_text
 from storage.tables import AlertEventRow, DeliveryRow, SubscriptionRow
+from storage.text import plain_text
 
 logger = logging.getLogger(__name__)
 

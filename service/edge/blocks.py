@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.keyphasor import (
     Edge,
     InconsistentIntervals,

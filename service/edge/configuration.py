@@ -6,8 +6,10 @@ from typing import Annotated, Literal, Self
 
 from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
+from estimator.field_types import Identifier, Positive, Real
 from estimator.keyphasor import Edge
-from estimator.machine import Identifier, Positive, Real, SpeedRange, field_path
+from estimator.machine import field_path
+from estimator.rules import SpeedRange
 from estimator.units import METRES
 from estimator.written import Written
 from service.documents import UnreadableFile, read_yaml

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.file_trouble import FileTrouble, require_columns
 
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.configuration import InputFile, Waveforms

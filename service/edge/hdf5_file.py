@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.file_trouble import FileTrouble, require_columns
 
 

@@ -12,7 +12,7 @@ from typing import IO
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.file_trouble import FileTrouble, require_columns
 
 CHECKED_AT_ONCE = 1 << 20

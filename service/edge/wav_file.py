@@ -11,7 +11,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.file_trouble import FileTrouble, require_columns
 
 PCM, FLOAT, EXTENSIBLE = 1, 3, 0xFFFE

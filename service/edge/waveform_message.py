@@ -29,7 +29,7 @@ from typing import Literal
 
 import numpy as np
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 
 MAGIC = b"RDWF"
 VERSION = 1

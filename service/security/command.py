@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from pydantic import TypeAdapter, ValidationError
 
-from estimator.machine import Identifier
+from estimator.field_types import Identifier
 from service.ending import fail
 from service.security.principal import Role
 from service.terminal import say

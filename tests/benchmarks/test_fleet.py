@@ -38,7 +38,8 @@ from benchmarks.fleet.measuring import Ordered, measured
 from benchmarks.fleet.report import main, part_interval, rate_bound
 from benchmarks.fleet.scenarios import SCENARIOS, SHORT_BASELINE
 from estimator.identification import identify
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
+from estimator.rules import Noise
 
 SMALL = "thesis-chapter-3"
 

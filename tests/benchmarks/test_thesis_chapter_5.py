@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis.__main__ import main
-from benchmarks.thesis.chapter_5 import diagnosed, stiffnesses
+from benchmarks.thesis.chapter_5_misalignment import diagnosed, stiffnesses
 from benchmarks.thesis.rig import (
     BOTH_WAYS,
     DENSE,
@@ -20,7 +20,7 @@ from benchmarks.thesis.rig import (
 )
 from benchmarks.thesis.rig_mode_shapes import nodes, plane_modes
 from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.observation import observed
 from estimator.watch import Watch
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.identification import Identification
-from estimator.machine import Bearing, Coupling, Disc, Half, Machine, Seal
+from estimator.machine import Machine
+from estimator.parts import Bearing, Coupling, Disc, Half, Seal
 from estimator.rotor import assemble_rotor
 from tests.estimator.trains import Complexes, Document, Floats
 

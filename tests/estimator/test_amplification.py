@@ -16,7 +16,7 @@ from estimator.amplification import (
     response_peaks,
     separation_margin,
 )
-from estimator.machine import Probe
+from estimator.parts import Probe
 from tests.estimator.models import model_of
 from tests.estimator.rigid_rotor import bounce, rigid_rotor
 from tests.estimator.trains import Floats, chapter_3, dense_response, few_examples

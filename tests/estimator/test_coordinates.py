@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from estimator.coefficient_models import CROSS_SPREAD, KNOWN_SPREAD, UNKNOWN_SPREAD
 from estimator.condensation import condense
-from estimator.coordinates import CROSS_SPREAD, KNOWN_SPREAD, UNBALANCE_SPREAD, UNKNOWN_SPREAD, Coordinates
+from estimator.coordinates import UNBALANCE_SPREAD, Coordinates
 from estimator.machine import Machine, parse_machine
 from tests.estimator.trains import chapter_3, chapter_3_document, few_examples, truth, without
 

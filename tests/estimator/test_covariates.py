@@ -5,8 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from estimator.covariates import FEWEST_RUNS, Measured, adjustment
-from estimator.machine import Condition
 from estimator.point import Point
+from estimator.rules import Condition
 
 Floats = NDArray[np.float64]
 NAMES = ("bearing.B1.kxx", "bearing.B1.kyy", "coupling.C1.kxx")

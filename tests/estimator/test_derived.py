@@ -11,8 +11,9 @@ from estimator.derived import Derived, derived_quantities
 from estimator.error_propagation import standard_errors
 from estimator.estimates import CONFIDENCE_95
 from estimator.identification import Identification
-from estimator.machine import Machine, Noise, Operation
+from estimator.machine import Machine
 from estimator.misalignment_force import coupling_forces
+from estimator.rules import Noise, Operation
 from estimator.second_order import Orders
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import UpdatedModel, expected_model

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.diagnosis import Deviation, diagnose, reference
 from estimator.observation import Observation
 from tests.estimator import watched_machine as plant

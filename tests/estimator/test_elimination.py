@@ -7,7 +7,7 @@ from estimator import elimination
 from estimator.condensation import CondensedTrain, condense
 from estimator.elimination import SingularCondensation
 from estimator.machine import parse_machine
-from estimator.sensitivity import Sensitivity, sensitivity
+from estimator.response import Sensitivity, sensitivity
 from tests.estimator.long_trains import TRAINS, plain
 from tests.estimator.trains import Document
 

@@ -8,8 +8,9 @@ from estimator.coordinates import Coordinates
 from estimator.fit import Problem
 from estimator.fitted_response import fitted_response
 from estimator.forced_response import forced_response
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
 from estimator.measurement import Measurement
+from estimator.rules import Noise
 from estimator.updated_model import model_at
 from tests.plant import document
 from tests.plant import machine as plant_machine

@@ -7,10 +7,10 @@ import pytest
 
 from estimator.critical_speed import critical_speed_table
 from estimator.forced_response import forced_response
-from estimator.machine import Probe
 from estimator.misalignment_force import coupling_forces
 from estimator.modes import eigenvalue_slopes, eigenvalues, modes
 from estimator.parameters import dense, unknowns
+from estimator.parts import Probe
 from estimator.rotor import assemble_rotor
 from estimator.station_response import station_response
 from estimator.system_matrices import system_matrices

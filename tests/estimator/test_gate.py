@@ -8,12 +8,13 @@ import numpy as np
 from estimator.coast_down import coast_down
 from estimator.gate import identify_gated
 from estimator.identification import Identification, Options, identify
-from estimator.machine import Machine, QualityRules, parse_machine
+from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import unknowns
 from estimator.quality import Flag
 from estimator.recorded import Recorded
 from estimator.rotor import assemble_rotor
+from estimator.rules import QualityRules
 from tests.estimator.sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
 from tests.estimator.trains import chapter_3_document
 

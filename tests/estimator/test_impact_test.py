@@ -15,10 +15,11 @@ from estimator.impact_test import (
     measured_frequencies,
     share_along_x,
 )
-from estimator.machine import ImpactTest, parse_machine
+from estimator.machine import parse_machine
 from estimator.modal_uncertainty import modes_at, natural_frequency_errors
 from estimator.modes import natural_frequencies
 from estimator.rotor import assemble_rotor
+from estimator.rules import ImpactTest
 from estimator.updated_model import UpdatedModel
 from tests.estimator.models import model_of
 from tests.estimator.trains import ROOT, chapter_3, one_disc_document

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.keyphasor import (
     InconsistentIntervals,
     KeyphasorError,

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.machine import Noise
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
+from estimator.rules import Noise
 from tests.estimator.trains import few_examples
 
 SPEED = np.array([10.0, 20.0, 30.0])

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.keyphasor import Edge, ShaftAngle, Threshold, read_keyphasor, shaft_angle
 from estimator.order_tracking import Block, track_orders
 

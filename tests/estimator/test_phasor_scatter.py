@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.signal
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.keyphasor import shaft_angle
 from estimator.order_tracking import Block, track_orders
 from estimator.phasor_scatter import quantisation_error

@@ -13,7 +13,7 @@ import pytest
 from estimator.identification import LARGEST_CONDITION, Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed, truth
 
 NARROW: Floats = np.linspace(60.0, 110.0, 60)

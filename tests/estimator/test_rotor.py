@@ -14,8 +14,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from estimator.machine import Bearing, Disc, Machine, Probe, parse_machine
-from estimator.rotor import DEFAULT_ELEMENTS_PER_SHAFT, assemble_rotor, node_stations
+from estimator.machine import Machine, parse_machine
+from estimator.mesh import DEFAULT_ELEMENTS_PER_SHAFT, node_stations
+from estimator.parts import Bearing, Disc, Probe
+from estimator.rotor import assemble_rotor
 from estimator.shaft import shear_coefficient
 from tests.estimator.trains import Document, chapter_3, chapter_3_document, dense_elements, few_examples, one_disc_document
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from estimator.channel_status import ChannelStatus
-from estimator.machine import Noise, QualityRules
 from estimator.quality import MEANING, Flag, assess, own_noise
 from estimator.recorded import Recorded
+from estimator.rules import Noise, QualityRules
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
 

@@ -10,7 +10,7 @@ from estimator.condensation import condense
 from estimator.identification import Options, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
-from estimator.sensitivity import Sensitivity, sensitivity
+from estimator.response import Sensitivity, sensitivity
 from tests.estimator.full_train import deviations, full_response, true_values, two_material_document
 from tests.estimator.trains import Document, Floats, chapter_3_document, noisy, truth
 

@@ -11,9 +11,8 @@ from estimator.identification import Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import unknowns
-from estimator.response import response
+from estimator.response import response, sensitivity
 from estimator.rotor import assemble_rotor
-from estimator.sensitivity import sensitivity
 from tests.estimator.full_train import deviations, full_response, full_train, true_values
 from tests.estimator.trains import Complexes, Document, Floats, chapter_3_document, noisy, truth
 

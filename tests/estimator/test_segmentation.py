@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.machine import Operation, SpeedRange
+from estimator.rules import Operation, SpeedRange
 from estimator.segmentation import (
     REVERSAL_SPAN,
     START_SPAN,

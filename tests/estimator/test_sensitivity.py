@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from estimator.condensation import condense
 from estimator.machine import parse_machine
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.response import response, sensitivity
 from tests.estimator.trains import chapter_3, few_examples, one_disc_document, truth
 
 SPEED = np.array([10.0, 122.0, 145.0, 176.0, 283.0, 402.0])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.machine import Condition
+from estimator.rules import Condition
 from estimator.simulation import YEAR_S, draw_truth, drawn_conditions, under_conditions
 from tests.estimator.trains import chapter_3
 

@@ -5,7 +5,8 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from estimator.machine import Noise, parse_machine
+from estimator.machine import parse_machine
+from estimator.rules import Noise
 from estimator.segmentation import RunEnded, RunKind, RunStarted, SweepLimits, SweepState, advance, finish
 from estimator.simulation import (
     BEARING_STIFFENING,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.healthy_variation import SEASON, SHARED, slow_variation
 from estimator.parameters import unknowns
 from estimator.rotor import assemble_rotor

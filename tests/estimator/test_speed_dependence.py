@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from estimator.between_run_scatter import DAMPING_SCATTER, STIFFNESS_SCATTER, expected_scatter, sizes
-from estimator.coordinates import knot_weights
 from estimator.identification import Identification, Options, identify
-from estimator.machine import DocumentError, Machine, SpeedDependence, parse_machine
+from estimator.knot_coefficients import piecewise_weights, polynomial_weights
+from estimator.machine import DocumentError, Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.parameters import is_direct
+from estimator.parameter_description import is_direct
 from tests.estimator.full_train import deviations, elements, full_response, node_of, true_values
 from tests.estimator.trains import Complexes, Document, Floats, chapter_3_document, noisy, perturbed
 
@@ -127,15 +127,14 @@ def test_wrong_nominal_values() -> None:
 
 
 def test_piecewise_weights() -> None:
-    dependence = SpeedDependence(form="piecewise", knots_rpm=(300.0, 900.0))
-    weights = knot_weights(dependence, np.array([100.0, 300.0, 450.0, 900.0, 5000.0]) * math.pi / 30)
+    weights = piecewise_weights(np.array([300.0, 900.0]), np.array([100.0, 300.0, 450.0, 900.0, 5000.0]))
     assert weights == pytest.approx(np.array([[1, 0], [1, 0], [0.75, 0.25], [0, 1], [0, 1]]))
 
 
 def test_polynomial_weights_are_those_of_the_polynomial_through_the_knots() -> None:
-    knots = (300.0, 900.0, 1500.0, 3000.0)
+    knots = np.array([300.0, 900.0, 1500.0, 3000.0])
     speed = np.linspace(200.0, 3200.0, 7)
-    weights = knot_weights(SpeedDependence(form="polynomial", knots_rpm=knots), speed * math.pi / 30)
+    weights = polynomial_weights(knots, speed)
     values = np.array([1.0, -2.0, 0.5, 3.0])
     through = np.polynomial.Polynomial.fit(knots, values, 3)
     assert weights @ values == pytest.approx(through(speed), rel=1e-9)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from estimator.condensation import condense
-from estimator.machine import Probe, parse_machine
+from estimator.machine import parse_machine
+from estimator.parts import Probe
 from estimator.response import response
 from estimator.rotor import assemble_rotor
 from estimator.shaft import plane_element

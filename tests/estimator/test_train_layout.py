@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from estimator.machine import Disc
+from estimator.parts import Disc
 from estimator.train_layout import STEEL, disc_body, shaft_begins
 from tests.plant import document
 from tests.plant import machine as plant_machine

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from estimator.waveform_fault import WaveformFault, waveform_fault
 
 RATE = 2560.0

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from estimator.condensation import Complexes
+from estimator.arrays import Complexes
 from estimator.identification import Identification, Options, identify
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement

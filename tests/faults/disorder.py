@@ -15,8 +15,9 @@ from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service.collection import Collector
 from service.journal import Arrived
+from service.task import IdentificationTask
 from service.wire import SampleBatch, encode_batch, source_key
-from service.worker import Task, compute
+from service.worker import compute
 from storage import machines, runs, samples
 from storage.blocks import Samples, encode
 from storage.database import Database
@@ -148,7 +149,7 @@ def _held(database: Database, document: Machine, source: str) -> Stored:
 
 
 def _estimates(document: Document, held: Samples) -> tuple[Estimate, ...]:
-    found = compute(Task(document, [encode(held)], Options(), timeout_s=300.0)).identification
+    found = compute(IdentificationTask(document, [encode(held)], Options(), timeout_s=300.0)).identification
     assert found is not None
     assert found.accepted
     return found.estimates

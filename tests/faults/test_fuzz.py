@@ -17,8 +17,9 @@ from service.collection import Collector
 from service.journal import Journal
 from service.stream import session as stream_session
 from service.stream import wait_connected
+from service.task import IdentificationTask
 from service.wire import JSON, SampleBatch, encode_batch
-from service.worker import Task, compute
+from service.worker import compute
 from storage import machines, runs
 from storage.blocks import Samples, encode
 from storage.database import Database
@@ -115,6 +116,6 @@ def identified(database: Database, messages: list[SampleBatch]) -> tuple[Samples
         held = runs.samples(session, row.id)
         text = machines.revision(session, machine.id, 1).document
     assert held is not None
-    outcome = compute(Task(text, [encode(held)], Options(), timeout_s=300.0, rules=machine.quality))
+    outcome = compute(IdentificationTask(text, [encode(held)], Options(), timeout_s=300.0, rules=machine.quality))
     assert outcome.identification is not None, outcome.error
     return held, outcome.identification, outcome.qualities[0]

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.large_documents import largest, train
-from benchmarks.worst_documents import closed, probing, send_all
+from benchmarks.worst_documents import closed, send_all
+from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until
 
 KINDS = ("sections", "unsure probes", "all at once")

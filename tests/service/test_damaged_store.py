@@ -13,7 +13,7 @@ from sqlalchemy.exc import DBAPIError
 
 from service.collection import Collector
 from service.housekeeping import Housekeeping
-from service.identifying import Identifying
+from service.identifying import JobScheduler
 from service.ingest import Ingest
 from service.journal import Journal
 from service.settings import Settings
@@ -140,7 +140,7 @@ def test_samples_of_the_others_are_stored(database: Database, router: zenoh.Sess
 
 
 def test_jobs_of_the_others_are_taken(database: Database) -> None:
-    identifying = Identifying(database, Settings(workers=1))
+    identifying = JobScheduler(database, Settings(workers=1))
     identifying.start()
     try:
         wait_until(lambda: not counts(database).keys() & {jobs.QUEUED, jobs.RUNNING})

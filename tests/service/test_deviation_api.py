@@ -11,7 +11,7 @@ import pytest
 from benchmarks.serving import served
 from estimator.covariates import adjustment
 from estimator.deviation import deviations
-from estimator.machine import Condition
+from estimator.rules import Condition
 from estimator.trend_tests import RUN_LENGTH
 from service import baselining
 from service.comparing import WEEK

@@ -275,7 +275,7 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
 def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
     plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("storage.database.BUSY_TIMEOUT_MS", 100)
+    monkeypatch.setattr("storage.writer_turn.BUSY_TIMEOUT_MS", 100)
     feed(journal, 0, 20)
     add_runs(plant, 25)
     one = Housekeeping(plant, confirmed(plant, raw_days=30, run_days=1))

@@ -17,11 +17,14 @@ import psutil
 import pytest
 from sqlalchemy.exc import IntegrityError, OperationalError
 
-from estimator.machine import Condition, Machine, Operation
+from estimator.machine import Machine
+from estimator.rules import Condition, Operation
 from service import engines, requesting, worker
-from service.identifying import Identifying
+from service.identifying import JobScheduler
 from service.job_task import task
+from service.result_filing import ResultFiling
 from service.settings import Settings
+from service.task import IdentificationOutcome, IdentificationTask
 from storage import derived, identifications, jobs, limits, machines, quarantine, runs
 from storage.database import Database
 from tests.asking import Api
@@ -37,9 +40,9 @@ def train() -> Machine:
 
 
 @contextmanager
-def identifying(database: Database, **changes: object) -> Iterator[Identifying]:
+def identifying(database: Database, **changes: object) -> Iterator[JobScheduler]:
     """The identification thread at work."""
-    work = Identifying(database, Settings(workers=1).model_copy(update=changes))
+    work = JobScheduler(database, Settings(workers=1).model_copy(update=changes))
     work.start()
     try:
         yield work
@@ -142,14 +145,14 @@ def test_of_a_run_that_was_made_anew_meanwhile_the_new_samples_are_identified(
         machines.create(session, train)
     run_id = close_run(database, train, seed=1, start_s=1_700_000_000)
     counted: list[int] = []
-    store = Identifying._store
+    store = ResultFiling._store
 
-    def late(self: Identifying, *arguments: Any) -> None:
+    def late(self: ResultFiling, *arguments: Any) -> None:
         if not counted:
             counted.append(made_anew(database, run_id))
         store(self, *arguments)
 
-    monkeypatch.setattr(Identifying, "_store", late)
+    monkeypatch.setattr(ResultFiling, "_store", late)
     with identifying(database):
         wait_until(lambda: counts(database) == {"done": 1})
     with database.reading() as session:
@@ -227,7 +230,7 @@ def test_a_job_that_hangs_its_process_every_time_is_put_aside(
         assert "given up after 3 attempts: Stuck: its process did not answer for" in (job.error or "")
 
 
-def stopped(_: worker.Task) -> worker.Outcome:
+def stopped(_: IdentificationTask) -> IdentificationOutcome:
     """Never comes to its end."""
     os.kill(os.getpid(), signal.SIGSTOP)
     raise AssertionError("nobody lets it go on")
@@ -283,7 +286,7 @@ def test_what_is_asked_for_in_one_plant_delays_no_alert_of_another(database: Dat
         assert all(row.asked_by == "anna" for row in jobs.of_machine(session, train.id, limit=200))
 
 
-def costly(tries: Path, until: int, error: str, task: worker.Task) -> worker.Outcome:
+def costly(tries: Path, until: int, error: str, task: IdentificationTask) -> IdentificationOutcome:
     """Computes in its process from a try on; before that it uses it up. tries: file with a line for each try."""
     with tries.open("a") as counted:
         counted.write("tried\n")
@@ -298,14 +301,16 @@ def costly(tries: Path, until: int, error: str, task: worker.Task) -> worker.Out
 
 
 @contextmanager
-def computing(monkeypatch: pytest.MonkeyPatch, work: Callable[[worker.Task], worker.Outcome]) -> Iterator[None]:
+def computing(monkeypatch: pytest.MonkeyPatch, work: Callable[[IdentificationTask], IdentificationOutcome]) -> Iterator[None]:
     """Let the processes do something else than identify."""
 
-    def submit(self: engines.Local, limit_s: float, _work: object, task: worker.Task) -> Future[worker.Outcome]:
+    def submit(
+        self: engines.LocalExecutor, limit_s: float, _work: object, task: IdentificationTask
+    ) -> Future[IdentificationOutcome]:
         return self._processes.submit(limit_s, work, task)
 
     with monkeypatch.context() as changed:
-        changed.setattr(engines.Local, "submit", submit)
+        changed.setattr(engines.LocalExecutor, "submit", submit)
         yield
 
 
@@ -347,13 +352,13 @@ def test_a_job_that_takes_more_than_it_may_has_three_tries(
         assert re.search(said, job.error or "")
 
 
-def spoiled(tries: Path, task: worker.Task) -> worker.Outcome:
+def spoiled(tries: Path, task: IdentificationTask) -> IdentificationOutcome:
     """Of the first try a result that cannot be stored, of the second an error that cannot be. tries: as of `costly`."""
     with tries.open("a") as counted:
         counted.write("tried\n")
     count = len(tries.read_text().splitlines())
     if count == 1:
-        return worker.Outcome((), None, "without the quality of its run")
+        return IdentificationOutcome((), None, "without the quality of its run")
     if count == 2:
         raise ValueError("half a character: \ud800")
     return worker.compute(task)
@@ -366,7 +371,7 @@ def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_ot
     caplog: pytest.LogCaptureFixture,
     tmp_path: Path,
 ) -> None:
-    caplog.set_level("CRITICAL", logger="service.identifying")  # what it logs cannot be told to another process of tests
+    caplog.set_level("CRITICAL", logger="service.result_filing")  # what it logs cannot be told to another process of tests
     with database.transaction() as session:
         machines.create(session, train)
     for number in range(3):
@@ -391,15 +396,15 @@ def test_what_cannot_be_filed_now_is_filed_behind_the_others(
     for number in range(2):
         close_run(database, train, seed=1, start_s=1_700_000_000 + 86_400 * number)
     tried: list[int] = []
-    store = Identifying._store
+    store = ResultFiling._store
 
-    def away(self: Identifying, taken: Any, outcome: worker.Outcome) -> None:
+    def away(self: ResultFiling, taken: Any, outcome: IdentificationOutcome) -> None:
         tried.append(taken.job_id)
         if taken.job_id == 1 and 2 not in tried:
             raise OperationalError(None, None, OSError("the database is away"))
         store(self, taken, outcome)
 
-    monkeypatch.setattr(Identifying, "_store", away)
+    monkeypatch.setattr(ResultFiling, "_store", away)
     monkeypatch.setattr("service.identifying.RETRY_S", 0.05)
     with identifying(database):
         wait_until(lambda: counts(database) == {"done": 2})
@@ -445,13 +450,13 @@ def test_jobs_that_were_taken_when_the_database_went_away_are_taken_again(
     """They are marked as running in one transaction, and read in others."""
     calls = [0]
 
-    def interrupted(*given: Any, **more: Any) -> worker.Task:
+    def interrupted(*given: Any, **more: Any) -> IdentificationTask:
         calls[0] += 1
         if calls[0] == place + 1:
             raise OperationalError(None, None, OSError("the database is away"))
         return task(*given, **more)
 
-    monkeypatch.setattr("service.identifying.task", interrupted)
+    monkeypatch.setattr("service.job_submission.task", interrupted)
     with database.transaction() as session:
         machines.create(session, train)
     for number in range(3):
@@ -464,7 +469,7 @@ CONFUSED = ZeroDivisionError("a fault of ours")
 REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database does not take"))
 
 
-@pytest.mark.parametrize("step", ["question", "carry_out"])
+@pytest.mark.parametrize("step", ["assessment_context.load_context", "watching.apply"])
 @pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
 def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, error: Exception, step: str
@@ -472,7 +477,7 @@ def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_tol
     def confused(*_: Any, **__: Any) -> None:
         raise error
 
-    monkeypatch.setattr(f"service.watching.{step}", confused)
+    monkeypatch.setattr(f"service.{step}", confused)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)

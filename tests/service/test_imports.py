@@ -35,11 +35,14 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
 @pytest.mark.parametrize(
     ("module", "known"),
     [
-        ("service.watching", {"estimator.point"}),
+        ("service.assessment_context", {"estimator.machine", "estimator.point"}),
+        ("service.watching", set[str]()),
         ("service.judgements", set[str]()),
         ("service.alerting", set[str]()),
         ("service.statements", set[str]()),
         ("service.identifying", {"estimator.identification"}),
+        ("service.job_submission", {"estimator.identification"}),
+        ("service.result_filing", {"estimator.identification"}),
         ("service.job_task", {"estimator.identification", "estimator.machine"}),
         ("service.requesting", {"estimator.identification", "estimator.machine"}),
     ],

@@ -12,8 +12,8 @@ from estimator.condensation import condense
 from estimator.coordinates import Coordinates
 from estimator.critical_speed import critical_speed_table
 from estimator.fitted_response import fitted_response
-from estimator.machine import Noise
 from estimator.misalignment_force import coupling_forces
+from estimator.rules import Noise
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import model_at
 from service import openapi_command

@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from service import processes
-from service.processes import Interrupted, SeparateProcesses, Stuck
+from service.processes import Interrupted, ProcessPool, Stuck
 from tests.plant import wait_until
 
 MEMORY = 2**31
@@ -21,11 +21,11 @@ SOON_S = 30.0
 
 
 @pytest.fixture
-def two(monkeypatch: pytest.MonkeyPatch) -> Iterator[SeparateProcesses]:
+def two(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProcessPool]:
     """Two processes, with half a second of grace."""
     monkeypatch.setattr(processes, "GRACE_S", 0.5)
     monkeypatch.setattr(processes, "HAND_OVER_S", 1.5)
-    made = SeparateProcesses(2, memory_bytes=MEMORY)
+    made = ProcessPool(2, memory_bytes=MEMORY)
     try:
         yield made
     finally:
@@ -43,7 +43,7 @@ def unreadable() -> None:
     raise Unreadable("half and ", "half")
 
 
-def test_work_is_done_in_two_processes_and_errors_are_told(two: SeparateProcesses) -> None:
+def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> None:
     here = [two.submit(10.0, os.getpid) for _ in range(6)]
     assert os.getpid() not in {future.result(SOON_S) for future in here}
     assert two.submit(10.0, bytes, 3_000_000).result(SOON_S) == bytes(3_000_000)
@@ -57,21 +57,19 @@ def test_work_is_done_in_two_processes_and_errors_are_told(two: SeparateProcesse
     assert two.submit(10.0, abs, -1).result(SOON_S) == 1
 
 
-def test_that_no_process_can_be_begun_is_not_held_against_the_work(
-    two: SeparateProcesses, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_that_no_process_can_be_begun_is_not_held_against_the_work(two: ProcessPool, monkeypatch: pytest.MonkeyPatch) -> None:
     def short_of_descriptors(_: object) -> None:
         raise OSError(24, "Too many open files")
 
     monkeypatch.setattr(processes, "RETRY_S", 0.0)
     with monkeypatch.context() as short:
-        short.setattr(processes._Place, "_begin", short_of_descriptors)
+        short.setattr(processes._Slot, "_begin", short_of_descriptors)
         with pytest.raises(Interrupted, match="Too many open files"):
             two.submit(10.0, abs, -1).result(SOON_S)
     assert two.submit(10.0, abs, -1).result(SOON_S) == 1
 
 
-def test_stopped_processes_are_killed_and_others_take_their_places(two: SeparateProcesses) -> None:
+def test_stopped_processes_are_killed_and_others_take_their_places(two: ProcessPool) -> None:
     pids: set[int] = set()
     while len(pids) < 2:
         pids |= {future.result(SOON_S) for future in [two.submit(10.0, os.getpid) for _ in range(4)]}
@@ -86,7 +84,7 @@ def test_stopped_processes_are_killed_and_others_take_their_places(two: Separate
     wait_until(lambda: not any(psutil.pid_exists(pid) for pid in pids))
 
 
-def test_one_that_was_stopped_before_is_noticed_at_once_whatever_it_gets(two: SeparateProcesses) -> None:
+def test_one_that_was_stopped_before_is_noticed_at_once_whatever_it_gets(two: ProcessPool) -> None:
     first = two.submit(10.0, os.getpid).result(SOON_S)
     second = two.submit(10.0, os.getpid).result(SOON_S)
     for pid in {first, second}:
@@ -96,7 +94,7 @@ def test_one_that_was_stopped_before_is_noticed_at_once_whatever_it_gets(two: Se
     assert {type(one) for one in ended} == {Stuck, type(None)}
 
 
-def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_works_on(two: SeparateProcesses) -> None:
+def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_works_on(two: ProcessPool) -> None:
     hanging = two.submit(0.5, time.sleep, 600.0)
     others = [two.submit(10.0, abs, -number) for number in range(20)]
     assert [future.result(SOON_S) for future in others] == list(range(20))
@@ -105,7 +103,7 @@ def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_work
 
 
 def test_a_shutdown_waits_for_nobody_and_leaves_nothing() -> None:
-    made = SeparateProcesses(1, memory_bytes=MEMORY)
+    made = ProcessPool(1, memory_bytes=MEMORY)
     pid = made.submit(10.0, os.getpid).result(SOON_S)
     os.kill(pid, signal.SIGSTOP)
     first, second = (made.submit(300.0, len, bytes(5_000_000)) for _ in range(2))

@@ -9,11 +9,13 @@ from sqlalchemy.orm import Session
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, QualityRules
+from estimator.machine import Machine
 from estimator.quality import Flag
+from estimator.rules import QualityRules
 from service import worker
 from service.documents import read_machine
 from service.recording import read_recording
+from service.task import IdentificationTask
 from service.wire import to_samples
 from storage import machines, runs
 from storage.blocks import DamagedBlock, Samples, encode
@@ -48,7 +50,7 @@ def get(database: Database, path: str) -> httpx.Response:
 
 def test_measured_run_up_is_told_to_ring_point_by_point(database: Database, kit: Machine) -> None:
     samples = measured(kit)
-    outcome = worker.compute(worker.Task(kit.model_dump(mode="json"), [encode(samples)], Options(starts=1), 60.0))
+    outcome = worker.compute(IdentificationTask(kit.model_dump(mode="json"), [encode(samples)], Options(starts=1), 60.0))
     with database.transaction() as session:
         run_id = closed(session, kit, samples)
         runs.keep_quality(session, run_id, outcome.qualities[0])
@@ -103,7 +105,7 @@ def test_samples_that_can_no_longer_be_read_are_said_to_be_damaged(database: Dat
 def test_a_gate_that_leaves_too_little_is_an_error_with_its_reasons(kit: Machine) -> None:
     samples = measured(kit)
     rules = QualityRules(accepted_rpm=(1040.0, 1100.0))
-    outcome = worker.compute(worker.Task(kit.model_dump(mode="json"), [encode(samples)], Options(), 60.0, rules))
+    outcome = worker.compute(IdentificationTask(kit.model_dump(mode="json"), [encode(samples)], Options(), 60.0, rules))
     assert outcome.identification is None
     assert outcome.error is not None
     assert "left out for their quality" in outcome.error
@@ -116,7 +118,7 @@ def test_a_run_is_compared_with_the_one_before(kit: Machine) -> None:
     status = samples.status.copy()
     status[:20] = ChannelStatus.BAD
     larger = replace(samples, phasor=3.0 * samples.phasor, status=status)
-    task = worker.Task(
+    task = IdentificationTask(
         kit.model_dump(mode="json"), [encode(larger)], Options(starts=1), 60.0, earlier=("run 4", encode(samples))
     )
     quality = worker.compute(task).qualities[0]

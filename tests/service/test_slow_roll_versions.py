@@ -9,16 +9,18 @@ from sqlalchemy import event
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, QualityRules, parse_machine
+from estimator.machine import Machine, parse_machine
+from estimator.rules import QualityRules
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.slow_roll import SlowRoll
-from service import requesting, watching, worker
+from service import assessment_context, requesting, worker
 from service.collection import Collector
-from service.identifying import Identifying
+from service.identifying import JobScheduler
 from service.job_quota import JobQuota, QuotaExceeded
-from service.judging import comparison
+from service.judging import compare
 from service.requesting import quality_rules
 from service.settings import Settings
+from service.task import IdentificationTask
 from storage import identifications, jobs, machines, runs, trends
 from storage.blocks import Samples, encode
 from storage.database import Database
@@ -328,7 +330,7 @@ def test_an_old_run_is_identified_again_without_its_slow_roll(train: tuple[Datab
     raw = api("GET", f"/runs/{run}/phasors")
     path = f"/runs/{run}/identifications"
     api("POST", path, 202, json={"slow_roll": 1, "starts": 2})
-    work = Identifying(database, Settings(workers=1))
+    work = JobScheduler(database, Settings(workers=1))
     work.start()
     try:
         wait_until(lambda: all(one["state"] == "done" for one in api("GET", f"/machines/{TRAIN}/jobs")), seconds=120.0)
@@ -401,16 +403,16 @@ def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number)
-        question = watching.question(session, row, baseline_runs=5)
-        assert question is not None
-        found = comparison(question)
+        context = assessment_context.load_context(session, row, baseline_runs=5)
+        assert context is not None
+        found = compare(context)
         assert found is not None
         assert len(found.after) == 2
         row.slow_roll_version = 1
         session.flush()
-        question = watching.question(session, row, baseline_runs=5)
-        assert question is not None
-        assert comparison(question) is None
+        context = assessment_context.load_context(session, row, baseline_runs=5)
+        assert context is not None
+        assert compare(context) is None
 
 
 def test_a_job_subtracts_what_was_in_force_when_it_was_taken(api: Api, plant: Database) -> None:
@@ -485,7 +487,7 @@ def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_t
         second=np.full(phasor.shape, complex(np.nan, np.nan)),
     )
     vectors = SlowRoll(1, RUN_OUT, np.full(8, 1e-6))
-    task = worker.Task(described, [encode(held)], Options(starts=1), 60.0, slow_roll=vectors)
+    task = IdentificationTask(described, [encode(held)], Options(starts=1), 60.0, slow_roll=vectors)
     outcome = worker.compute(task)
     assert any("the orbit at B2X and B2Y turns backward" in words for words in outcome.qualities[0].findings)
     assert outcome.identification is not None

@@ -8,10 +8,12 @@ import pytest
 
 from estimator.channel_status import ChannelStatus
 from estimator.identification import Options
-from estimator.machine import Machine, Noise
+from estimator.machine import Machine
+from estimator.rules import Noise
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from service import worker
 from service.documents import read_machine
+from service.task import IdentificationOutcome, IdentificationTask
 from storage.blocks import Samples, encode
 from tests.paths import EXAMPLES
 
@@ -21,7 +23,7 @@ def train() -> Machine:
     return read_machine(EXAMPLES / "thesis-chapter-3.yaml")
 
 
-def computed(train: Machine, *, told: Machine | None = None) -> worker.Outcome:
+def computed(train: Machine, *, told: Machine | None = None) -> IdentificationOutcome:
     """The outcome of a simulated run-down of the train. told: another document that the worker is given."""
     rng = np.random.default_rng(1)
     seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
@@ -36,7 +38,7 @@ def computed(train: Machine, *, told: Machine | None = None) -> worker.Outcome:
         second=np.full(phasor.shape, complex(np.nan, np.nan)),
     )
     document = (told or train).model_dump(mode="json")
-    return worker.compute(worker.Task(document, [encode(held)], Options(starts=1), 60.0))
+    return worker.compute(IdentificationTask(document, [encode(held)], Options(starts=1), 60.0))
 
 
 def test_an_accepted_identification_has_derived_quantities(train: Machine) -> None:

@@ -15,9 +15,9 @@ from storage import audit, machines, quarantine, replicas
 from storage.claim import DatabaseUnusable
 from storage.database import Database
 from storage.moving import NotMoved, move
-from storage.plain_text import nul_back
 from storage.quarantine import Rejection
 from storage.tables import AlertRow, AuditHeadRow, AuditRow, QuarantineRow, RunRow, TimelineRow
+from storage.text import nul_back
 from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection

@@ -7,7 +7,7 @@ from service.leasing import Leasing
 from service.sharing import DELIVERY, INGEST, lease_of
 from storage import jobs, leases, replicas
 from storage.database import Database
-from storage.leases import NotHeld
+from storage.errors import NotHeld
 from storage.tables import JobRow
 from tests.plant import KEY, wait_until
 

@@ -45,7 +45,7 @@ def test_of_a_large_file_and_of_one_that_is_read_it_is_said_what_to_do(path: Pat
             patched.setattr(scrubbing, "LARGEST", 1)
             with pytest.raises(NotScrubbed, match=r"too large .*: stop the service and run: sqlite3 .* VACUUM"):
                 scrub(database)
-        monkeypatch.setattr("storage.database.BUSY_TIMEOUT_MS", 100)
+        monkeypatch.setattr("storage.writer_turn.BUSY_TIMEOUT_MS", 100)
         reader.execute("BEGIN")
         reader.execute("SELECT count(*) FROM subscriptions").fetchall()
         with pytest.raises(NotScrubbed, match="another program reads"):

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.arrays import Floats
 from estimator.condensation import CondensedTrain, condense
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
-from estimator.sensitivity import sensitivity
-from estimator.thesis.flexible_train import Floats, flexible_train, full_response, parts
+from estimator.response import sensitivity
+from estimator.thesis.flexible_train import flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import eliminated

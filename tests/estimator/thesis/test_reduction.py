@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.arrays import Complexes, Floats
 from estimator.condensation import condense
 from estimator.rayleigh import RayleighDamping
 from estimator.response import response
-from estimator.thesis.flexible_train import Complexes, FlexibleTrain, Floats, flexible_train, full_response
+from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import (
     dynamic_masters,

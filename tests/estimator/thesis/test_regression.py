@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimator.thesis.regression import Complexes, Floats, Method, Regression, Scaling, condition_number, real_rows, solve
+from estimator.arrays import Complexes, Floats
+from estimator.thesis.regression import Method, Regression, Scaling, condition_number, real_rows, solve
 
 SCALINGS: tuple[Scaling, ...] = ("none", "thesis", "norm")
 

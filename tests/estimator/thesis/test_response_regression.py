@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from estimator.arrays import Floats
 from estimator.rayleigh import RayleighDamping
-from estimator.thesis.flexible_train import Floats, flexible_train, full_response, parts
+from estimator.thesis.flexible_train import flexible_train, full_response, parts
 from estimator.thesis.reduced_model import ReducedModel, reduced_response, response_equations
 from estimator.thesis.reduction import eliminated, high_frequency_condensed
 from estimator.thesis.regression import solve

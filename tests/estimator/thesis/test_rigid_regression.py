@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.condensation import Complexes, CondensedTrain
+from estimator.arrays import Complexes
+from estimator.condensation import CondensedTrain
 from estimator.response import response
 from estimator.thesis.noise import multiplicative_noise
 from estimator.thesis.regression import Scaling, solve

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.condensation import Complexes, CondensedTrain
-from estimator.response import response
-from estimator.sensitivity import sensitivity
+from estimator.arrays import Complexes
+from estimator.condensation import CondensedTrain
+from estimator.response import response, sensitivity
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.rigid_train import (
     condensed,

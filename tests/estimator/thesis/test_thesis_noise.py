@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from estimator.thesis.noise import Complexes, Sharing, complex_noise, multiplicative_noise, multiplicative_rms
+from estimator.arrays import Complexes
+from estimator.thesis.noise import Sharing, complex_noise, multiplicative_noise, multiplicative_rms
 
 RESPONSE: Complexes = np.exp(1j * np.linspace(0, 6, 4000)).reshape(500, 8) * 1e-4
 

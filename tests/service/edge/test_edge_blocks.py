@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import settings as settings_of_examples
 from hypothesis import strategies as st
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.blocks import BlockSettings, BlockStream, Chunk, Outcome, Position
 from tests.plant import few_examples
 from tests.waveforms import RATE, START_NS, keyphasor, probes, recorded, shaft, true_phasors

@@ -13,7 +13,7 @@ import pytest
 import scipy.io.wavfile
 from pydantic import ValidationError
 
-from estimator.condensation import Floats
+from estimator.arrays import Floats
 from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.configuration import EdgeConfiguration

@@ -1,6 +1,9 @@
-"""Texts from outside as every database takes them."""
+"""Text and JSON as every database takes them: no NUL and no halves of characters, no NaN and no infinity."""
 
+import json
+import math
 import re
+from typing import Any
 
 
 def plain_text(text: str) -> str:
@@ -21,3 +24,22 @@ def nul_escaped(text: str) -> str:
 def nul_back(text: str) -> str:
     """What `nul_escaped` was given, if that changed it."""
     return re.sub(r"\\(\\|x00)", lambda found: "\\" if found[1] == "\\" else "\0", text) if "\\x00" in text else text
+
+
+def json_text(value: Any) -> str:
+    """Return the JSON text of a value, with null where a number is NaN or infinite."""
+    try:
+        return json.dumps(value, allow_nan=False)
+    except ValueError:
+        return json.dumps(finite(value), allow_nan=False)
+
+
+def finite(value: Any) -> Any:
+    """The same with null wherever a number is none."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return value

@@ -1,0 +1,142 @@
+"""Rules of the machine document: how the machine runs, how samples become runs, what a fit may do and what it expects."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from estimator.field_types import Identifier, NotNegative, Part, Positive, Text
+
+
+class Condition(Part):
+    """An operating condition that samples may carry beside the phasors, such as load or oil temperature."""
+
+    name: Identifier
+    unit: Annotated[Text, Field(min_length=1, max_length=16)] = Field(description="in which it comes, such as degC or %")
+    usual_change: Positive | None = Field(
+        default=None,
+        description="a change that is nothing unusual, in its unit; by default 10 for degC and K, 20 for %, "
+        "else its own scatter in the baseline",
+    )
+
+
+class SpeedRange(Part):
+    """Speeds at which samples are taken seriously [r/min]."""
+
+    minimum_rpm: Positive = Field(description="below this a run-down is over")
+    maximum_rpm: Positive = Field(description="trip speed or what the machine can never exceed")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.minimum_rpm >= self.maximum_rpm:
+            raise ValueError(f"minimum_rpm {self.minimum_rpm} must be below maximum_rpm {self.maximum_rpm}")
+        return self
+
+
+class Operation(Part):
+    """How the machine is run, as far as its runs cannot be told from the speed alone."""
+
+    stopped_below_rpm: Positive | None = Field(
+        default=None, description="below this it stands still [r/min]; by default 1 % of maximum_rpm"
+    )
+    controlled_deceleration_rpm_per_s: Positive | None = Field(
+        default=None,
+        description="a run-down from speed that is faster than this is a trip [r/min per s]; by default twice the usual one",
+    )
+    running_rpm: Positive | None = Field(
+        default=None, description="speed at which it works, for loads at running speed [r/min]; by default a run's highest"
+    )
+    longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
+        default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
+    )
+    longest_pause_s: Annotated[float, Field(ge=1, le=86_400)] = Field(
+        default=120.0, description="a pause in the data that is longer ends a run [s]"
+    )
+
+
+class RollingCollection(Part):
+    """Bins over the speed range that are filled as the speed wanders, and when they make a run."""
+
+    bins: Annotated[int, Field(ge=5, le=200)] = Field(default=40, description="number of bins over the speed range")
+    samples_per_bin: Annotated[int, Field(ge=1, le=50)] = Field(default=5, description="the newest ones kept in each")
+    spacing_s: Annotated[float, Field(ge=0, le=86_400)] = Field(
+        default=1.0, description="least time between two samples of a bin [s]"
+    )
+    recency_s: Annotated[float, Field(ge=60, le=31_622_400)] = Field(
+        default=604_800.0, description="samples older than this are left out [s]"
+    )
+    coverage: Annotated[float, Field(gt=0, le=1)] = Field(default=0.6, description="part of the bins that must hold samples")
+    interval_s: Annotated[float, Field(ge=10, le=31_622_400)] = Field(
+        default=86_400.0, description="at most one run in this time [s]"
+    )
+
+
+class Collection(Part):
+    """How samples become runs."""
+
+    runs: Literal["sweeps", "rolling", "both"] = Field(
+        default="sweeps", description="run-ups and run-downs, collections over speed bins, or both"
+    )
+    pre_trigger_s: Annotated[float, Field(ge=0, le=3600)] = Field(
+        default=5.0, description="samples so shortly before a run began belong to it [s]"
+    )
+    delta_rpm: Positive | None = Field(
+        default=None, description="a run keeps a sample when the speed has changed by this [r/min] …"
+    )
+    delta_s: Positive | None = Field(
+        default=None, description="… or when this time has passed since the last one kept [s]; by default every sample"
+    )
+    rolling: RollingCollection = RollingCollection()
+
+
+class QualityRules(Part):
+    """Which points of a run an identification leaves out, beside those that no fit should use."""
+
+    sweep_rate: bool = Field(default=True, description="those at which the sweep was too fast for the steady state")
+    half_power: bool = Field(default=False, description="those within the half-power points of a resonance, as in thesis §2.3")
+    accepted_rpm: tuple[NotNegative, Positive] | None = Field(
+        default=None, description="those outside these speeds, the lower one first [r/min]; by default none"
+    )
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if self.accepted_rpm is not None and self.accepted_rpm[0] >= self.accepted_rpm[1]:
+            raise ValueError(f"accepted_rpm names the lower speed first, not {list(self.accepted_rpm)}")
+        return self
+
+
+class Noise(Part):
+    """What a phasor's measurement error is expected to be: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
+
+    relative: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
+    floor: NotNegative = Field(default=1e-7, description="0-to-peak [m]")
+    estimated: bool = Field(
+        default=False, description="find both parts from the fit's own residuals; the values above are where that starts"
+    )
+
+
+class ParameterRule(Part):
+    """What an identification may do with some parameters. Later rules win over earlier ones."""
+
+    names: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
+        description="a parameter's name or a pattern, such as coupling.C1.k_phi*"
+    )
+    fixed: bool = Field(default=False, description="keep the nominal value")
+    spread: Positive | None = Field(
+        default=None,
+        description="how far from the nominal value, rms: of a direct term's logarithm, else part of the value, or of the "
+        "direct terms beside a cross-coupled term of zero",
+    )
+    tied_to: str | None = Field(default=None, description="element whose coefficients of the same names it takes: bearing.B1")
+
+    @model_validator(mode="after")
+    def _one_meaning(self) -> Self:
+        if self.fixed + (self.spread is not None) + (self.tied_to is not None) != 1:
+            raise ValueError("give exactly one of fixed, spread, tied_to")
+        return self
+
+
+class ImpactTest(Part):
+    """Natural frequencies of the train at standstill, measured with a hammer."""
+
+    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)]
+    relative_error: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")

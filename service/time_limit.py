@@ -1,0 +1,34 @@
+"""The time limit of a task, kept by the process that computes it."""
+
+import faulthandler
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+GRACE_S = 10.0
+"""How much longer than allowed a process may take to notice that its time is over."""
+
+
+class OutOfTime(RuntimeError):
+    """A task took longer than allowed."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    """Keep to a time [s]. Raises OutOfTime; a process that hangs in native code ends some seconds after it."""
+    if threading.current_thread() is not threading.main_thread():
+        raise RuntimeError("a task needs a process of its own to keep to its time")
+    signal.signal(signal.SIGALRM, _out_of_time)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    faulthandler.dump_traceback_later(seconds + GRACE_S, exit=True)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        faulthandler.cancel_dump_traceback_later()
+
+
+def _out_of_time(_number: int, _frame: FrameType | None) -> None:
+    raise OutOfTime("the identification took longer than allowed")
