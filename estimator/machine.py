@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, model_validator
 
 from estimator.bearing_registry import place_of
+from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.parts import Bearing, Coupling, Disc, Material, Probe, RayleighDamping, Seal, Shaft
 from estimator.references import reference_problems
@@ -85,12 +86,22 @@ class Machine(Part):
         return tuple(probe.id for probe in self.probes)
 
 
-class DocumentError(ValueError):
+class DocumentError(Invalid):
     """A machine document is wrong. `problems` holds (field, what is wrong and what would be right) pairs."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         self.problems = problems
         super().__init__("\n".join(f"{field}: {message}" for field, message in problems))
+
+    @property
+    def detail(self) -> str:
+        """Say what is wrong as a whole; `field_errors` has the rest."""
+        return "the machine document is wrong"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Name each wrong field of the document."""
+        return self.problems
 
 
 def parse_machine(document: Any) -> Machine:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.errors import Invalid
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.noise import error_size
@@ -34,7 +35,7 @@ LARGEST_ALIKENESS = 0.9
 """Correlation of neighbouring samples from which on a larger one widens the error no more [-]."""
 
 
-class NotSlowRoll(ValueError):
+class NotSlowRoll(Invalid):
     """Raised when no channel shows a slow-roll vector in the speed band.
 
     Attributes:
@@ -44,6 +45,11 @@ class NotSlowRoll(ValueError):
     def __init__(self, reasons: dict[str, str]) -> None:
         self.reasons = reasons
         super().__init__("; ".join(f"{channel}: {reason}" for channel, reason in reasons.items()))
+
+    @property
+    def detail(self) -> str:
+        """Say of which channels nothing can be captured, and why."""
+        return f"no slow roll: {self}"
 
 
 @dataclass(frozen=True)

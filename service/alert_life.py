@@ -9,6 +9,8 @@ Source: ANSI/ISA-18.2-2016, the alarm state transition diagram (here as retold i
 from dataclasses import dataclass, replace
 from enum import IntEnum, StrEnum
 
+from estimator.errors import Conflict
+
 
 class Severity(IntEnum):
     """How much an alert matters."""
@@ -113,7 +115,7 @@ class Released:
 Event = Raised | Cleared | Acknowledged | Reset | Suppressed | Released
 
 
-class Forbidden(ValueError):
+class Forbidden(Conflict):
     """The event is not allowed where the alert stands; the message says why and what would be right."""
 
 

@@ -4,11 +4,13 @@ Everything here works inside the caller's transaction, so that a state without i
 cannot be stored.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import Invalid
 from service.alert_life import (
     Acknowledged,
     Cleared,
@@ -35,8 +37,18 @@ LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
 """Shelving ends: at the latest after thirty days [ns]."""
 
 
-class MomentRefused(ValueError):
+class MomentRefused(Invalid):
     """An alert is not shelved until then."""
+
+    @property
+    def detail(self) -> str:
+        """Say that a field is wrong; `field_errors` says which."""
+        return "the request is wrong"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Blame the field that says until when."""
+        return [("until", str(self))]
 
 
 @dataclass(frozen=True)

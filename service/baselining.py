@@ -2,6 +2,7 @@
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import Conflict, Invalid
 from estimator.machine import Machine
 from service import alerting
 from storage import alerts, baselines, identifications, machines, timeline
@@ -13,11 +14,11 @@ FEWEST_NAMED = 3
 """Fewer identifications say nothing about their scatter."""
 
 
-class BaselineRefused(ValueError):
+class BaselineRefused(Conflict):
     """The named identifications make no baseline; the message says why."""
 
 
-class NotYet(ValueError):
+class NotYet(Invalid):
     """A baseline would begin in the future: until then the machine is the old one."""
 
 

@@ -42,9 +42,8 @@ from service.printing import (
 from service.recording import read_recording, split, write_recording
 from service.release import VERSION
 from service.retention_command import retention_app
-from service.roles import Role
 from service.security.command import audit_app, key_app
-from service.settings import DEFAULT_ZENOH_ENDPOINT, Settings, SettingsWrong, settings_of
+from service.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
 from service.simulator import BATCH_SAMPLES, Plan
 from service.simulator import simulate as run_simulation
 from service.source import Source

@@ -18,11 +18,16 @@ from pydantic import BaseModel
 
 from estimator.machine import Machine
 from service.alert_messages import AlertEvent
-from service.api import alert_schemas, model_schemas, schemas
+from service.api.alert_schemas import AlertOut
 from service.api.deviation_schemas import DeviationsOut
 from service.api.fleet import FleetMachine
+from service.api.identification_schemas import IdentificationDetail, IdentificationSummary
+from service.api.machine_schemas import MachineRevision, MachineSummary
 from service.api.machine_state import MachineState
-from service.api.problems import Problem
+from service.api.measurement_schemas import Phasors, Run
+from service.api.model_schemas import Bode, CriticalSpeeds
+from service.api.problem import Problem
+from service.api.timeline_schemas import TimelineOut
 from service.api.trends import Trends
 
 M = TypeVar("M", bound=BaseModel)
@@ -66,25 +71,25 @@ class Rundown:
 
     # --- machines
 
-    def machines(self) -> Iterator[schemas.MachineSummary]:
-        """All machines, by id."""
-        return self._each(schemas.MachineSummary, "/machines")
+    def machines(self) -> Iterator[MachineSummary]:
+        """Yield all machines, by id."""
+        return self._each(MachineSummary, "/machines")
 
-    def machine(self, machine: str) -> schemas.MachineRevision:
-        """A machine's document in force."""
-        return self._get(schemas.MachineRevision, f"/machines/{machine}")
+    def machine(self, machine: str) -> MachineRevision:
+        """Return a machine's document in force."""
+        return self._get(MachineRevision, f"/machines/{machine}")
 
-    def create_machine(self, document: Machine) -> schemas.MachineRevision:
+    def create_machine(self, document: Machine) -> MachineRevision:
         """Create a machine from its document."""
-        return self._post(schemas.MachineRevision, "/machines", document.model_dump(mode="json"))
+        return self._post(MachineRevision, "/machines", document.model_dump(mode="json"))
 
-    def revise_machine(self, read: schemas.MachineRevision, document: Machine) -> schemas.MachineRevision:
+    def revise_machine(self, read: MachineRevision, document: Machine) -> MachineRevision:
         """Put a document in force instead of the one that was read. Raises ChangedMeanwhile."""
         path = f"/machines/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
         body = document.model_dump(mode="json")
         try:
-            return self._model(schemas.MachineRevision, self._ask("PUT", path, json=body, headers=headers))
+            return self._model(MachineRevision, self._ask("PUT", path, json=body, headers=headers))
         except ChangedMeanwhile:
             there = self.machine(read.id)
             if there.document != document:
@@ -92,74 +97,74 @@ class Rundown:
             return there  # it was done, and its answer was lost on the way
 
     def fleet(self, *, since: datetime | None = None) -> Iterator[FleetMachine]:
-        """Every machine at a glance, with what happened since a time, by default a day ago."""
+        """Yield every machine at a glance, with what happened since a time, by default a day ago."""
         for part in self._parts("/fleet", {} if since is None else {"since": since.isoformat()}):
             yield from (FleetMachine.model_validate(one) for one in part["machines"])
 
     def state(self, machine: str) -> MachineState:
-        """What a machine is doing."""
+        """Tell what a machine is doing."""
         return self._get(MachineState, f"/machines/{machine}/state")
 
     # --- runs and identifications
 
-    def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Iterator[schemas.Run]:
-        """Runs that began in a time range, newest first."""
-        return self._each(schemas.Run, f"/machines/{machine}/runs", _period(first, last))
+    def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Iterator[Run]:
+        """Yield runs that began in a time range, newest first."""
+        return self._each(Run, f"/machines/{machine}/runs", _period(first, last))
 
-    def phasors(self, run: int) -> schemas.Phasors:
-        """A run's 1× phasors."""
-        return self._get(schemas.Phasors, f"/runs/{run}/phasors")
+    def phasors(self, run: int) -> Phasors:
+        """Return a run's 1× phasors."""
+        return self._get(Phasors, f"/runs/{run}/phasors")
 
     def identifications(
         self, machine: str, *, first: datetime | None = None, last: datetime | None = None
-    ) -> Iterator[schemas.IdentificationSummary]:
-        """Identifications measured in a time range, newest first."""
-        return self._each(schemas.IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
+    ) -> Iterator[IdentificationSummary]:
+        """Yield identifications measured in a time range, newest first."""
+        return self._each(IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
 
-    def identification(self, number: int) -> schemas.IdentificationDetail:
-        """One identification with its estimates."""
-        return self._get(schemas.IdentificationDetail, f"/identifications/{number}")
+    def identification(self, number: int) -> IdentificationDetail:
+        """Return one identification with its estimates."""
+        return self._get(IdentificationDetail, f"/identifications/{number}")
 
-    def bode(self, identification: int, *, units: str = "rpm,um_pp,deg_lag") -> model_schemas.Bode:
-        """Fitted curve, measured points and residuals."""
-        return self._get(model_schemas.Bode, f"/identifications/{identification}/bode", {"units": units})
+    def bode(self, identification: int, *, units: str = "rpm,um_pp,deg_lag") -> Bode:
+        """Return the fitted curve, measured points and residuals."""
+        return self._get(Bode, f"/identifications/{identification}/bode", {"units": units})
 
-    def critical_speeds(self, identification: int, *, units: str = "rpm") -> model_schemas.CriticalSpeeds:
-        """Critical speeds of the updated model."""
+    def critical_speeds(self, identification: int, *, units: str = "rpm") -> CriticalSpeeds:
+        """Return the critical speeds of the updated model."""
         path = f"/identifications/{identification}/model/critical-speeds"
-        return self._get(model_schemas.CriticalSpeeds, path, {"units": units})
+        return self._get(CriticalSpeeds, path, {"units": units})
 
     def trends(
         self, machine: str, *parameters: str, first: datetime | None = None, last: datetime | None = None, most: int = 5000
     ) -> Trends:
-        """Histories of parameters and derived quantities, each of at most so many points."""
+        """Return histories of parameters and derived quantities, each of at most so many points."""
         asked = {"parameter": list(parameters), "max_points": most} | _period(first, last)
         return self._get(Trends, f"/machines/{machine}/trends", asked)
 
     def deviations(self, machine: str) -> DeviationsOut:
-        """How far the newest identification is from the baseline."""
+        """Tell how far the newest identification is from the baseline."""
         return self._get(DeviationsOut, f"/machines/{machine}/deviations")
 
     # --- alerts
 
-    def alerts(self, *, machine: str | None = None, only_open: bool = False) -> Iterator[alert_schemas.AlertOut]:
-        """Alerts, newest first."""
+    def alerts(self, *, machine: str | None = None, only_open: bool = False) -> Iterator[AlertOut]:
+        """Yield alerts, newest first."""
         path = "/alerts" if machine is None else f"/machines/{machine}/alerts"
-        return self._each(alert_schemas.AlertOut, path, {"open": only_open})
+        return self._each(AlertOut, path, {"open": only_open})
 
-    def acknowledge(self, read: alert_schemas.AlertOut, *, by: str, comment: str = "") -> alert_schemas.AlertOut:
-        """A person has seen an alert, as it was read. Raises ChangedMeanwhile."""
+    def acknowledge(self, read: AlertOut, *, by: str, comment: str = "") -> AlertOut:
+        """Acknowledge an alert, as it was read. Raises ChangedMeanwhile."""
         path = f"/alerts/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
-        return self._post(alert_schemas.AlertOut, f"{path}/acknowledge", {"by": by, "comment": comment}, headers)
+        return self._post(AlertOut, f"{path}/acknowledge", {"by": by, "comment": comment}, headers)
 
-    def note(self, machine: str, text: str, *, by: str, at: datetime, kind: str = "note") -> alert_schemas.TimelineOut:
+    def note(self, machine: str, text: str, *, by: str, at: datetime, kind: str = "note") -> TimelineOut:
         """Put a note, a marker or a maintenance on a machine's timeline."""
         body = {"text": text, "by": by, "at": at.isoformat(), "kind": kind}
-        return self._post(alert_schemas.TimelineOut, f"/machines/{machine}/timeline", body)
+        return self._post(TimelineOut, f"/machines/{machine}/timeline", body)
 
     def events(self, *, after: int | None = None) -> Iterator[AlertEvent]:
-        """What happens to alerts, for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
+        """Yield alert events for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
         while True:
             try:
                 for number, event in self._stream(after):
@@ -176,7 +181,7 @@ class Rundown:
     # --- asking
 
     def _stream(self, after: int | None) -> Iterator[tuple[int, AlertEvent | None]]:
-        """Events with their numbers; first the number behind which the stream begins."""
+        """Yield events with their numbers; first the number behind which the stream begins."""
         headers = {} if after is None else {"Last-Event-ID": str(after)}
         patience = httpx.Timeout(30.0, read=60.0)
         with self._http.stream("GET", f"{PREFIX}/alert-events/stream", headers=headers, timeout=patience) as answer:

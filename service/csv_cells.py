@@ -11,7 +11,7 @@ NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def cell(value: Any) -> Any:
-    """A value as it is written: an apostrophe in front of a text that could be a formula, nothing in front of a number.
+    """Return a value as it is written: an apostrophe in front of a text that could be a formula, nothing in front of a number.
 
     Source: OWASP, CSV Injection.
     """
@@ -27,9 +27,9 @@ class CsvWriter:
         self._writer = csv.writer(file)
 
     def row(self, values: Iterable[Any]) -> None:
-        """A row, or the header."""
+        """Write a row, or the header."""
         self._writer.writerow(map(cell, values))
 
     def rows(self, rows: Iterable[Iterable[Any]]) -> None:
-        """Many rows."""
+        """Write many rows."""
         self._writer.writerows(map(cell, values) for values in rows)

@@ -70,7 +70,7 @@ class Outcome:
 
     @property
     def right(self) -> bool:
-        """Whether it is the story that was simulated."""
+        """Tell whether the service found the story that was simulated."""
         wanted = ALERTS[self.story]
         sound = SOUND_ERRORS[0] <= self.rms <= SOUND_ERRORS[1]
         return sound and self.accepted == self.identifications > 0 and self.alerts == wanted
@@ -123,7 +123,7 @@ def _service(folder: Path, port: int) -> Iterator[tuple[httpx.Client, str]]:
 
 @contextlib.contextmanager
 def _process(log: Path, arguments: list[str], **environment: str) -> Iterator[subprocess.Popen[bytes]]:
-    """A rundown command as a process of its own, ended at the end. Ctrl-C in the terminal reaches only this one."""
+    """Yield a rundown command as a process of its own, ended at the end. Ctrl-C in the terminal reaches only this one."""
     with log.open("wb") as output:
         process = subprocess.Popen(
             [sys.executable, "-m", "service", *arguments],
@@ -146,7 +146,7 @@ def _process(log: Path, arguments: list[str], **environment: str) -> Iterator[su
 
 @contextlib.contextmanager
 def _interrupted_by_signals() -> Iterator[None]:
-    """SIGTERM ends the demonstration as Ctrl-C does, which ends it even where it was started deaf to it, behind a `&`."""
+    """Let SIGTERM end the demonstration as Ctrl-C does, even where it was started deaf to it, behind a `&`."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt

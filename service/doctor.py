@@ -23,9 +23,9 @@ from sqlalchemy.orm import Session
 from service.delivery.channels import is_channel
 from service.delivery.secret_upkeep import Look
 from service.delivery.signing_secrets import SigningSecrets
+from service.hosts import is_loopback
 from service.own_addresses import api_trust, api_url, endpoint_here
 from service.security.certificates import good_until
-from service.security.secret_files import is_loopback
 from service.settings import Settings
 from service.store_watch import WAITING
 from service.stream import StreamUnusable, connected, session
@@ -67,7 +67,7 @@ class Finding:
 
 
 def examine(settings: Settings, *, url: str | None = None, api_key: str | None = None) -> Iterator[Finding]:
-    """Every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
+    """Yield every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
     yield from _database(settings)
     yield from _certificates(settings)
     if settings.backups:
@@ -118,7 +118,7 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
 
 
 def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
-    """A service has it: it is asked, and the file is not opened, since who opens one whose log was deleted makes a new log."""
+    """Ask the service that has the file, and do not open it: who opens one whose log was deleted makes a new log."""
     require_own_name(path)
     if missing := missing_logs(path):
         names = " and ".join(one.name for one in missing)
@@ -133,7 +133,7 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
 
 
 def _file(settings: Settings, path: Path) -> Iterator[Finding]:
-    """Nobody has it: it is read, and left as it is."""
+    """Read a file that nobody has open, and leave it as it is."""
     with looking_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
         yield from _version(engine)
@@ -148,14 +148,14 @@ def _file(settings: Settings, path: Path) -> Iterator[Finding]:
 
 
 def _keys(connection: Connection) -> Iterator[Finding]:
-    """Whether keys wait since a restore."""
+    """Tell whether keys wait since a restore."""
     waiting = sum(one.expires_at < 0 and one.revoked_at is None for one in known_keys(connection).values())
     if waiting:
         yield Finding("warning", "API keys", WAITING.format(waiting))
 
 
 def _pages(connection: sqlite3.Connection, path: Path) -> Finding:
-    """Whether the file is damaged."""
+    """Tell whether the file is damaged."""
     found = damages(connection, within_s=PAGES_S)
     if found is None:
         return Finding("ok", "pages", f"{path} was looked through for {PAGES_S:.0f} s, not to its end; a backup looks at all")
@@ -278,7 +278,7 @@ def _backups(folder: Path) -> Finding:
 
 
 def _receivers(settings: Settings) -> Iterator[Finding]:
-    """Whom the service itself asks or tells."""
+    """Tell whom the service itself asks or tells."""
     if settings.smtp_host:
         yield _reaches("mail server", settings.smtp_host, settings.smtp_port)
     if settings.oidc_issuer:
@@ -308,7 +308,7 @@ def _issuer(issuer: str) -> Finding:
 
 
 def _api(client: httpx.Client) -> Generator[Finding, None, bool]:
-    """Looks whether the API answers; returns it."""
+    """Check whether the API answers, and return it."""
     try:
         answer = client.get("/api/v1/ready")
         told = answer.json()
@@ -336,7 +336,7 @@ class _KeyNeeded(RuntimeError):
 
 
 def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
-    """What the service knows of its machines; returns one of them, as plant and id."""
+    """Tell what the service knows of its machines; returns one of them, as plant and id."""
     try:
         first = _asked(client, "/api/v1/machines?limit=1")
         sources = _asked(client, "/api/v1/sources")
@@ -361,7 +361,7 @@ def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
 
 
 def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
-    """A list of the API. Raises _KeyNeeded, _NoAnswer."""
+    """Return a list of the API. Raises _KeyNeeded, _NoAnswer."""
     try:
         answer = client.get(path)
         told = answer.json()
@@ -376,7 +376,7 @@ def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
 
 
 def _stream(settings: Settings, machine: Key | None) -> Iterator[Finding]:
-    """Whether a zenoh session reaches the service, and by way of it the store."""
+    """Tell whether a zenoh session reaches the service, and by way of it the store."""
     endpoints = settings.zenoh_connect or [endpoint_here(one) for one in settings.zenoh_listen]
     what = "zenoh"
     try:

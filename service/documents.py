@@ -1,4 +1,4 @@
-"""Machine documents and other YAML or JSON files, read with errors that a person can act on."""
+"""Reads machine documents and other YAML or JSON files, with errors that a person can act on."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ class UnreadableFile(ValueError):
 
 
 def read_yaml(path: Path) -> Any:
-    """The content of a YAML or JSON file. Raises UnreadableFile."""
+    """Return the content of a YAML or JSON file. Raises UnreadableFile."""
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
     except yaml.MarkedYAMLError as error:
@@ -27,7 +27,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def read_machine(path: Path) -> Machine:
-    """The machine document in a file. Raises UnreadableFile, which names every wrong field, also where it is too large."""
+    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also of one too large."""
     try:
         return accepted_machine(read_yaml(path))
     except DocumentError as error:

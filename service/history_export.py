@@ -251,7 +251,7 @@ def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
 
 
 def sample_columns(machine: Machine) -> tuple[Column, ...]:
-    """Columns of the samples of a machine's runs."""
+    """Return columns of the samples of a machine's runs."""
     statuses = ", ".join(f"{status.value}: {status.label}" for status in ChannelStatus)
     found = [
         Column("run", "integer", "number of the run, see runs"),

@@ -8,6 +8,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Floats
+from estimator.errors import Conflict
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.quality import EXCLUDING
@@ -19,7 +20,7 @@ from storage.runs import RunUnknown, SamplesReleased
 from storage.tables import IdentificationRow, RunRow
 
 
-class NoModel(ValueError):
+class NoModel(Conflict):
     """The identification cannot be made a model again; the message says why."""
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import LimitReached
 from storage import jobs
 
 RETRY_AFTER_S = 30
@@ -14,8 +15,10 @@ RETRY_AFTER_S = 30
 LONGEST_IDENTITY = 255
 
 
-class QuotaExceeded(RuntimeError):
+class QuotaExceeded(LimitReached):
     """As many identifications wait as may; the message says whose."""
+
+    retry_after_s = RETRY_AFTER_S
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterator
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from estimator.machine import Machine
 from estimator.parameter_names import derived_unit, derived_units, in_words, parameter_units
 from storage import machines
@@ -12,8 +13,10 @@ MOST_REVISIONS = 20
 """Newest ones that are looked at: of each the rotor is assembled (some 1 ms), and anybody can ask for any name."""
 
 
-class ParameterUnknown(KeyError):
+class ParameterUnknown(Missing):
     """None of the newest revisions of a machine's document has a parameter, or derived quantity, of that name."""
+
+    subject = "parameter"
 
 
 def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from collections.abc import Collection
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from service.roles import Role
+from service.settings import Role
 from service.sharing import DELIVERY, GATHERING, INGEST, RETENTION, lease_of
 from storage import jobs, leases, replicas
 from storage.claim import DatabaseUnusable

@@ -3,11 +3,12 @@
 Whatever a document leaves out is as in the defaults, which `service.finding_rules` declares; they are starting points.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from pydantic import ConfigDict, Field, ValidationInfo, create_model, field_validator
 
+from estimator.errors import Invalid
 from estimator.machine import Machine
 from estimator.written import Written
 from service.alert_life import Severity
@@ -37,12 +38,22 @@ DEVIATION_RULES = _deviation_rules()
 """Name of the rule whose limits the deviations of each kind of element are measured by."""
 
 
-class LimitsRefused(ValueError):
+class LimitsRefused(Invalid):
     """The limits do not suit the machine. `problems` holds what is wrong as (field, message)."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         super().__init__("; ".join(f"{field}: {message}" for field, message in problems))
         self.problems = problems
+
+    @property
+    def detail(self) -> str:
+        """Say what is wrong as a whole; `field_errors` has the rest."""
+        return "the limits do not suit the machine"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Name each limit that does not suit, as a field of the question."""
+        return [(f"limits.{field}", message) for field, message in self.problems]
 
 
 _FIELDS: dict[str, Any] = {name: (Rule, Field(default=rule)) for name, rule in DEFAULTS.items()}

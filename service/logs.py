@@ -1,4 +1,4 @@
-"""How the service logs, to its standard error output: lines for people, or one JSON object a line for a log collector."""
+"""Formats the service's log on standard error: lines for people, or one JSON object a line for a log collector."""
 
 import logging
 import sys
@@ -18,7 +18,7 @@ class TextLines(logging.Formatter):
     """For people: what others wrote steers no terminal."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """A line, and those of a traceback."""
+        """Return a line, and those of a traceback."""
         return plain_lines(super().format(record))
 
 
@@ -26,7 +26,7 @@ class JsonLines(logging.Formatter):
     """An object a record: at (RFC 3339, UTC), level, logger, message, thread, and the traceback of an exception."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """A line without line breaks."""
+        """Return a line without line breaks."""
         entry = {
             "at": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
             "level": record.levelname,

@@ -1,4 +1,4 @@
-"""What follows from an identified train, as text for a terminal: critical speeds, margins, loads, balance, impact test."""
+"""Reports what follows from an identified train on a terminal: critical speeds, margins, loads, balance, impact test."""
 
 import math
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ HIGHEST_ABOVE_TRIP = 1.25
 
 
 def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
-    """The report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
+    """Return the report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
 
     Raises ValueError for a speed or grade that is not positive.
     """

@@ -18,7 +18,7 @@ from storage.clock import now
 
 
 def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
-    """All runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
+    """Return all runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
     runs, left_out = read_runs(machine, files, sidecar)
     return joined([measurement for _, measurement in runs]), left_out
 
@@ -26,7 +26,7 @@ def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | No
 def read_runs(
     machine: Machine, files: Sequence[Path], sidecar: Path | None = None
 ) -> tuple[list[tuple[Recorded, Measurement]], list[str]]:
-    """The run of each file as it was recorded and as a measurement, and what was left out of them in words.
+    """Return the run of each file as it was recorded and as a measurement, and what was left out of them in words.
 
     sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
     recording that is not of this machine's channels.
@@ -48,7 +48,7 @@ def read_runs(
 
 
 def speed_band(text: str) -> tuple[float, float]:
-    """Lowest and highest speed [rad/s] of a band such as 200:400 [r/min]. Raises ValueError."""
+    """Return the lowest and highest speed [rad/s] of a band such as 200:400 [r/min]. Raises ValueError."""
     parts = text.split(":")
     try:
         lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
@@ -60,7 +60,7 @@ def speed_band(text: str) -> tuple[float, float]:
 
 
 def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
-    """Slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
+    """Capture slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
     lowest, highest = speed_band(band)
     return capture(machine, measurement, lowest=lowest, highest=highest)
 
@@ -68,7 +68,7 @@ def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
 def without_slow_roll(
     machine: Machine, runs: Sequence[tuple[Recorded, Measurement]], band: str
 ) -> tuple[Machine, list[tuple[Recorded, Measurement]], Capture]:
-    """A machine and its runs without the vectors of a band of all of them; raises as `captured`.
+    """Return a machine and its runs without the vectors of a band of all of them; raises as `captured`.
 
     The band's own samples are left out of what follows: they have said what they know.
     """

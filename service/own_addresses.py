@@ -1,4 +1,4 @@
-"""A service's own addresses, as this machine reaches them."""
+"""Addresses of the service's own endpoints, as this machine reaches them."""
 
 import ssl
 
@@ -7,20 +7,20 @@ from service.settings import Settings
 
 
 def endpoint_here(endpoint: str) -> str:
-    """An endpoint that is listened on, as one to connect to."""
+    """Return an endpoint that is listened on, as one to connect to."""
     host = host_of(endpoint)
     return endpoint.replace(f"[{host}]", "127.0.0.1").replace(host, "127.0.0.1") if host in ("0.0.0.0", "::") else endpoint
 
 
 def api_url(settings: Settings) -> str:
-    """Where this machine reaches the API."""
+    """Tell where this machine reaches the API."""
     host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
     scheme = "https" if settings.tls_certificate else "http"
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{settings.port}"
 
 
 def api_trust(settings: Settings) -> ssl.SSLContext | bool:
-    """The service's own certificate is trusted: whether it is still good is looked at by itself."""
+    """Trust the service's own certificate: whether it is still good is checked apart."""
     if not settings.tls_certificate:
         return True
     context = ssl.create_default_context(cafile=settings.tls_certificate)

@@ -23,7 +23,7 @@ BEYOND = 1.5
 
 
 def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
-    """What there is to say of each run before it is identified; empty where there is nothing."""
+    """Tell what there is to say of each run before it is identified; empty where there is nothing."""
     lines = []
     for name, quality in zip(names, qualities, strict=True):
         found = [*quality.findings, *([quality.words] if gate and quality.words else [])]
@@ -32,7 +32,7 @@ def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bo
 
 
 def identification_text(result: Identification) -> str:
-    """Verdict and estimates ± standard error, a line a parameter."""
+    """Return the verdict and estimates ± standard error, a line a parameter."""
     lines = [
         result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
@@ -45,7 +45,7 @@ def identification_text(result: Identification) -> str:
 
 
 def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
-    """The speeds and probes that would help most, beside each other, and how much."""
+    """Return the speeds and probes that would help most, beside each other, and how much."""
     limits = machine.speed_range
     lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), BEYOND * rpm_to_rad_per_s(limits.maximum_rpm)
     speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
@@ -57,7 +57,7 @@ def advice_text(machine: Machine, result: Identification, measurement: Measureme
 
 
 def regression_text(found: PublishedEstimate) -> str:
-    """The values of the thesis's regression, which has no intervals."""
+    """Return the values of the thesis's regression, which has no intervals."""
     solution = found.solution
     regularised = f", regularised with λ = {solution.parameter:.2g}" if solution.parameter else ""
     explained = found.reduced_chi_square <= EXPLAINED and not found.impossible
@@ -77,7 +77,7 @@ def regression_text(found: PublishedEstimate) -> str:
 
 
 def comparison_text(comparison: Comparison) -> str:
-    """The verdict, the views and what the best one found at the coupling."""
+    """Return the verdict, the views and what the best one found at the coupling."""
     lines = [comparison.verdict, ""]
     lines += [
         f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
@@ -89,7 +89,7 @@ def comparison_text(comparison: Comparison) -> str:
 
 
 def slow_roll_text(machine: Machine, found: Capture) -> str:
-    """The vectors of a capture, a line a channel, and why channels have none."""
+    """Return the vectors of a capture, a line a channel, and why channels have none."""
     speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
     lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
     width = max(map(len, machine.channels))

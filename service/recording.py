@@ -62,7 +62,7 @@ class Sidecar(BaseModel):
 
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
-    """All rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
+    """Return all rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
     if path.is_dir():
         raise UnreadableFile(f"{path} is a folder, not a recording")
     beside = sidecar_path or path.with_suffix(".yaml")
@@ -147,7 +147,7 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
 
 
 def read_sidecar(path: Path) -> Sidecar:
-    """Raises UnreadableFile, which names every wrong field."""
+    """Raise UnreadableFile, which names every wrong field."""
     try:
         return Sidecar.model_validate(read_yaml(path))
     except ValidationError as error:
@@ -156,7 +156,7 @@ def read_sidecar(path: Path) -> Sidecar:
 
 
 def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
-    """The batch in pieces of at most `size` samples."""
+    """Yield the batch in pieces of at most `size` samples."""
     for start in range(0, len(batch.time_ns), size):
         piece = slice(start, start + size)
         yield msgspec.structs.replace(
@@ -184,7 +184,7 @@ def _rows(path: Path) -> list[dict[str, str | None]]:
 
 
 def _number(path: Path, line: int, name: str, text: str | None) -> float | None:
-    """The number in a cell, None where it is blank."""
+    """Return the number in a cell, None where it is blank."""
     if text is None:
         raise UnreadableFile(f"{path}, line {line} is too short: it has no column '{name}'")
     if not text.strip():

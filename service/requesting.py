@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import Conflict
 from estimator.identification import Options
 from estimator.rules import QualityRules
 from service.job_quota import LONGEST_IDENTITY, JobQuota
@@ -25,7 +26,7 @@ RULES = tuple(QualityRules.model_fields)
 _VERSION, _AGAIN = "slow_roll_version", "again"
 
 
-class NotToIdentify(ValueError):
+class NotToIdentify(Conflict):
     """The run cannot be identified, and why."""
 
 

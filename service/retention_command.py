@@ -20,7 +20,7 @@ COMMAND = "rundown retention"
 
 @retention_app.callback()
 def _retention() -> None:
-    """Old samples: what waits to be let go of."""
+    """Describe old samples: what waits to be deleted."""
 
 
 @retention_app.command("confirm")
@@ -75,7 +75,7 @@ def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
 
 
 def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
-    """What of each machine is old enough; machines without any are left out."""
+    """Tell what of each machine is old enough; machines without any are left out."""
     from storage import machines
 
     found = {}

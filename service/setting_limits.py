@@ -2,12 +2,13 @@
 
 from sqlalchemy.orm import Session
 
+from estimator.errors import Outdated
 from service.limits import Limits, require_suited
 from storage import limits, machines
 from storage.tables import LimitsRow
 
 
-class LimitsChanged(ValueError):
+class LimitsChanged(Outdated):
     """Somebody else has set other limits in the meantime."""
 
 

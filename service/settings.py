@@ -6,9 +6,15 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
+from service.hosts import encrypted
 from service.logs import LogFormat
-from service.roles import Role
-from service.security.secret_files import encrypted, read_keys, read_secret, require_private
+from service.security.secret_files import read_keys, read_secret, require_private
+
+Role = Literal["all", "ingest", "identify", "api"]
+"""Parts of the service that a process does: everything, or one part beside other processes on one PostgreSQL database.
+
+ingest: zenoh and HTTP samples to the store. identify: computes, judges, delivers alerts. api: the REST API and the page.
+"""
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
 DEFAULT_BASELINE_RUNS = 5
@@ -180,7 +186,7 @@ class Settings(BaseSettings):
 
     @model_validator(mode="after")
     def _of_role(self) -> Self:
-        """What works beside others needs a store that several may write, and by default finds its sources' router at home."""
+        """Require a store that several may write for what works beside others; by default its sources' router is at home."""
         if self.role != "all" and not self.database.startswith("postgresql"):
             kind = re.match(r"\w*", self.database)
             raise ValueError(
@@ -199,7 +205,7 @@ class SettingsWrong(ValueError):
 
 
 def settings_of(**given: Any) -> Settings:
-    """The settings from the environment, and those given here. Raises SettingsWrong."""
+    """Return the settings from the environment, and those given here. Raises SettingsWrong."""
     try:
         return Settings(**given)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""What of the work this process does, where several work on one database."""
+"""The share of the work that this process does, where several work on one database."""
 
 import zlib
 from collections.abc import Collection
@@ -14,7 +14,7 @@ DELIVERY, GATHERING, RETENTION = "delivery", "gathering", "retention"
 
 
 def lease_of(machine_id: str) -> str:
-    """The lease that a machine's samples are stored under."""
+    """Return the lease that a machine's samples are stored under."""
     return INGEST[zlib.crc32(machine_id.encode()) % SHARDS]
 
 
@@ -23,20 +23,20 @@ class Share(Protocol):
 
     @property
     def holder(self) -> int | None:
-        """Number of this replica; None where it is the only one."""
+        """Return the number of this replica; None where it is the only one."""
 
     @property
     def changes(self) -> int:
-        """How often what is its to do has changed."""
+        """Tell how often what is its to do has changed."""
 
     def owns(self, machine_id: str) -> bool:
-        """Whether it stores a machine's samples, as far as it knows."""
+        """Tell whether it stores a machine's samples, as far as it knows."""
 
     def leads(self, work: str) -> bool:
-        """Whether it does this work for all, as far as it knows."""
+        """Tell whether it does this work for all, as far as it knows."""
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Raises NotHeld unless these machines are its own until the transaction ends."""
+        """Raise NotHeld unless these machines are its own until the transaction ends."""
 
 
 class Whole:
@@ -54,4 +54,4 @@ class Whole:
         return True
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Nobody else is there."""
+        """Require nothing: nobody else is there."""

@@ -166,7 +166,7 @@ class _Life:
         self._publish(source, batch)
 
     def _hold(self, source: Source, truth: Truth, start: float) -> None:
-        """At speed for a while."""
+        """Hold a speed for a while."""
         _, sweep = speed_law(self.machine, "run-down", duration=1.0, samples=2)
         seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
         speed = np.full(HOLD_SAMPLES, sweep[0])
@@ -181,7 +181,7 @@ class _Life:
             source.publish(piece)
 
     def _wait(self, batch: SampleBatch) -> None:
-        """Until a batch is due: by its own last sample's time, or at the plan's rate."""
+        """Wait until a batch is due: by its own last sample's time, or at the plan's rate."""
         if self._plan.rate is None:
             self._stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
             return
@@ -191,7 +191,7 @@ class _Life:
 
 
 def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
-    """A batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
+    """Return a batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
 
     conditions: (k,) the same in all samples.
     """

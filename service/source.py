@@ -48,12 +48,12 @@ class Source:
 
     @property
     def epoch(self) -> int:
-        """That of its log."""
+        """Return the epoch of its log."""
         return self.log.epoch
 
     @property
     def sequence(self) -> int:
-        """Number of the next sample."""
+        """Return the number of the next sample."""
         return self.log.next_sequence
 
     def publish(self, batch: SampleBatch, *, position: str | None = None) -> None:
@@ -88,7 +88,7 @@ class Source:
             logger.warning("%s: a batch was not sent, it is in the log: %s", self.key.samples, error)
 
     def _answer(self, query: zenoh.Query) -> None:
-        """Replies to `…/log?from=N;epoch=E;limit=L` with the batches that hold sample N and later ones."""
+        """Reply to `…/log?from=N;epoch=E;limit=L` with the batches that hold sample N and later ones."""
         parameters = query.parameters
         epoch = parameters.get("epoch")
         with query:

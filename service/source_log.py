@@ -1,4 +1,4 @@
-"""What a source keeps of the batches that it published: the log from which it answers replay queries.
+"""The log of the batches that a source published, from which it answers replay queries.
 
 `MemoryLog` lives as long as its process. `service/durable_log.py` outlives it.
 """
@@ -81,24 +81,24 @@ class SourceLog(Protocol):
 
     @property
     def epoch(self) -> int:
-        """The source's epoch: a new one only where the log before was lost."""
+        """Return the source's epoch: a new one only where the log before was lost."""
 
     @property
     def next_sequence(self) -> int:
-        """Number of the sample that follows the last one accepted."""
+        """Return the number of the sample that follows the last one accepted."""
 
     @property
     def position(self) -> str | None:
-        """That of the newest entry that has one."""
+        """Return the position of the newest entry that has one."""
 
     def append(self, entry: Entry, *, logged: Logged) -> None:
         """Accept an entry, which must begin at `next_sequence`. Raises LogError; then it was not accepted."""
 
     def entries_from(self, first: int, limit: int) -> list[Entry]:
-        """Entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
+        """Return entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
 
     def status(self) -> LogStatus:
-        """What it holds now."""
+        """Tell what it holds now."""
 
     def flush(self) -> None:
         """Wait until all that was accepted is in the log. Raises LogError."""
@@ -108,7 +108,7 @@ class SourceLog(Protocol):
 
 
 def require_next(entry: Entry, next_sequence: int) -> None:
-    """Raises ValueError for an entry that leaves a hole or overlaps."""
+    """Raise ValueError for an entry that leaves a hole or overlaps."""
     if entry.first != next_sequence or entry.count < 1:
         raise ValueError(f"{entry.count} samples from number {entry.first} do not follow {next_sequence - 1}")
 
@@ -158,7 +158,7 @@ class MemoryLog:
         """Nothing waits: all that was accepted is in the log."""
 
     def close(self) -> None:
-        """Nothing to release."""
+        """Release nothing."""
 
     def _too_much(self) -> bool:
         return self._held_samples > self._samples or self._held_bytes > self._payload_bytes

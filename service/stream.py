@@ -58,7 +58,7 @@ def open_session(
 
 
 def connected(session: zenoh.Session) -> bool:
-    """Whether any other node is connected."""
+    """Tell whether any other node is connected."""
     return bool(session.info.routers_zid() or session.info.peers_zid())
 
 
@@ -76,7 +76,7 @@ def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Cal
 
 @contextmanager
 def session(*, listen: list[str], connect: list[str], security: StreamSecurity | None = None) -> Iterator[zenoh.Session]:
-    """A session that is closed in the end: one left open hangs the interpreter's exit."""
+    """Give a session that is closed in the end: one left open hangs the interpreter's exit."""
     opened = open_session(listen=listen, connect=connect, security=security)
     try:
         yield opened

@@ -1,4 +1,4 @@
-"""Who may do what on the zenoh network, by the certificate that they come with: a source publishes as itself and as no other.
+"""Access control on the zenoh network, by certificate: a source publishes as itself and as no other.
 
 The names are the certificates' common names. zenoh reads them at its start and not again: after a change the service is
 started anew. What is refused is dropped without a word to its sender, and shows as a source that is never heard of.
@@ -101,7 +101,7 @@ class StreamSecurity:
 
 
 def from_environment() -> StreamSecurity | None:
-    """The same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
+    """Return the same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
     try:
         return StreamSecurity.of(settings_of())
     except SettingsWrong as error:
@@ -120,7 +120,7 @@ def read_access(path: Path) -> Access:
 
 
 def _source(keys: list[Key]) -> list[dict[str, Any]]:
-    """What a source does: publish, answer for its log and how it is, be there, and ask how far it was received."""
+    """Allow what a source does: publish, answer for its log and how it is, be there, and ask how far it was received."""
     answered = [key for one in keys for key in (one.log, one.status)]
     received = [one.received for one in keys]
     return [
@@ -135,7 +135,7 @@ def _source(keys: list[Key]) -> list[dict[str, Any]]:
 
 
 def _reader(places: list[str]) -> list[dict[str, Any]]:
-    """What listens: alerts as they happen, and the last of each; samples."""
+    """Allow what a reader does: hear alerts as they happen, the last of each, and samples."""
     heard = [f"rundown/v1/{place}/{what}" for place in places for what in ("alerts/*", "samples")]
     return [
         _rule(("declare_subscriber", "query"), ("ingress",), heard),

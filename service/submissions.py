@@ -6,20 +6,32 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from estimator.errors import LimitReached, Unavailable
 from service.journal import Outcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""
 QUEUE_SIZE = 1_000
 """Batches that wait; whoever comes then is asked to come again."""
+RETRY_AFTER_S = 1
+"""When to send a batch again that was not taken [s]."""
 
 
-class Busy(RuntimeError):
+class Busy(LimitReached):
     """Too many batches wait to be stored."""
 
+    retry_after_s = RETRY_AFTER_S
 
-class NotStoring(RuntimeError):
+
+class NotStoring(Unavailable):
     """The database does not take samples at present; the message says why."""
+
+    retry_after_s = RETRY_AFTER_S
+
+    @property
+    def detail(self) -> str:
+        """Say why, and what to do."""
+        return f"samples cannot be stored: {self}; send it again"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What commands say: nothing that is stored or came from elsewhere steers the terminal on which it is read.
+"""Prints text on the terminal: nothing that is stored or came from elsewhere steers it.
 
 Escaped are control characters (C0, DEL, C1) and those that turn the order of letters around or are not seen.
 """
@@ -9,10 +9,10 @@ from storage.text import plain_lines, plain_text
 
 
 def say(line: str, *, err: bool = False) -> None:
-    """One line, on the standard output or the standard error output, whatever it holds."""
+    """Print one line on the standard output or the standard error output, whatever it holds."""
     typer.echo(plain_text(line), err=err)
 
 
 def say_lines(text: str, *, err: bool = False) -> None:
-    """A text whose line breaks are our own."""
+    """Print a text whose line breaks are our own."""
     typer.echo(plain_lines(text), err=err)

@@ -6,13 +6,16 @@ from typing import Any
 from sqlalchemy import Row, func, select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage.clock import now
 from storage.paging import Keys, ordered
 from storage.tables import AlertEventRow, AlertRow
 
 
-class AlertUnknown(KeyError):
+class AlertUnknown(Missing):
     """No alert of that id."""
+
+    subject = "alert"
 
 
 def open_alert(session: Session, machine_id: str, *, rule: str, element: str) -> AlertRow | None:

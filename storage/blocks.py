@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.channel_status import ChannelStatus
+from estimator.errors import Damaged
 from estimator.measurement import Measurement
 from estimator.recorded import Recorded
 from storage.packing import pack, shuffled, unpack, unshuffled
@@ -19,7 +20,7 @@ _FORMAT = 4
 _OLDEST_FORMAT = 1  # numbers side by side; before 3 without conditions; 1 without 2× too, and with one bit of status
 
 
-class DamagedBlock(ValueError):
+class DamagedBlock(Damaged):
     """A stored block cannot be read."""
 
 

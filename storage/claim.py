@@ -11,6 +11,7 @@ from typing import TextIO
 from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
+from estimator.errors import Unavailable
 from storage import file_lock
 from storage.private_files import PRIVATE
 
@@ -20,7 +21,7 @@ PATIENCE_S, LOOK_S = 2.0, 0.1
 """A server takes a moment to notice that who held a claim was killed."""
 
 
-class DatabaseUnusable(RuntimeError):
+class DatabaseUnusable(Unavailable):
     """The database cannot be opened, claimed or brought up to date; the message says which and why."""
 
 

@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Conflict, Missing
 from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
 from storage.plant_scope import EVERY_PLANT
@@ -15,20 +16,24 @@ PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
 STATES = (PENDING, DELIVERED, GIVEN_UP)
 
 
-class SubscriptionUnknown(KeyError):
+class SubscriptionUnknown(Missing):
     """No subscription of that id."""
 
+    subject = "subscription"
 
-class SubscriptionExists(ValueError):
+
+class SubscriptionExists(Conflict):
     """A subscription of that name is there already."""
 
 
-class SubscriptionDisabled(ValueError):
+class SubscriptionDisabled(Conflict):
     """Nothing is sent to this subscription."""
 
 
-class DeliveryUnknown(KeyError):
+class DeliveryUnknown(Missing):
     """No delivery of that id."""
+
+    subject = "delivery"
 
 
 def subscribe(

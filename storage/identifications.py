@@ -9,6 +9,7 @@ import numpy as np
 from sqlalchemy import Select, Text, cast, func, insert, select
 from sqlalchemy.orm import Session, undefer
 
+from estimator.errors import Missing
 from estimator.identification import Identification
 from estimator.observation import Fit
 from estimator.parameter_description import is_direct
@@ -21,8 +22,10 @@ from storage.runs import DISCARDED
 from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
-class IdentificationUnknown(KeyError):
+class IdentificationUnknown(Missing):
     """No identification of that id."""
+
+    subject = "identification"
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, func, select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage import machines
 from storage.clock import now
 from storage.job_order import AUTOMATIC, TRIED, next_jobs, next_turn
@@ -28,8 +29,10 @@ RUN, GATHERED, VARIANT = "run", "gathered", "variant"
 LARGEST_ATTEMPTS = 3
 
 
-class JobUnknown(KeyError):
+class JobUnknown(Missing):
     """No job of that id."""
+
+    subject = "job"
 
 
 def ask(

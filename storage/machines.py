@@ -7,25 +7,30 @@ from sqlalchemy import func, select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
+from estimator.errors import Conflict, Missing
 from estimator.machine import Machine, parse_machine
 from storage.clock import now
 from storage.paging import Keys, ordered
 from storage.tables import MachineRow, RevisionRow
 
 
-class MachineExists(ValueError):
+class MachineExists(Conflict):
     """A machine of that id is there already."""
 
 
-class MachineUnknown(KeyError):
+class MachineUnknown(Missing):
     """No machine of that id."""
+
+    subject = "machine"
 
 
 class RevisionUnknown(MachineUnknown):
     """The machine is there, but no such revision of its document."""
 
+    subject = "revision"
 
-class PlantChanged(ValueError):
+
+class PlantChanged(Conflict):
     """A revision may not move a machine to another plant: its key on the wire would change."""
 
 

@@ -12,6 +12,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.coverage import Coverage
+from estimator.errors import Gone, Missing
 from estimator.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
 from storage.clock import latest, to_datetime
@@ -33,11 +34,13 @@ CROSSED = "critical_speeds_rpm"
 LAST_TIME = 2**63 - 1
 
 
-class RunUnknown(KeyError):
+class RunUnknown(Missing):
     """No run of that id."""
 
+    subject = "run"
 
-class SamplesReleased(LookupError):
+
+class SamplesReleased(Gone):
     """A run's samples were let go of, as the settings for retention ask for."""
 
 

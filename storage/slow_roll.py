@@ -12,6 +12,7 @@ import numpy as np
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from estimator.machine import Machine
 from estimator.parts import Probe
 from estimator.slow_roll import SlowRoll
@@ -26,8 +27,15 @@ GIVEN, CAPTURED = "given", "captured"
 _OF_THE_PROBE = ("shaft", "station", "angle_deg", "sensitivity")
 
 
-class SlowRollUnknown(KeyError):
+class SlowRollUnknown(Missing):
     """No slow-roll vectors of that version."""
+
+    subject = "slow-roll vectors"
+
+    @property
+    def detail(self) -> str:
+        """Say which vectors are not there."""
+        return f"no {self.subject}: {self.args[0]}"
 
 
 @dataclass(frozen=True)

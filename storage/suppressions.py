@@ -5,13 +5,16 @@ from collections.abc import Sequence
 from sqlalchemy import or_, select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
 from storage.tables import SuppressionRow
 
 
-class SuppressionUnknown(KeyError):
+class SuppressionUnknown(Missing):
     """No suppression of that id."""
+
+    subject = "suppression"
 
 
 def add(

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable
 
 from service.api.http_protocol import PATIENCE_S, HttpProtocol
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 
 logger = logging.getLogger(__name__)
 
@@ -53,7 +53,7 @@ class Acceptor:
         self._loop = asyncio.get_running_loop()
         self._open: Counter[str] = Counter()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._said = Rate(per_s=1.0 / SAID_EVERY_S, burst=1.0)
+        self._said = RateLimit(per_s=1.0 / SAID_EVERY_S, burst=1.0)
         self._pause: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
@@ -132,6 +132,6 @@ class Acceptor:
 
 
 def _last() -> int:
-    """The first of the descriptors that no connection gets."""
+    """Return the first of the descriptors that no connection gets."""
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     return sys.maxsize if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)

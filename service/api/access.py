@@ -1,4 +1,4 @@
-"""What the endpoints are given: the database, and reading or writing sessions of it."""
+"""Dependencies of the endpoints: the database, reading sessions of it, who asks, ranges of time."""
 
 from collections.abc import AsyncIterator
 from contextlib import ExitStack
@@ -25,17 +25,17 @@ LAST_INSTANT = 2**63 - 1
 
 
 def database(request: Request) -> Store:
-    """The database as who asks may see it, and so that what they change is written down."""
+    """Return the database as who asks may see it, and so that what they change is written down."""
     return cast(Store, request.state.store)
 
 
 def principal(request: Request) -> Principal:
-    """Who asks."""
+    """Return who asks."""
     return cast(Principal, request.state.principal)
 
 
 def asker(request: Request, priority: int = ASKED) -> Asker:
-    """Who asks for identifications, and how many of theirs may wait."""
+    """Return who asks for identifications, and how many of theirs may wait."""
     return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 
@@ -49,12 +49,12 @@ async def _reading(request: Request) -> AsyncIterator[Session]:
 
 
 def moment(value: datetime | None) -> int | None:
-    """A time of a query as the store counts it [ns]; one beyond what it can count means its first or last instant."""
+    """Return a time of a query as the store counts it [ns]; one beyond what it can count means its first or last instant."""
     return None if value is None else instant(value)
 
 
 def instant(value: datetime) -> int:
-    """A time as the store counts it [ns]; one beyond what it can count is its first or last instant."""
+    """Return a time as the store counts it [ns]; one beyond what it can count is its first or last instant."""
     return max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
 
 

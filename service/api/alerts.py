@@ -14,7 +14,7 @@ from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
 from service.api.access import MachineId, Number, Reading, database, instant
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.paging import ById, ByTime, Paging
 from service.api.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.problems import CHANGES, RESPONSES
@@ -32,19 +32,19 @@ After = Annotated[int, Query(ge=0, le=2**62, description="only events behind thi
 
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
-async def list_alerts(request: Request, fresh: Fresh, paging: ByTime, only_open: OnlyOpen = False) -> Response:
-    """Alerts of all machines, newest first."""
+async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open: OnlyOpen = False) -> Response:
+    """List alerts of all machines, newest first."""
 
     def read() -> Response:
         with database(request).reading() as session:
             return _listed(session, paging, machine_id=None, only_open=only_open)
 
-    return await fresh.answer(request, ("alerts",), read)
+    return await cache.answer(request, ("alerts",), read)
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
 def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
-    """What happened to all alerts, oldest first: ask again with the last id for what came then."""
+    """List the events of all alerts, oldest first; ask again with the last id for later ones."""
     begin = after if paging.after is None else int(paging.after[0])
     rows = alerts.events_after(session, begin, limit=paging.wanted)
     return [alert_event(row) for row in paging.page(rows, lambda row: (row.id,))]
@@ -52,13 +52,13 @@ def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
 def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
-    """One alert with its evidence, and the ETag with which it can be changed."""
+    """Read one alert with its evidence, and the ETag with which it can be changed."""
     return tagged(response, rendering.alert(alerts.get(session, alert_id)))
 
 
 @router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
 def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
-    """What happened to one alert, oldest first."""
+    """List the events of one alert, oldest first."""
     alerts.get(session, alert_id)
     rows = alerts.history(session, alert_id, limit=paging.wanted, after=paging.after)
     return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
@@ -66,16 +66,16 @@ def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> li
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
 async def list_machine_alerts(
-    request: Request, fresh: Fresh, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
+    request: Request, cache: Cached, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
 ) -> Response:
-    """Alerts of one machine, newest first."""
+    """List alerts of one machine, newest first."""
 
     def read() -> Response:
         with database(request).reading() as session:
             machines.get(session, machine_id)
             return _listed(session, paging, machine_id=machine_id, only_open=only_open)
 
-    return await fresh.answer(request, ("machines", "alerts"), read)
+    return await cache.answer(request, ("machines", "alerts"), read)
 
 
 def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
@@ -87,7 +87,7 @@ def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_op
 def acknowledge_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
-    """A person has seen it."""
+    """Note that a person has seen it."""
     change = Change(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.acknowledge(session, row, _person(said)))
 
@@ -138,7 +138,7 @@ class Change:
     if_match: str | None
 
     def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
-        """The alert afterwards. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
+        """Change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
             try:
@@ -150,7 +150,7 @@ class Change:
 
 
 def _what_happened(session: Session, row: AlertRow) -> str:
-    """Who was here before: people who act at once are told of each other."""
+    """Say who changed the alert last: people who act at once are told of each other."""
     last = alerts.last_event(session, row.id)
     kind, at = last.kind.replace("_", " "), to_datetime(last.at)
     return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"

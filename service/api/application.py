@@ -9,66 +9,65 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi_offline import FastAPIOffline
 from starlette.routing import BaseRoute
 
-from service.api import (
-    alerts,
-    baselines,
-    bode,
-    calibrations,
-    comparisons,
-    dashboard,
-    deviations,
-    diagnoses,
-    drawing,
-    event_stream,
-    fleet,
-    identifications,
-    ingestion,
-    limits,
-    machine_state,
-    machines,
-    measurements,
-    metrics,
-    model,
-    operations,
-    orbits,
-    people,
-    replicas,
-    run_quality,
-    slow_roll,
-    stages,
-    subscriptions,
-    suppressions,
-    trends,
-)
-from service.api.body_size import BodySize
+from service.api.alerts import router as alerts
+from service.api.baselines import router as baselines
+from service.api.bode import router as bode
+from service.api.body_size import BodyLimit
+from service.api.calibrations import router as calibrations
+from service.api.comparisons import router as comparisons
 from service.api.compression import Compression
+from service.api.dashboard import router as dashboard
 from service.api.database_check import DatabaseCheck
+from service.api.deviations import router as deviations
+from service.api.diagnoses import router as diagnoses
 from service.api.documentation import add_documentation
+from service.api.drawing import router as drawing
+from service.api.error_handlers import add_handlers
 from service.api.event_stream import Broadcaster
-from service.api.fresh_answers import FreshAnswers
+from service.api.event_stream import router as event_stream
+from service.api.fleet import router as fleet
+from service.api.fresh_answers import ResponseCache
 from service.api.head_requests import HeadRequests
 from service.api.idempotency import Idempotency
-from service.api.kept_answers import KeptAnswers
+from service.api.identifications import router as identifications
+from service.api.ingestion import router as ingestion
+from service.api.kept_answers import ComputedCache
+from service.api.limits import router as limits
 from service.api.machine_list import MachineList
+from service.api.machine_state import router as machine_state
+from service.api.machines import router as machines
+from service.api.measurements import router as measurements
+from service.api.metrics import router as metrics
+from service.api.model import router as model
 from service.api.model_process import ModelProcess
 from service.api.openapi import described
 from service.api.operations import Parts
+from service.api.operations import router as operations
+from service.api.orbits import router as orbits
 from service.api.overview import Overview
-from service.api.problems import add_handlers
+from service.api.people import router as people
+from service.api.replicas import router as replicas
+from service.api.run_quality import router as run_quality
+from service.api.slow_roll import router as slow_roll
+from service.api.stages import router as stages
 from service.api.subscriptions import TryOut
-from service.api.trend_columns import KeptHistories
-from service.api.unchanged import Unchanged
-from service.api.unheeded import refuse_unheeded
+from service.api.subscriptions import router as subscriptions
+from service.api.suppressions import router as suppressions
+from service.api.timeline import router as timeline
+from service.api.trend_columns import HistoryCache
+from service.api.trends import router as trends
+from service.api.unchanged import ConditionalGet
+from service.api.unheeded import reject_unknown_parameters
 from service.delivery.signing_secrets import SigningSecrets
 from service.job_quota import JobQuota
 from service.release import VERSION
-from service.security import login
-from service.security.answer_headers import AnswerHeaders
+from service.security.answer_headers import SecurityHeaders
 from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.guard import Guard
+from service.security.login import router as login
 from service.security.operations import Operations
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
@@ -96,7 +95,7 @@ def application(
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
-    """The application over a database. `parts` tells how each part of the service is doing; `try_out` sends a test message
+    """Build the application over a database. `parts` tells how each part of the service is; `try_out` sends a test message
     to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
     who may use it; by default anybody, until there is an API key. job_quota: how many identifications that people ask for
     may wait. secrets: of webhooks; by default none can be kept. warnings: what the service has to say; gauges: figures of
@@ -115,18 +114,18 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
-    app.state.answers = KeptAnswers()
+    app.state.computed_cache = ComputedCache()
     app.state.model_process = ModelProcess()
-    app.state.fresh_answers = FreshAnswers(database)
-    app.state.histories = KeptHistories(database, baseline_runs=baseline_runs)
+    app.state.response_cache = ResponseCache(database)
+    app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
     app.state.broadcaster = Broadcaster(database)
     add_handlers(app)
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
-    app.add_middleware(BodySize)
+    app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
-    app.add_middleware(Unchanged)
+    app.add_middleware(ConditionalGet)
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # outside: the guard knows each operation by its own method
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
@@ -134,7 +133,7 @@ def application(
 
 
 def _bare() -> FastAPI:
-    """All routes, with nothing behind them."""
+    """Return all routes, with nothing behind them."""
     app = FastAPIOffline(
         title="Rundown",
         version=VERSION,
@@ -152,20 +151,20 @@ def _bare() -> FastAPI:
 
 
 def operations_of(app: FastAPI) -> Operations:
-    """Every route with what it needs. Raises Undeclared."""
+    """Return every route with what it needs. Raises Undeclared."""
     anybody = Requirement(None, recorded=False)
     public = {PREFIX + path: anybody for path in DOCUMENTATION}
     return Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
 
 
 def every_operation() -> Operations:
-    """Those of the application, without one."""
+    """Return the operations of the application, without making one."""
     return operations_of(_bare())
 
 
 @functools.cache
 def _routes() -> list[BaseRoute]:
-    """All operations, worked out once however many applications a process has: the framework takes a tenth of a second."""
+    """Build all routes, once however many applications a process has: the framework takes a tenth of a second."""
     router = APIRouter()
     # Those asked most first: each request is held against one route after the other.
     for part in (
@@ -188,6 +187,7 @@ def _routes() -> list[BaseRoute]:
         diagnoses,
         event_stream,
         suppressions,
+        timeline,
         baselines,
         deviations,
         limits,
@@ -198,16 +198,16 @@ def _routes() -> list[BaseRoute]:
         people,
     ):
         # Not by way of another router: the framework works out each operation anew for every level.
-        router.include_router(part.router, prefix=PREFIX, dependencies=[Depends(refuse_unheeded)])
-    router.include_router(metrics.router)
-    router.include_router(dashboard.router)
-    router.include_router(login.router)
+        router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
+    router.include_router(metrics)
+    router.include_router(dashboard)
+    router.include_router(login)
     return router.routes
 
 
 @asynccontextmanager
 async def _served(app: FastAPI) -> AsyncIterator[None]:
-    """From the start of the server to its end."""
+    """Set up what belongs to a running server, from its start to its end."""
     current_default_thread_limiter().total_tokens = THREADS
     async with app.state.repeated.written():
         yield
@@ -215,12 +215,12 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
-    """Nothing is asked but through the guard; it looks at every route, and raises Undeclared for one that says nothing."""
+    """Put the guard in front of everything; raises Undeclared for a route that says nothing of who may use it."""
     app.state.security = security
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
-    app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.state.failures = RateLimit(per_s=security.failures[0], burst=security.failures[1])
     app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
         Guard,
@@ -228,10 +228,10 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
         operations=app.state.operations,
         authentication=app.state.authentication,
         visibility=app.state.visibility,
-        requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
+        requests=RateLimit(per_s=security.requests[0], burst=security.requests[1]),
         failures=app.state.failures,
         repeated=app.state.repeated,
         public_url=security.public_url,
         names_checked=security.names_checked,
     )
-    app.add_middleware(AnswerHeaders)
+    app.add_middleware(SecurityHeaders)

@@ -1,10 +1,10 @@
-"""What a machine is compared with."""
+"""Serves the baselines that machines are compared with."""
 
 from fastapi import APIRouter, Request, status
 
 from service import baselining
-from service.api import alert_rendering as rendering
-from service.api import alert_schemas as schemas
+from service.api import timeline_rendering as rendering
+from service.api import timeline_schemas as schemas
 from service.api.access import MachineId, Reading, database, instant
 from service.api.paging import ByTime
 from service.api.problems import CHANGES, RESPONSES
@@ -16,7 +16,7 @@ router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER]
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
 def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> list[schemas.BaselineOut]:
-    """Baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
+    """List baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
     machines.get(session, machine_id)
     rows = baselines.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.baseline(row) for row in paging.page(rows, lambda row: (row.since, row.id))]

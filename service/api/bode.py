@@ -13,8 +13,8 @@ from service.api import model_schemas as schemas
 from service.api.access import Number, database
 from service.api.model import head, kept
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.trend_columns import texts
 from service.api.units import UnitChoice, Units, column
+from service.api.values import rfc3339_texts
 from service.identified import Identified, UsedRun, used_runs
 from service.security.requirement import VIEWER
 
@@ -29,7 +29,7 @@ def read_bode(
     run: Annotated[int | None, Query(ge=0, le=2**62, description="only this run of the identification")] = None,
     points: Annotated[int, Query(ge=10, le=2000, description="speeds of the fitted curve")] = 200,
 ) -> schemas.Bode:
-    """Fitted curve, measured points and residuals of every channel over speed."""
+    """Read the fitted curve, measured points and residuals of every channel over speed."""
 
     def runs(one: Identified) -> list[UsedRun]:
         if run is not None and run not in one.run_ids:
@@ -51,7 +51,7 @@ def read_bode(
 
 
 def _curves(one: Identified, held: list[UsedRun], points: int) -> tuple[Any, ...]:
-    """Speeds, the fitted curve at them, and each run with the fit at its samples."""
+    """Return speeds, the fitted curve at them, and each run with the fit at its samples."""
     speed = np.linspace(one.speed_minimum, one.speed_maximum, points)
     machine = held[0].machine if held else one.machine
     curve = _fit(one, machine, speed, np.full(points, float(one.direction)))
@@ -94,5 +94,5 @@ def _measured(one: Identified, run: UsedRun, fit: PhasorBand, units: Units) -> s
         for number, channel in enumerate(one.machine.channels)
     ]
     return schemas.MeasuredRun(
-        run=run.id, time=texts(run.time).tolist(), speed=units.speeds(measurement.speed), channels=channels
+        run=run.id, time=rfc3339_texts(run.time).tolist(), speed=units.speeds(measurement.speed), channels=channels
     )

@@ -3,7 +3,7 @@
 from fastapi import HTTPException, status
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.problem import problem_response
 
 LARGEST_BODY = 2 * 1024 * 1024
 """[bytes]; a batch of samples may have half of it."""
@@ -13,7 +13,7 @@ class TooLarge(HTTPException):
     """More of a body came than is taken."""
 
 
-class BodySize:
+class BodyLimit:
     """ASGI middleware."""
 
     def __init__(self, app: ASGIApp) -> None:

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.field_types import Identifier
 from service.api.access import MachineId, Period, Reading, database, instant
-from service.api.alert_schemas import Moment, Said
+from service.api.fields import Moment, Said
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.principal import Author
@@ -54,7 +54,7 @@ def list_calibrations(
     paging: ByTime,
     channel: Annotated[Identifier | None, Query(description="only of this channel")] = None,
 ) -> list[CalibrationOut]:
-    """Calibrations in a time range, newest first; those of channels that are no longer there as well."""
+    """List calibrations in a time range, newest first; those of channels that are no longer there as well."""
     machines.get(session, machine_id)
     rows = calibrations.of_machine(
         session, machine_id, channel=channel, first=period.first, last=period.last, limit=paging.wanted, after=paging.after

@@ -1,4 +1,4 @@
-"""How an identification's parameters hang together, and what changed between two of them."""
+"""Serves correlations between the parameters of an identification, and changes between two identifications."""
 
 from typing import Annotated
 
@@ -64,7 +64,7 @@ class ElementOut(BaseModel):
 
 
 class Comparison(BaseModel):
-    """What changed from one identification to another of the same machine."""
+    """Changes from one identification to another of the same machine."""
 
     machine: str
     first: int
@@ -77,7 +77,7 @@ class Comparison(BaseModel):
 
 @router.get("/compare", operation_id="compare_identifications")
 def compare_identifications(request: Request, session: Reading, first: Which, second: Which) -> Comparison:
-    """What changed from one identification to another, per parameter and per element.
+    """Compare two identifications, per parameter and per element.
 
     The fits' errors are all that is counted; how much the machine differs from run to run anyway tells its baseline.
     """
@@ -109,7 +109,7 @@ def compare_identifications(request: Request, session: Reading, first: Which, se
 
 @router.get("/{identification_id}/correlation", operation_id="read_correlation")
 def read_correlation(session: Reading, identification_id: Number) -> Correlation:
-    """Correlation of all coordinates, and the pairs that the data hardly tell apart."""
+    """Read the correlation of all coordinates, and the pairs that the data hardly tell apart."""
     row = identifications.get(session, identification_id)
     covariance = identifications.covariance(row)
     size = np.sqrt(np.diag(covariance))
@@ -128,7 +128,7 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
 
 
 def _undetermined(session: Session, identification_id: int) -> set[str]:
-    """Names of what an identification says nothing about, though its model has a value there."""
+    """Return names of what an identification says nothing about, though its model has a value there."""
     return {row.parameter for row in identifications.estimates(session, identification_id) if row.value is None}
 
 

@@ -16,12 +16,12 @@ LEVEL = 4
 
 
 def compressed(body: bytes) -> bytes:
-    """The same bytes for the same body."""
+    """Compress a body; the same bytes for the same body."""
     return gzip.compress(body, LEVEL, mtime=0)
 
 
 def takes_gzip(accepted: str) -> bool:
-    """Whether an Accept-Encoding header allows gzip."""
+    """Tell whether an Accept-Encoding header allows gzip."""
     for part in accepted.lower().split(","):
         coding, _, weight = part.partition(";")
         if coding.strip() in ("gzip", "*"):

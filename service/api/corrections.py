@@ -10,7 +10,8 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from estimator.slow_roll import SlowRoll
 from service import requesting
-from service.api import rendering, schemas
+from service.api import measurement_rendering as rendering
+from service.api import measurement_schemas as schemas
 from service.api.units import Units
 from storage import machines, runs, samples, slow_roll
 from storage.blocks import Samples
@@ -23,7 +24,7 @@ SlowRollChoice = Annotated[
 
 
 def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
-    """A run's samples and the document that they were stored under; of an open run, what was collected so far."""
+    """Return a run's samples and the document that they were stored under; of an open run, what was collected so far."""
     row = runs.get(session, run_id)
     machine = machines.document(session, row.machine_id, row.revision)
     held = runs.samples(session, run_id)
@@ -36,7 +37,7 @@ def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
 
 
 def chosen(session: Session, machine: Machine, choice: str) -> tuple[int | None, SlowRoll | None, dict[str, str]]:
-    """The version that a choice means, its vectors for a machine's channels, and the channels that have none and why.
+    """Return the version that a choice means, its vectors for a machine's channels, and the channels that have none and why.
 
     Raises SlowRollUnknown.
     """
@@ -54,9 +55,9 @@ def corrected_phasors(
     held: Samples,
     choice: str,
     units: Units | None,
-    include: Collection[schemas.Beside] = (),
+    include: Collection[schemas.PhasorExtra] = (),
 ) -> schemas.Phasors:
-    """The answer that holds samples, without the vectors that were chosen; also in other units where they are asked for."""
+    """Render samples without the chosen vectors; also in other units where they are asked for."""
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))

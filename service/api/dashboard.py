@@ -60,7 +60,7 @@ class File:
 
 @cache
 def files() -> dict[str, File]:
-    """Every file of the built page by its path."""
+    """Return every file of the built page by its path."""
     paths = [path for path in sorted(FOLDER.rglob("*")) if path.is_file() and path.name != STAMP]
     return {path.relative_to(FOLDER).as_posix(): _file(path) for path in paths}
 
@@ -80,19 +80,19 @@ def _file(path: Path) -> File:
 
 @router.get("/")
 def read_page(request: Request) -> Response:
-    """The page itself; where in it one is stands behind the # of the address."""
+    """Serve the page itself; the place in it stands behind the # of the address."""
     return _answer(request, FIRST)
 
 
 @router.get("/assets/{name}")
 def read_asset(request: Request, name: str) -> Response:
-    """A script or style sheet of the page."""
+    """Serve a script or style sheet of the page."""
     return _answer(request, f"assets/{name}")
 
 
 @router.get("/icon.svg")
 def read_icon(request: Request) -> Response:
-    """The sign in the browser's tab."""
+    """Serve the icon of the browser's tab."""
     return _answer(request, "icon.svg")
 
 

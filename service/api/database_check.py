@@ -1,4 +1,4 @@
-"""Whether the database answers, said within a bounded time: one that hangs would hold whoever asks it."""
+"""Checks whether the database answers, within a bounded time: one that hangs would hold whoever asks it."""
 
 import asyncio
 import threading
@@ -25,7 +25,7 @@ class DatabaseCheck:
         self._since = 0.0
 
     async def jobs(self) -> dict[str, int]:
-        """How many identification jobs are in which state. Raises DatabaseUnusable, DBAPIError."""
+        """Count the identification jobs by state. Raises DatabaseUnusable, DBAPIError."""
         if self._asked is None or self._asked.done():
             self._asked, self._since = Future(), time.monotonic()
             threading.Thread(target=self._ask, args=(self._asked,), name="database check", daemon=True).start()

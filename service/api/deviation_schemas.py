@@ -1,4 +1,4 @@
-"""What the API answers about deviations from baselines and their trends."""
+"""Models of deviations from baselines and of their trends."""
 
 from datetime import datetime
 
@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 
 class BaselineUsed(BaseModel):
-    """What an identification is compared with."""
+    """The baseline that an identification is compared with."""
 
     identifications: list[int]
     wanted: int = Field(description="how many make it")
@@ -32,7 +32,7 @@ class ComparedOut(BaseModel):
 
 
 class ParameterDeviationOut(BaseModel):
-    """How far one parameter is from its baseline."""
+    """Deviation of one parameter from its baseline."""
 
     parameter: str
     element: str
@@ -51,7 +51,7 @@ class ParameterDeviationOut(BaseModel):
 
 
 class ElementDistanceOut(BaseModel):
-    """How far all parameters of an element have moved together."""
+    """Distance that all parameters of an element have moved together."""
 
     element: str
     coordinates: list[str]
@@ -98,7 +98,7 @@ class DriftOut(BaseModel):
 
 
 class TrendTestOut(BaseModel):
-    """What the runs since the baseline say of one coordinate, or of an element's distance."""
+    """Trend of one coordinate, or of an element's distance, over the runs since the baseline."""
 
     name: str = Field(description="a parameter, a component of an unbalance, or an element")
     runs: int

@@ -18,7 +18,7 @@ from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends,
 from service.api import deviation_schemas as schemas
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.comparing import WEEK, Compared, compared
 from service.like_conditions import like_conditions, points, readings
 from service.limit_rule import Level
@@ -46,7 +46,7 @@ def _names(words: str) -> Any:
 
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
 def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
-    """How far every parameter, and every element as a whole, is from the baseline, in per cent and in standard deviations."""
+    """Measure how far each parameter and each element as a whole is from the baseline, in per cent and standard deviations."""
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
         return schemas.DeviationsOut(**_about(session, found, {}), parameters=[], elements=[])
@@ -69,7 +69,7 @@ def read_trend_tests(
     element: Annotated[list[Name], _names("such as coupling.C1")],
     which: Which = None,
 ) -> schemas.TrendTestsOut:
-    """Steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
+    """Read steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
 
     Where only parameters or only elements are asked for, the others are left out. Quantities derived from parameters, such as
     critical_speed.1, have trends but no tests.
@@ -95,14 +95,14 @@ def read_trend_tests(
 
 
 def _not_tested(machine: Machine, name: str) -> str:
-    """Why there is no test of what an identification does not determine."""
+    """Say why there is no test of what an identification does not determine."""
     if derived_unit(machine, name) is not None:
         return "derived from the parameters: trend tests are of identified parameters and of elements"
     return f"machine '{machine.id}' has nothing of that name"
 
 
 def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None:
-    """Of some parameters; both components of an unbalance."""
+    """Return the coordinates of some parameters; both components of an unbalance."""
     if parameters is None:
         return None
     return [name for name in point.names if name in parameters or parameter_of(name) in parameters]
@@ -128,7 +128,7 @@ def _chosen(session: Session, machine_id: str, which: int | None) -> Identificat
 
 
 def _left_out(session: Session, found: Compared, baseline: list[Point], now: Point) -> dict[str, str]:
-    """Parameters that are not compared, and why."""
+    """Return parameters that are not compared, and why."""
     same = {parameter_of(name) for name in comparable(baseline, now)}
     reasons = {}
     for one in identifications.estimates(session, found.identification.id):

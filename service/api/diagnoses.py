@@ -1,4 +1,4 @@
-"""What identifications say of their machine: causes with evidence and runners-up, against the baseline."""
+"""Serves diagnoses: causes with their evidence and runners-up, against the baseline."""
 
 from datetime import datetime
 from typing import Any
@@ -20,7 +20,7 @@ router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER
 
 
 class DiagnosisOut(BaseModel):
-    """What an identification said of its machine when it was filed."""
+    """Diagnosis of a machine, as of when an identification was filed."""
 
     identification: int
     machine: str
@@ -33,7 +33,7 @@ class DiagnosisOut(BaseModel):
 
 @router.get("/identifications/{identification_id}/diagnosis", operation_id="read_diagnosis")
 def read_diagnosis(session: Reading, identification_id: Number) -> DiagnosisOut:
-    """What an identification said of its machine when it was filed, also where that reached no limit."""
+    """Read the diagnosis that was made when an identification was filed, also where it reached no limit."""
     identifications.get(session, identification_id)
     found = diagnoses.of_identification(session, identification_id)
     return _answer(session, found, f"identification {identification_id}")
@@ -41,7 +41,7 @@ def read_diagnosis(session: Reading, identification_id: Number) -> DiagnosisOut:
 
 @router.get("/machines/{machine_id}/diagnosis", operation_id="read_newest_diagnosis")
 def read_newest_diagnosis(session: Reading, machine_id: MachineId) -> DiagnosisOut:
-    """The diagnosis of the machine's newest run that has one."""
+    """Read the diagnosis of the machine's newest run that has one."""
     machines.get(session, machine_id)
     return _answer(session, diagnoses.newest(session, machine_id), f"machine '{machine_id}'")
 

@@ -32,7 +32,7 @@ def add_documentation(app: FastAPI, *, path: str, files: str, openapi: str) -> N
 
 
 def _policy(body: bytes) -> str:
-    """What the page may do: run its own scripts, ask this service."""
+    """Allow the page to run its own scripts and to ask this service."""
     scripts = " ".join(f"'sha256-{b64encode(sha256(one).digest()).decode()}'" for one in INLINE.findall(body))
     return "; ".join(
         (

@@ -19,7 +19,7 @@ class Chosen:
 
 
 def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[np.int64], *, most: int) -> Chosen:
-    """At most `most` of n points that are in order of time: the first, the last, and of each of equal stretches of time the
+    """Choose at most `most` of n points in order of time: the first, the last, and of each of equal stretches of time the
     lowest and the highest of each kind. Where a kind has points in a stretch, but no value (NaN), its first of them stays: a
     gap is seen as one.
 
@@ -44,7 +44,7 @@ def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[n
 
 
 def _extremes(place: NDArray[np.int64], value: NDArray[np.float64]) -> NDArray[np.int64]:
-    """The lowest and the highest value at each place; of one without any the first point."""
+    """Return the lowest and the highest value at each place; of one without any the first point."""
     known = np.isfinite(value)
     first = np.unique(place, return_index=True)[1]
     kept = [first[~np.isin(place[first], place[known])]]

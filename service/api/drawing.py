@@ -72,7 +72,7 @@ class Drawing(BaseModel):
 
 @router.get("/{machine_id}/drawing", operation_id="read_drawing")
 def read_drawing(session: Reading, machine_id: MachineId) -> Drawing:
-    """Positions and sizes of all parts of the train, of the document in force."""
+    """Read the positions and sizes of all parts of the train, of the document in force."""
     revision = machines.get(session, machine_id).revision
     return _drawing(machines.document(session, machine_id, revision), revision)
 

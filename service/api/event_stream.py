@@ -89,11 +89,11 @@ class Broadcaster:
 
     @property
     def clients(self) -> int:
-        """How many read."""
+        """Count the clients that read."""
         return len(self._clients)
 
     async def join(self) -> Client:
-        """A new client."""
+        """Add a client."""
         async with self._joining:
             if self._task is None or self._task.done():
                 if not self._clients:  # else they would miss what they have not been told yet
@@ -107,11 +107,11 @@ class Broadcaster:
             return client
 
     def leave(self, client: Client) -> None:
-        """A client is gone."""
+        """Forget a client that is gone."""
         self._clients.discard(client)
 
     def end(self) -> None:
-        """The service stops: all streams end, once their clients have what there is."""
+        """End all streams, once their clients have what there is."""
         self._ended = True
         for client in self._clients:
             client.slow = True
@@ -120,7 +120,7 @@ class Broadcaster:
         self._clients.clear()
 
     def page(self, after: int) -> list[Told]:
-        """Some events behind a number, oldest first; none only where there are no more."""
+        """Return some events behind a number, oldest first; none only where there are no more."""
         first = after // PAGE * PAGE
         with self._lock:
             page = self._pages.get(first)
@@ -137,7 +137,7 @@ class Broadcaster:
             return [_told(row) for row in alerts.events_after(session, after, limit=PAGE)]
 
     def newest(self) -> int:
-        """Number of the newest event."""
+        """Return the number of the newest event."""
         with self._database.reading() as session:
             return alerts.newest_event(session)
 
@@ -169,7 +169,7 @@ class Broadcaster:
 
 
 def _told(row: AlertEventRow) -> Told:
-    """One that cannot be told must not stop those behind it."""
+    """Return an event as a stream tells it; one that cannot be told must not stop those behind it."""
     try:
         event = alert_event(row)
         return Told(row.id, event, _text(event))
@@ -201,7 +201,7 @@ async def stream(
     sees: Callable[[AlertEvent], bool] = _everything,
     still: Callable[[], Awaitable[bool]] = _anybody_still,
 ) -> AsyncGenerator[bytes]:
-    """Events behind `after` that the client sees, or from now on, for ever. It begins with the id behind which it begins.
+    """Yield events behind `after` that the client sees, or from now on, for ever; first the id behind which they begin.
 
     An `after` that no event has reached yet is of another store, such as the one before a restore: it begins from now on.
     Ends when the client does not keep up, and when its credentials are `still` good no more.
@@ -247,7 +247,7 @@ async def stream_alert_events(
     last_event_id: Annotated[int | None, Header(ge=0, le=2**62, description="continue behind this event")] = None,
     after: Annotated[int | None, Query(ge=0, le=2**62, description="the same, for clients that cannot set headers")] = None,
 ) -> StreamingResponse:
-    """Alert events as they happen (server-sent events); `data` is an alert event in JSON."""
+    """Stream alert events as they happen (server-sent events); `data` is an alert event in JSON."""
     broadcaster: Broadcaster = request.app.state.broadcaster
     database(request).check()
     begin = last_event_id if last_event_id is not None else after

@@ -1,4 +1,4 @@
-"""What diagnoses and alerts rest on."""
+"""Models of the evidence that diagnoses and alerts rest on."""
 
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -25,7 +25,7 @@ class Moved(BaseModel):
 
 
 class RunnerUp(BaseModel):
-    """What else would explain it, less well."""
+    """Another cause that would explain the runs less well."""
 
     kind: str
     element: str

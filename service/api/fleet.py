@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from estimator.operating_state import Mode
 from service.api.access import database, instant
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.machine_list import MachineList
 from service.api.machine_state import OpenRun
 from service.api.overview import Overview
@@ -45,7 +45,7 @@ class LastIdentification(BaseModel):
 
 
 class Happened(BaseModel):
-    """How much happened since the time asked for."""
+    """Counts of what happened since the time asked for."""
 
     runs: int = Field(description="that began")
     identifications: int = Field(description="that were computed")
@@ -83,13 +83,13 @@ class Fleet(BaseModel):
 @router.get("/fleet", operation_id="read_fleet", response_model=Fleet)
 async def read_fleet(
     request: Request,
-    fresh: Fresh,
+    cache: Cached,
     paging: ByName,
     since: Annotated[
         Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
     ] = None,
 ) -> Response:
-    """What each machine is doing, its last run, its open alerts, and what happened to it since a time.
+    """List every machine with its state, its last run, its open alerts, and what happened to it since a time.
 
     Speeds, states and progress may be half a second behind what is stored, all else is not.
     """
@@ -102,4 +102,4 @@ async def read_fleet(
             machines = paging.page(known.page(session, limit=paging.wanted, after=paging.after), lambda one: (one.id,))
             return paging.json({"since": to_datetime(begin), "machines": overview.rows(session, machines, since=begin)})
 
-    return await fresh.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)
+    return await cache.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)

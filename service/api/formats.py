@@ -23,7 +23,7 @@ Column = Sequence[Any]
 
 
 def asked_format(request: Request, chosen: Format | None) -> Format:
-    """The format asked for; JSON where nothing is said. Raises HTTPException 406 when only others would do.
+    """Return the format asked for; JSON where nothing is said. Raises HTTPException 406 when only others would do.
 
     Source: RFC 9110 §12.5.1, without parameters other than q.
     """
@@ -39,7 +39,7 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
 
 
 def csv_bytes(columns: Mapping[str, Column]) -> bytes:
-    """A header line and the rows (RFC 4180); what has no value is empty."""
+    """Return a header line and the rows (RFC 4180); what has no value is empty."""
     text = io.StringIO()
     writer = CsvWriter(text)
     writer.row(columns)
@@ -48,7 +48,7 @@ def csv_bytes(columns: Mapping[str, Column]) -> bytes:
 
 
 def parquet_bytes(columns: Mapping[str, Column], *, times: Sequence[str]) -> bytes:
-    """An Apache Parquet file; the columns named in `times` hold RFC 3339 texts and become timestamps [µs, UTC].
+    """Return an Apache Parquet file; the columns named in `times` hold RFC 3339 texts and become timestamps [µs, UTC].
 
     Raises HTTPException 406 where the extra `rundown[parquet]` is not installed.
     """

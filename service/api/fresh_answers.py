@@ -1,4 +1,4 @@
-"""Answers to questions that many ask again and again: kept until something is committed that bears on them.
+"""Caches responses to requests that many repeat, until something is committed that they depend on.
 
 Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
 but for what changes with every sample, where half a second is allowed.
@@ -48,8 +48,8 @@ class _Kept:
         return Response(self.body, media_type=self.media_type, headers=self.headers)
 
 
-class FreshAnswers:
-    """Answers by what was asked. Belongs to one event loop."""
+class ResponseCache:
+    """Responses by request. Belongs to one event loop."""
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
@@ -60,7 +60,7 @@ class FreshAnswers:
 
     @property
     def making(self) -> int:
-        """How many answers are under way."""
+        """Count the responses under way."""
         return len(self._made)
 
     async def answer(
@@ -72,7 +72,7 @@ class FreshAnswers:
         lately: Sequence[str] = (),
         apart: Hashable = None,
     ) -> Response:
-        """What `make` answers, made now or earlier, as long as nothing was committed to the tables that it reads.
+        """Return the response of `make`, made now or earlier, as long as nothing was committed to the tables that it reads.
 
         lately: further tables that it reads; what is committed to them may be LATELY_S behind. apart: what the answer depends
         on beside the address, the Accept header and the plants of who asks. Raises what `make` raises.
@@ -138,7 +138,7 @@ class FreshAnswers:
 
 
 def _passed_over(task: "asyncio.Task[_Kept]") -> None:
-    """Nobody waits for it: whoever asks next, and finds no answer, is told what was wrong."""
+    """Pass over an error that nobody waits for: the next request meets it again."""
     if not task.cancelled():
         task.exception()
 
@@ -155,8 +155,8 @@ def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable 
     return _Kept(mark, lately, begun, body, response.media_type, headers)
 
 
-async def _fresh(request: Request) -> FreshAnswers:
-    return cast(FreshAnswers, request.app.state.fresh_answers)
+async def _response_cache(request: Request) -> ResponseCache:
+    return cast(ResponseCache, request.app.state.response_cache)
 
 
-Fresh = Annotated[FreshAnswers, Depends(_fresh)]
+Cached = Annotated[ResponseCache, Depends(_response_cache)]

@@ -8,7 +8,7 @@ from http import HTTPStatus
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
-from service.api.problems import problem_response
+from service.api.problem import problem_response
 from service.security.answer_headers import ALWAYS, NO_STORE
 
 LARGEST_HEAD = 64 * 1024
@@ -55,12 +55,12 @@ class HttpProtocol(HttpToolsProtocol):
     """Done when the connection has ended."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin; a peer that says nothing may not stay."""
+        """Begin; a peer that sends nothing may not stay."""
         super().connection_made(transport)
         self._wait()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """End."""
+        """Release the connection."""
         self._stop_waiting()
         super().connection_lost(exc)
         if self.lost is not None and not self.lost.done():
@@ -80,13 +80,13 @@ class HttpProtocol(HttpToolsProtocol):
             self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
 
     def on_message_begin(self) -> None:
-        """A request begins."""
+        """Begin a request."""
         super().on_message_begin()
         self._wait()
         self._begun = True
 
     def on_headers_complete(self) -> None:
-        """Its head is there.
+        """Take the head of a request.
 
         Raises HeadRefused.
         """
@@ -100,7 +100,7 @@ class HttpProtocol(HttpToolsProtocol):
         super().on_headers_complete()
 
     def on_message_complete(self) -> None:
-        """All of it is there. Where it was answered before it was, nobody else waits for the next one."""
+        """Take the end of a request. Where it was answered before, nobody else waits for the next one."""
         self._completed += 1
         self._stop_waiting()
         super().on_message_complete()
@@ -108,20 +108,20 @@ class HttpProtocol(HttpToolsProtocol):
             self._wait()
 
     def on_response_complete(self) -> None:
-        """The next one in the line is answered, or refused."""
+        """Answer the next request in the line, or refuse it."""
         super().on_response_complete()
         if self._refusal is not None and not self._answering() and not self.transport.is_closing():
             self._refuse(*self._refusal)
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - the library says the same of everything
-        """The parser could not go on."""
+        """Refuse what the parser could not read."""
         self._refuse(*self._fault)
 
     def _answering(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete
 
     def _wait(self) -> None:
-        """For a request."""
+        """Wait for a request."""
         self._waits, self._begun, self._in_head = True, False, True
         self._since, self._came = self.loop.time(), 0
         if self._timer is None:
@@ -134,7 +134,7 @@ class HttpProtocol(HttpToolsProtocol):
             self._timer = None
 
     def _look(self) -> None:
-        """Whether the peer took too long. While nothing is read, it is not the peer that is slow."""
+        """Cut off a peer that took too long. While nothing is read, it is not the peer that is slow."""
         self._timer = None
         left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:

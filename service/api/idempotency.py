@@ -14,7 +14,7 @@ from sqlalchemy.exc import IntegrityError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.problem import problem_response
 from service.security.sealing import SEALED, SealBroken, Sealing
 from storage import idempotency
 from storage.database import Database
@@ -61,7 +61,7 @@ class Idempotency:
         await self._work(place, scope, body, receive, send)
 
     def _earlier(self, place: str, name: str, fingerprint: str) -> Response | None:
-        """The answer to a key that was taken before; None where it is new, and taken now."""
+        """Return the answer to a key that was taken before; None where it is new, and taken now."""
         try:
             with self._database.transaction() as session:
                 row = idempotency.claim(session, place, fingerprint)
@@ -94,7 +94,7 @@ class Idempotency:
         return answer
 
     def _opened(self, body: bytes, place: str) -> bytes | None:
-        """An answer as it was given; None where it is sealed and no key opens it."""
+        """Return an answer as it was given; None where it is sealed and no key opens it."""
         if not body.startswith(SEALED.encode()):
             return body
         try:
@@ -147,7 +147,7 @@ class Idempotency:
 
 
 def _needs_somebody(scope: Scope) -> bool:
-    """Whether nobody could ask for this without a role: what anybody may ask for must not let them write to the store."""
+    """Tell whether this needs a role: requests that anybody may make must not write to the store."""
     operation = scope["state"]["operation"]
     return operation is not None and operation.requirement.role is not None
 
@@ -157,12 +157,12 @@ def _place(key: str) -> str:
 
 
 def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
-    """An answer as it may stand in the database. sealing: where it tells a secret."""
+    """Return an answer as it may stand in the database. sealing: where it tells a secret."""
     return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
 
 
 def _done(scope: Scope) -> bool:
-    """Whether something was committed in the course of the request."""
+    """Tell whether something was committed in the course of the request."""
     return bool(getattr(scope["state"].get("store"), "written", False))
 
 

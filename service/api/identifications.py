@@ -5,11 +5,13 @@ from typing import Annotated
 from fastapi import APIRouter, Body, Request, Response, status
 
 from service import requesting
-from service.api import rendering, schemas
+from service.api import identification_rendering as rendering
+from service.api import identification_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading, asker, database
 from service.api.paging import ById, ByTime
-from service.api.problems import RESPONSES, WAIT, Problem
-from service.api.trend_units import TrendUnitChoice
+from service.api.parameter_units import ParameterUnitChoice
+from service.api.problem import Problem
+from service.api.problems import RESPONSES, WAIT
 from service.security.requirement import ANALYST, VIEWER
 from storage import derived, identifications, jobs, machines
 
@@ -20,7 +22,7 @@ router = APIRouter(tags=["identifications"], responses=RESPONSES, dependencies=[
 def list_identifications(
     session: Reading, machine_id: MachineId, period: Period, paging: ByTime
 ) -> list[schemas.IdentificationSummary]:
-    """Identifications measured in a time range, newest first."""
+    """List identifications measured in a time range, newest first."""
     machines.get(session, machine_id)
     rows = identifications.of_machine(
         session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
@@ -30,9 +32,9 @@ def list_identifications(
 
 @router.get("/identifications/{identification_id}", operation_id="read_identification")
 def read_identification(
-    session: Reading, identification_id: Number, units: TrendUnitChoice, covariance: bool = False
+    session: Reading, identification_id: Number, units: ParameterUnitChoice, covariance: bool = False
 ) -> schemas.IdentificationDetail:
-    """One identification with every estimate, its uncertainty, and the reason where there is none.
+    """Read one identification with every estimate, its uncertainty, and the reason where there is none.
 
     Estimates and derived quantities are in the units asked for, as trends are; the covariance is in SI.
     """
@@ -69,13 +71,13 @@ def identify_run(
 
 @router.get("/jobs/{job_id}", operation_id="read_job")
 def read_job(session: Reading, job_id: Number) -> schemas.JobOut:
-    """One identification job: whether it waits, runs, is done, or failed and why."""
+    """Read one identification job: whether it waits, runs, is done, or failed and why."""
     return rendering.job(jobs.get(session, job_id))
 
 
 @router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")
 def list_jobs(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.JobOut]:
-    """Identification jobs, newest first: what waits, what runs, and what failed and why."""
+    """List identification jobs, newest first: what waits, what runs, and what failed and why."""
     machines.get(session, machine_id)
     rows = jobs.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.job(row) for row in paging.page(rows, lambda row: (row.id,))]

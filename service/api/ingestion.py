@@ -11,18 +11,18 @@ from typing import Any, cast
 
 from fastapi import APIRouter, HTTPException, Request, status
 
-from service.api import schemas
+from service.api import measurement_schemas as schemas
 from service.api.access import MachineId
-from service.api.problems import RESPONSES, Problem
+from service.api.problem import Problem
+from service.api.problems import RESPONSES
 from service.security.requirement import SOURCE
-from service.submissions import Busy, NotStoring, Taking
+from service.submissions import RETRY_AFTER_S, Taking
 from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 
 PATIENCE_S = 15.0
 """How long a request waits for its batch to be durable."""
-RETRY_AFTER_S = 1
 
 STATUS: Mapping[Reason, HTTPStatus] = {
     "too_large": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
@@ -63,7 +63,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
     """
     submissions = cast(Taking | None, request.app.state.submissions)
     if submissions is None:
-        raise _again(status.HTTP_503_SERVICE_UNAVAILABLE, "this process takes no samples")
+        raise _unavailable("this process takes no samples")
     encoding = request.headers.get("content-type", "")
     if encoding.split(";")[0].strip().lower() not in ENCODINGS:
         raise HTTPException(
@@ -78,13 +78,9 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
     except Rejected as rejected:
         code = STATUS.get(rejected.reason, HTTPStatus.UNPROCESSABLE_ENTITY)
         raise HTTPException(code, f"{rejected.reason}: {rejected.detail}") from None
-    except Busy as busy:
-        raise _again(status.HTTP_429_TOO_MANY_REQUESTS, str(busy)) from None
-    except NotStoring as error:
-        raise _again(status.HTTP_503_SERVICE_UNAVAILABLE, f"samples cannot be stored: {error}; send it again") from None
     except TimeoutError:
         detail = f"not known to be durable after {PATIENCE_S:.0f} s; send it again"
-        raise _again(status.HTTP_503_SERVICE_UNAVAILABLE, detail) from None
+        raise _unavailable(detail) from None
     return schemas.Submitted(
         received=outcome.received,
         duplicates=outcome.duplicates,
@@ -94,7 +90,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
 
 
 async def _body(request: Request) -> bytes:
-    """The whole body, if it is not too large and fits its digest."""
+    """Read the whole body, if it is not too large and fits its digest."""
     announced = request.headers.get("content-length", "")
     if announced.isdigit() and int(announced) > LARGEST_MESSAGE:
         raise _too_large(int(announced))
@@ -134,5 +130,5 @@ def _require_digest(entry: str, body: bytes) -> None:
         raise HTTPException(status.HTTP_400_BAD_REQUEST, f"bad_frame: the body does not fit its {match[1]} digest")
 
 
-def _again(code: int, detail: str) -> HTTPException:
-    return HTTPException(code, detail, {"Retry-After": str(RETRY_AFTER_S)})
+def _unavailable(detail: str) -> HTTPException:
+    return HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, detail, {"Retry-After": str(RETRY_AFTER_S)})

@@ -1,4 +1,4 @@
-"""Answers that follow from what never changes: computed once, kept in memory, those not asked for longest let go first."""
+"""Caches results that follow from what never changes: computed once, least recently used ones dropped first."""
 
 import threading
 from collections import OrderedDict
@@ -16,8 +16,8 @@ MOST_WAITING = 3
 RETRY_AFTER_S = 5
 
 
-class KeptAnswers:
-    """What follows from an identification is the same for ever: keyed by its id and by what was asked."""
+class ComputedCache:
+    """Results by key. What follows from an identification never changes: its id is part of the key."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[Hashable, object] = OrderedDict()
@@ -26,7 +26,7 @@ class KeptAnswers:
         self._waiting = 0
 
     def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """The kept answer, or one that is computed in no time. Raises what `compute` raises."""
+        """Return the cached result, or one that is computed in no time. Raises what `compute` raises."""
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
@@ -39,7 +39,7 @@ class KeptAnswers:
         return found
 
     def slow(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """The same for what takes seconds: one at a time, on one core, so that samples and other questions go on meanwhile.
+        """Do the same for what takes seconds: one at a time, on one core, so that samples and other requests go on.
 
         Call it from a worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
         """

@@ -1,10 +1,10 @@
-"""What the API is asked and answers about limits."""
+"""Models of limits."""
 
 from datetime import datetime
 
 from pydantic import BaseModel, ConfigDict
 
-from service.api.alert_schemas import Said
+from service.api.fields import Said
 from service.limits import Limits
 from service.security.principal import Author
 

@@ -24,7 +24,7 @@ class MachineList:
         self._lock = threading.Lock()
 
     def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:
-        """Machines by id; after: the one before the first."""
+        """Return machines by id; after: the one before the first."""
         stamp, seen = fleet.stamp(session), plants_of(session)
         with self._lock:
             kept = self._kept.get(seen)

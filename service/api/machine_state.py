@@ -1,4 +1,4 @@
-"""What each machine is doing, since when, and what it did before."""
+"""Serves what each machine is doing, since when, and what it did before."""
 
 from datetime import datetime
 from typing import Literal
@@ -10,10 +10,10 @@ from sqlalchemy.orm import Session
 from estimator.machine import Machine
 from estimator.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
-from service.api import rendering
 from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
+from service.api.values import direction
 from service.collection import Standing, standing
 from service.security.requirement import VIEWER
 from storage import machines, runs
@@ -32,7 +32,7 @@ class OpenRun(BaseModel):
 
 
 class MachineState(BaseModel):
-    """What a machine is doing, by its newest samples."""
+    """State of a machine by its newest samples."""
 
     machine: str
     state: Mode = Field(description="unknown before the first sample and after a silence")
@@ -54,7 +54,7 @@ class PastState(BaseModel):
 
 @router.get("/{machine_id}/state", operation_id="read_machine_state")
 def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
-    """Stopped, slow roll, run-up, at speed, run-down or trip; the open run and how far it has come."""
+    """Tell the state: stopped, slow roll, run-up, at speed, run-down or trip; and how far the open run has come."""
     machine = machines.document(session, machine_id)
     now = standing(session, machine_id)
     if now is None:
@@ -67,7 +67,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         state=now.operating.mode,
         since=to_datetime(now.operating.since) if now.operating.since else None,
         speed_rpm=rad_per_s_to_rpm(now.operating.sweep.readings.last_speed) if last is not None else None,
-        direction=rendering.direction(now.direction),
+        direction=direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
         late_samples_waiting=sum(count for _, _, _, count in now.late),
@@ -75,7 +75,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
 
 
 def progress(kind: str, now: Standing, *, minimum_rpm: float, maximum_rpm: float) -> float:
-    """Part of the speed range that lies behind a sweep, 0 to 1."""
+    """Return the part of the speed range that lies behind a sweep, 0 to 1."""
     part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
     part = min(1.0, max(0.0, part))
     return part if kind == "run-up" else 1.0 - part
@@ -92,7 +92,7 @@ def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | No
 
 @router.get("/{machine_id}/states", operation_id="list_machine_states")
 def list_machine_states(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[PastState]:
-    """States entered in a time range, newest first. Samples that come late change runs, not this history."""
+    """List states entered in a time range, newest first. Samples that come late change runs, not this history."""
     machines.get(session, machine_id)
     rows = runs.states(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [

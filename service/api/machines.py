@@ -8,13 +8,15 @@ from sqlalchemy.orm import Session
 from estimator.document_size import accepted
 from estimator.machine import DocumentError, Machine
 from service import baselining
-from service.api import rendering, schemas
+from service.api import machine_rendering as rendering
+from service.api import machine_schemas as schemas
 from service.api.access import MachineId, Reading, database, principal
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
 from service.api.machine_list import MachineList
 from service.api.paging import ById, ByName
 from service.api.preconditions import IfMatch, require, tagged
-from service.api.problems import RESPONSES, Problem
+from service.api.problem import Problem
+from service.api.problems import RESPONSES
 from service.security.requirement import ADMIN, VIEWER
 from storage import machines
 
@@ -24,8 +26,8 @@ Document = Annotated[Machine, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
-async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Response:
-    """All machines, by id."""
+async def list_machines(request: Request, cache: Cached, paging: ByName) -> Response:
+    """List all machines, by id."""
     known: MachineList = request.app.state.machine_list
 
     def read() -> Response:
@@ -33,7 +35,7 @@ async def list_machines(request: Request, fresh: Fresh, paging: ByName) -> Respo
             rows = known.page(session, limit=paging.wanted, after=paging.after)
         return paging.json([rendering.listed_machine(one) for one in paging.page(rows, lambda one: (one.id,))])
 
-    return await fresh.answer(request, ("machines", "machine_revisions"), read)
+    return await cache.answer(request, ("machines", "machine_revisions"), read)
 
 
 @router.post(
@@ -57,7 +59,7 @@ def create_machine(request: Request, response: Response, document: Document) -> 
 
 @router.get("/{machine_id}", operation_id="read_machine")
 def read_machine(session: Reading, response: Response, machine_id: MachineId) -> schemas.MachineRevision:
-    """The machine's document in force, and the ETag with which it can be revised."""
+    """Read the machine's document in force, and the ETag with which it can be revised."""
     return tagged(response, _in_force(session, machine_id))
 
 
@@ -81,7 +83,7 @@ def _in_force(session: Session, machine_id: str) -> schemas.MachineRevision:
 
 @router.get("/{machine_id}/revisions", operation_id="list_revisions")
 def list_revisions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.MachineRevision]:
-    """All revisions of the document, oldest first."""
+    """List all revisions of the document, oldest first."""
     machines.get(session, machine_id)
     rows = machines.revisions(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.revision(row) for row in paging.page(rows, lambda row: (row.revision,))]

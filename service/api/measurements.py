@@ -6,7 +6,8 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 from pydantic import BeforeValidator, Field
 
-from service.api import rendering, schemas
+from service.api import measurement_rendering as rendering
+from service.api import measurement_schemas as schemas
 from service.api.access import MachineId, Number, Period, Reading
 from service.api.corrections import SlowRollChoice, corrected_phasors, run_samples
 from service.api.paging import ByTime
@@ -21,12 +22,12 @@ LARGEST_SAMPLE_COUNT = 10_000
 
 
 def _apart(given: Sequence[str]) -> list[str]:
-    """What is asked for, whether in one parameter with commas between or in several."""
+    """Split values that come in one parameter with commas between, or in several."""
     return [name for one in given for name in one.split(",")]
 
 
 Include = Annotated[
-    tuple[schemas.Beside, ...],
+    tuple[schemas.PhasorExtra, ...],
     Field(max_length=3),
     BeforeValidator(_apart),
     Query(description="what else the sources send of each value; repeated, or with commas between"),
@@ -44,7 +45,7 @@ def read_samples(
     include: Include = (),
     revision: Annotated[int | None, Query(ge=1, le=2**31, description="of the document; by default the one in force")] = None,
 ) -> schemas.Phasors:
-    """The newest samples of a time range, as they were received, oldest of them first.
+    """Read the newest samples of a time range, as they were received, oldest of them first.
 
     They are those of the document in force, or of a revision, and of all that describe the same machine with the same channels
     and operating conditions: the answer lists these. Samples of any other revision are had by naming it.
@@ -69,7 +70,7 @@ def read_samples(
 
 @router.get("/machines/{machine_id}/runs", operation_id="list_runs")
 def list_runs(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.Run]:
-    """Run-ups and run-downs that began in a time range, newest first."""
+    """List run-ups and run-downs that began in a time range, newest first."""
     machines.get(session, machine_id)
     rows = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [rendering.run(row) for row in paging.page(rows, lambda row: (row.time_first, row.id))]
@@ -77,7 +78,7 @@ def list_runs(session: Reading, machine_id: MachineId, period: Period, paging: B
 
 @router.get("/runs/{run_id}", operation_id="read_run")
 def read_run(session: Reading, run_id: Number) -> schemas.Run:
-    """One run."""
+    """Read one run."""
     return rendering.run(runs.get(session, run_id))
 
 
@@ -85,6 +86,6 @@ def read_run(session: Reading, run_id: Number) -> schemas.Run:
 def read_run_phasors(
     session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollChoice = "none", include: Include = ()
 ) -> schemas.Phasors:
-    """The run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
+    """Read the run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
     machine, held = run_samples(session, run_id)
     return corrected_phasors(session, machine, held, slow_roll, units, include)

@@ -38,7 +38,7 @@ OTHERS = "*"
 
 @dataclass(frozen=True)
 class _Kept:
-    """What the store knows; nothing of it where it does not answer."""
+    """Figures from the store; none where it does not answer."""
 
     totals: list[Totals] = field(default_factory=list)
     ages: Mapping[str, float] = field(default_factory=dict)
@@ -62,7 +62,7 @@ class _Figures(Collector):
         self._gauges = gauges
 
     def collect(self) -> Iterable[Metric]:
-        """The families, in the order in which they are written."""
+        """Return the families, in the order in which they are written."""
         received = CounterMetricFamily("rundown_samples_received", "samples stored", labels=["machine"])
         duplicates = CounterMetricFamily("rundown_samples_duplicate", "samples that came again", labels=["machine"])
         late = CounterMetricFamily("rundown_samples_late", "samples older than what was known", labels=["machine"])
@@ -134,7 +134,7 @@ _GAUGES = {
 
 @router.get("/metrics", operation_id="read_metrics", response_class=Response)
 async def read_metrics(request: Request) -> Response:
-    """Counters and gauges as OpenMetrics text; while the database does not answer, those that need none."""
+    """Read the counters and gauges as OpenMetrics text; while the database does not answer, those that need none."""
     state = request.app.state
     gauges = dict(state.gauges())
     if state.submissions is not None:
@@ -168,18 +168,18 @@ def _kept(store: Store) -> _Kept:
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:
-    """States in which nothing is as well: of a series that begins at 1 a monitoring system sees no rise."""
+    """Count states without any as 0: of a series that begins at 1 a monitoring system sees no rise."""
     return dict.fromkeys(states, 0) | dict(counts)
 
 
 def _ages(totals: list[Totals]) -> dict[str, float]:
-    """Time since the newest sample of each machine that has any [s]."""
+    """Return the time since the newest sample of each machine that has any [s]."""
     moment = now()
     return {one.machine_id: (moment - one.last_time) / 1e9 for one in totals if one.last_time}
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:
-    """At most LARGEST_MACHINE_COUNT machines, and the others as one."""
+    """Return at most LARGEST_MACHINE_COUNT machines, and the others as one."""
     shown, others = totals[:LARGEST_MACHINE_COUNT], totals[LARGEST_MACHINE_COUNT:]
     if others:
         received, duplicates, lost, late = (

@@ -1,4 +1,4 @@
-"""What follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, a balancing proposal.
+"""Serves what follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, balancing proposal.
 
 All of it is computed from the stored values and covariance, in SI, once, and rendered in the units asked for.
 """
@@ -26,11 +26,11 @@ from estimator.train_layout import shaft_begins
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api import model_schemas as schemas
 from service.api.access import Number, database
-from service.api.kept_answers import KeptAnswers
+from service.api.kept_answers import ComputedCache
 from service.api.model_process import ModelProcess, is_long
 from service.api.problems import RESPONSES, Unsuitable
-from service.api.rendering import direction
 from service.api.units import UnitChoice, Units, column
+from service.api.values import direction
 from service.identified import Identified, identified
 from service.security.requirement import VIEWER
 
@@ -51,7 +51,7 @@ Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")
 
 @router.get("/critical-speeds", operation_id="read_critical_speeds")
 def read_critical_speeds(request: Request, identification_id: Number, units: UnitChoice) -> schemas.CriticalSpeeds:
-    """Critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
+    """Read the critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
 
     one, (table, errors) = kept(request, identification_id, ("critical-speeds",), _table, slow=True)
     return schemas.CriticalSpeeds(
@@ -68,7 +68,7 @@ def read_campbell(
     units: UnitChoice,
     points: Annotated[int, Query(ge=10, le=120, description="evenly spaced speeds")] = 40,
 ) -> schemas.CampbellOut:
-    """Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
+    """Read the Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
 
     one, found = kept(request, identification_id, ("campbell", points), partial(_diagram, points=points), slow=True)
     return schemas.CampbellOut(
@@ -89,7 +89,7 @@ def read_campbell(
 
 @router.get("/modes", operation_id="read_modes")
 def read_modes(request: Request, identification_id: Number, units: UnitChoice, rpm: Rpm = None) -> schemas.ModesOut:
-    """Modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
+    """Read the modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
 
     one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), partial(_shapes, rpm=rpm))
     begins = shaft_begins(one.machine)
@@ -110,7 +110,7 @@ def read_misalignment_force(
     to_rpm: Rpm = None,
     points: Points = 100,
 ) -> schemas.MisalignmentForce:
-    """1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
+    """Read 1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
 
     work = partial(_coupling_forces, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
     one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), work)
@@ -140,7 +140,7 @@ def read_balancing(
     to_rpm: Rpm = None,
     points: Points = 30,
 ) -> schemas.Balancing:
-    """The correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
+    """Read the correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
 
     asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
     work = partial(_correction, plane=plane, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
@@ -169,13 +169,13 @@ def kept(
     slow: bool = False,
     given: Callable[[Identified], Any] | None = None,
 ) -> tuple[Identified, T]:
-    """What is asked of an identification, from memory or computed now; of a long train in a process of its own.
+    """Return a result for an identification, from the cache or computed now; of a long train in a process of its own.
 
     compute: of the identification and, where there is one, of what `given` reads for it; such that it can be pickled.
     Raises IdentificationUnknown, NoModel, HTTPException 503.
     """
     one = read_identified(request, identification_id)
-    answers: KeptAnswers = request.app.state.answers
+    cache: ComputedCache = request.app.state.computed_cache
     process: ModelProcess = request.app.state.model_process
     key, apart = (identification_id, *asked), is_long(one.machine)
 
@@ -184,22 +184,22 @@ def kept(
         # A copy: what was worked out of it here need not be handed over, and partly cannot.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
-    return one, answers.slow(key, work) if slow or apart else answers.quick(key, work)
+    return one, cache.slow(key, work) if slow or apart else cache.quick(key, work)
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
-    """An identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
-    answers: KeptAnswers = request.app.state.answers
+    """Return an identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
+    cache: ComputedCache = request.app.state.computed_cache
 
     def read() -> Identified:
         with database(request).reading() as session:
             return identified(session, identification_id)
 
-    return answers.quick((identification_id,), read)
+    return cache.quick((identification_id,), read)
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:
-    """What all answers begin with."""
+    """Fill the fields that all answers begin with."""
     return {
         "identification": one.id,
         "machine": one.machine.id,

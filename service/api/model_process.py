@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 
 def is_long(machine: Machine) -> bool:
-    """Whether a machine's model is none to be computed beside everything else."""
+    """Tell whether a machine's model is too long to be computed in this process."""
     size = document_size(machine)
     return size.elements > LONG_ELEMENTS or size.unknowns > LONG_UNKNOWNS
 
@@ -44,7 +44,7 @@ class ModelProcess:
         self._processes: ProcessPool | None = None
 
     def compute(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
-        """What a function of a module returns or raises. Raises HTTPException 503 where it needs more time or memory."""
+        """Return or raise what a function of a module does. Raises HTTPException 503 where it needs more time or memory."""
         with self._lock:
             if self._processes is None:
                 self._processes = ProcessPool(1, memory_bytes=self._memory)

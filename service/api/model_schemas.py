@@ -1,4 +1,4 @@
-"""What the API answers of updated models: critical speeds, Campbell diagram, modes, coupling loads, balancing."""
+"""Models of results of updated models: critical speeds, Campbell diagram, modes, coupling loads, balancing."""
 
 from pydantic import BaseModel, Field
 
@@ -6,7 +6,7 @@ from service.api.units import Column, Units
 
 
 class OfModel(BaseModel):
-    """What all of these begin with."""
+    """Fields that all of these begin with."""
 
     identification: int
     machine: str
@@ -98,7 +98,7 @@ class Load(BaseModel):
 
 
 class CouplingLoad(BaseModel):
-    """What a coupling carries; it pushes its driven half with it and its driver half with the opposite."""
+    """Load in a coupling; it pushes its driven half with it and its driver half with the opposite."""
 
     coupling: str
     force_x: Load

@@ -1,12 +1,6 @@
-"""The OpenAPI document: what FastAPI makes of the endpoints, with every error as the problem detail that it is.
+"""The OpenAPI document: what FastAPI makes of the endpoints, with every error as the problem detail that it is."""
 
-`python -m service.api.openapi docs/openapi.json` writes the committed file; a test says when it is not up to date.
-"""
-
-import json
-import sys
 from http import HTTPStatus
-from pathlib import Path
 from typing import Any
 
 from fastapi import FastAPI
@@ -37,7 +31,7 @@ IDEMPOTENCY_KEY = {
 
 
 def described(app: FastAPI) -> dict[str, Any]:
-    """The document of an application, made once."""
+    """Return the document of an application, made once."""
     if app.openapi_schema is None:
         document = get_openapi(
             title=app.title, version=app.version, description=app.description, routes=app.routes, openapi_version="3.1.0"
@@ -91,22 +85,3 @@ def _describe_security(app: FastAPI, document: dict[str, Any]) -> None:
 def _is_problem(content: dict[str, Any]) -> bool:
     reference: str = content.get("schema", {}).get("$ref", "")
     return reference == PROBLEM or reference.endswith(VALIDATION)
-
-
-def document() -> dict[str, Any]:
-    """The document as this release has it."""
-    from service.api.application import application
-    from storage.database import Database
-
-    made = application(Database("sqlite://"), dict).openapi()
-    # The version is the API's: a release of the service does not change it.
-    return made | {"info": made["info"] | {"version": "1"}}
-
-
-def text() -> str:
-    """The same as the committed file holds it."""
-    return json.dumps(document(), indent=1, ensure_ascii=False, sort_keys=True) + "\n"
-
-
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(text(), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""How the service itself is doing: health, readiness, sources, quarantine."""
+"""Serves the health and readiness of the service itself, its sources and its quarantine."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,8 @@ from typing import Annotated, cast
 from fastapi import APIRouter, Query, Request, Response, status
 from sqlalchemy.exc import DBAPIError
 
-from service.api import rendering, schemas
+from service.api import operation_rendering as rendering
+from service.api import operation_schemas as schemas
 from service.api.access import Reading, database, moment, principal
 from service.api.paging import ById, BySource
 from service.api.times import Time
@@ -28,7 +29,7 @@ ENDED = "its thread has ended"
 
 @dataclass(frozen=True)
 class Look:
-    """What each part says of itself, `ok` or what is wrong, the database too; the jobs of all plants by their state.
+    """State of each part, `ok` or what is wrong, the database too; the jobs of all plants by their state.
 
     answers: whether the database does. Where it is damaged in parts it does, and samples of others are taken.
     """
@@ -39,7 +40,7 @@ class Look:
 
 
 async def looked_at(request: Request) -> Look:
-    """How the parts are doing now."""
+    """Look at how the parts are doing now."""
     kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
     if (trouble := request.app.state.broadcaster.trouble) is not None:
@@ -86,7 +87,7 @@ async def _health(request: Request) -> schemas.Health:
 
 @router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
 async def read_health(request: Request, response: Response) -> schemas.Health:
-    """Whether every part works; 503 when one does not."""
+    """Tell whether every part works; 503 when one does not."""
     health = await _health(request)
     if not health.healthy:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
@@ -95,7 +96,7 @@ async def read_health(request: Request, response: Response) -> schemas.Health:
 
 @router.get("/ready", operation_id="read_readiness", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
 async def read_readiness(request: Request, response: Response) -> schemas.Health:
-    """Whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
+    """Tell whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
     health = await _health(request)
     if not health.ready:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
@@ -104,8 +105,8 @@ async def read_readiness(request: Request, response: Response) -> schemas.Health
 
 @router.get("/alive", operation_id="read_life", dependencies=[ANYBODY], responses={503: {"model": schemas.Life}})
 async def read_life(request: Request, response: Response) -> schemas.Life:
-    """Whether starting this process anew would help: 503 when one of its threads has ended, or a file of its SQLite store was
-    deleted and all that it held is saved.
+    """Tell whether a restart of this process would help: 503 when one of its threads has ended, or a file of its SQLite store
+    was deleted and all that it held is saved.
 
     It depends on nothing outside, so that nobody ends a process that only waits for its database or its router.
     """
@@ -119,7 +120,7 @@ async def read_life(request: Request, response: Response) -> schemas.Life:
 
 @router.get("/sources", operation_id="list_sources", dependencies=[VIEWER])
 def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
-    """Every source heard of: how far it was received, what came twice, what is lost."""
+    """List every source heard of: how far it was received, what came twice, what is lost."""
     rows = samples.sources(session, limit=paging.wanted, after=paging.after)
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
@@ -131,7 +132,7 @@ WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entrie
 def read_quarantine(
     session: Reading, paging: ById, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None
 ) -> schemas.Quarantine:
-    """Rejected input: counts by reason since ever, and the newest entries that are still kept."""
+    """Read rejected input: counts by reason since ever, and the newest entries that are still kept."""
     rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=paging.wanted, after=paging.after)
     return schemas.Quarantine(
         counts=quarantine.counts(session),

@@ -65,7 +65,7 @@ class OrbitOut(BaseModel):
 
 
 class FindingOut(BaseModel):
-    """What the orbits show of the wiring, or cannot show."""
+    """Finding about the wiring that the orbits show, or cannot show."""
 
     code: str
     channels: list[str]
@@ -93,7 +93,7 @@ def read_orbits(
     units: UnitsIfAsked,
     slow_roll: SlowRollChoice = "none",
 ) -> Orbits:
-    """Orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
+    """Read the orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
     machine, held = run_samples(session, run_id)
     version, vectors, left_out = chosen(session, machine, slow_roll)
     measurement = held.measurement()

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from estimator.units import rad_per_s_to_rpm
 from service.alert_life import Severity
 from service.api.machine_state import progress
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.collection import Standing
 from storage import fleet
 from storage.changes import Changes
@@ -35,7 +35,7 @@ class _Kept:
 
 
 class Overview:
-    """What is happening to all machines."""
+    """Rows of the overview of all machines."""
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
@@ -44,7 +44,7 @@ class Overview:
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
-        """One row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
+        """Return one row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
         glances = self._glanced(session, machines, since)
         standings = fleet.collectors(session)
         with self._lock:

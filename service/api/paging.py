@@ -22,7 +22,7 @@ LARGEST_INTEGER = 2**63 - 1
 
 @dataclass
 class Paging:
-    """How much of a list is wanted, and behind which row. Ask the store for `wanted` rows and pass them to `page`."""
+    """One part of a list: how many rows, behind which one. Ask the store for `wanted` rows and pass them to `page`."""
 
     limit: int
     after: Keys | None
@@ -31,11 +31,11 @@ class Paging:
 
     @property
     def wanted(self) -> int:
-        """One more than is shown: it tells whether there is a next part."""
+        """Return one more than is shown: it tells whether there is a next part."""
         return self.limit + 1
 
     def page(self, rows: Sequence[T], keys: Callable[[T], Keys]) -> Sequence[T]:
-        """The rows to show; where more follow, the answer says where."""
+        """Return the rows to show; where more follow, the answer says where."""
         if len(rows) <= self.limit:
             return rows
         shown = rows[: self.limit]
@@ -45,12 +45,12 @@ class Paging:
         return shown
 
     def json(self, answer: Sequence[Mapping[str, Any]] | Mapping[str, Any]) -> Response:
-        """An answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
+        """Return an answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
         return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 
 
 def _list_of(request: Request) -> int:
-    """Tells lists apart: a cursor of one says nothing in another."""
+    """Tell lists apart: a cursor of one says nothing in another."""
     return zlib.crc32(request.url.path.encode())
 
 

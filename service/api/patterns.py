@@ -1,8 +1,8 @@
-"""What texts must look like, in words: nobody should have to read a regular expression in an answer."""
+"""Patterns of texts in words: nobody should have to read a regular expression in an answer."""
 
 from collections.abc import Mapping
 
-from service.delivery.signing_secrets import FILE_NAME, VARIABLE, VARIABLE_PREFIX
+from service.secret_references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 
 WORDS: Mapping[str, str] = {
     r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",

@@ -1,4 +1,4 @@
-"""Who is logged in, and what people and programs did: the audit trail."""
+"""Serves who is logged in, and the audit trail of what people and programs did."""
 
 from datetime import datetime
 
@@ -40,7 +40,7 @@ class AuditEntry(BaseModel):
 
 @router.get("/me", operation_id="read_me", dependencies=[VIEWER])
 def read_me(request: Request) -> Me:
-    """Who you are here, and what you may do."""
+    """Tell who you are here, and what you may do."""
     who = principal(request)
     return Me(
         name=who.name,
@@ -53,7 +53,7 @@ def read_me(request: Request) -> Me:
 
 @router.get("/audit", operation_id="list_audit", dependencies=[ADMIN_OF_ALL])
 def list_audit(session: Reading, paging: ById) -> list[AuditEntry]:
-    """Who changed what, when, from where and with what outcome, newest first. `rundown audit verify` checks the hashes."""
+    """List who changed what, when, from where and with what outcome, newest first. `rundown audit verify` checks hashes."""
     rows = audit.newest(session, limit=paging.wanted, after=paging.after)
     return [
         AuditEntry(

@@ -9,6 +9,8 @@ from typing import Annotated, TypeVar
 from fastapi import Header, Response
 from pydantic import BaseModel
 
+from estimator.errors import Outdated, Unconditional
+
 IfMatch = Annotated[
     str | None,
     Header(description="ETag of what was read, or * for whatever there is; without it a change is answered with 428"),
@@ -22,27 +24,27 @@ ANYTHING = "*"
 """If-Match for whatever there is."""
 
 
-class PreconditionMissing(Exception):
+class PreconditionMissing(Unconditional):
     """A change without If-Match."""
 
 
-class Stale(Exception):
+class Stale(Outdated):
     """What was read is no longer what is there."""
 
 
 def etag(answer: BaseModel) -> str:
-    """The strong ETag of an answer."""
+    """Return the strong ETag of an answer."""
     return f'"{hashlib.sha256(answer.model_dump_json().encode()).hexdigest()[:32]}"'
 
 
 def tagged(response: Response, answer: Answer) -> Answer:
-    """The answer, with its ETag in the response's header."""
+    """Return the answer, with its ETag in the response's header."""
     response.headers["ETag"] = etag(answer)
     return answer
 
 
 def require(if_match: str | None, current: BaseModel) -> None:
-    """Raises PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
+    """Raise PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
     if if_match is None:
         raise PreconditionMissing(
             "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"

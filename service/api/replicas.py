@@ -8,8 +8,8 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from service.api.access import Reading
-from service.roles import Role
 from service.security.requirement import ADMIN_OF_ALL
+from service.settings import Role
 from service.sharing import INGEST
 from storage import leases, replicas
 from storage.clock import to_datetime
@@ -32,7 +32,7 @@ class ReplicaOut(BaseModel):
 
 @router.get("/replicas", operation_id="list_replicas")
 def list_replicas(session: Reading) -> list[ReplicaOut]:
-    """The processes that work on this database, by number. One that was killed is listed until another one has noticed."""
+    """List the processes that work on this database, by number. A killed one is listed until another one has noticed."""
     held = defaultdict(list)
     for name, holder in leases.holders(session).items():
         held[holder].append(name)

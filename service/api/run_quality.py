@@ -3,7 +3,7 @@
 from fastapi import APIRouter
 
 from estimator.quality import MEANING, Flag
-from service.api import schemas
+from service.api import measurement_schemas as schemas
 from service.api.access import Number, Reading
 from service.api.problems import RESPONSES
 from service.security.requirement import VIEWER
@@ -14,7 +14,7 @@ router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIE
 
 @router.get("/runs/{run_id}/quality", operation_id="read_run_quality")
 def read_run_quality(session: Reading, run_id: Number) -> schemas.RunQuality:
-    """Reasons per point and channel, noise per channel, and what there is to say of the run; empty until it was judged.
+    """Read reasons per point and channel, noise per channel, and what there is to say of the run; empty until it was judged.
 
     The points are those of the run's phasors, in the same order.
     """

@@ -3,11 +3,11 @@
 import functools
 import socket
 from collections.abc import Callable
+from typing import Protocol
 
 import uvicorn
 
 from service.api.accepting import Acceptor
-from service.api.event_stream import Broadcaster
 from service.api.http_protocol import HttpProtocol
 from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
 
@@ -16,20 +16,27 @@ def _nobody(_address: str) -> bool:
     return False
 
 
+class EndlessAnswers(Protocol):
+    """Answers that never end by themselves."""
+
+    def end(self) -> None:
+        """End all of them."""
+
+
 class Server(uvicorn.Server):
     """Accepts connections by itself, and tells streams that never end when it stops: it would wait for them."""
 
     def __init__(
         self,
         config: uvicorn.Config,
-        broadcaster: Broadcaster,
+        endless: EndlessAnswers,
         *,
         connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
         exempt: Callable[[str], bool] = _nobody,
     ) -> None:
-        """connections_per_address, exempt: see `Acceptor`."""
+        """endless: ended when the server stops. connections_per_address, exempt: see `Acceptor`."""
         super().__init__(config)
-        self._broadcaster = broadcaster
+        self._endless = endless
         self._connections_per_address = connections_per_address
         self._exempt = exempt
         self._acceptors: list[Acceptor] = []
@@ -48,5 +55,5 @@ class Server(uvicorn.Server):
         """Answer what was asked, and no more."""
         for one in self._acceptors:
             one.close()
-        self._broadcaster.end()
+        self._endless.end()
         await super().shutdown(sockets)

@@ -133,7 +133,7 @@ class InForce(Written):
 
 @router.get("", operation_id="list_slow_roll")
 def list_slow_roll(session: Reading, machine_id: MachineId, paging: ById) -> SlowRollList:
-    """All versions, newest first, and which is in force."""
+    """List all versions, newest first, and which is in force."""
     rows = slow_roll.versions(session, machine_id, limit=paging.wanted, after=paging.after)
     return _listed(session, machine_id, paging.page(rows, lambda row: (row.version,)))
 
@@ -157,7 +157,7 @@ def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowR
 
 @router.get("/in-force", operation_id="read_slow_roll_in_force")
 def read_in_force(session: Reading, response: Response, machine_id: MachineId) -> VersionInForce:
-    """Which version identifications subtract, and the ETag with which that can be changed."""
+    """Tell which version identifications subtract, and the ETag with which that can be changed."""
     return tagged(response, _in_force(session, machine_id))
 
 
@@ -227,7 +227,7 @@ def _captured(session: Session, machine_id: str, body: SlowRollIn) -> _Found:
 
 
 def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machine, Samples]:
-    """The samples to capture from, and the document under which they were stored."""
+    """Return the samples to capture from, and the document under which they were stored."""
     if body.run is not None:
         run = runs.get(session, body.run)
         held = runs.samples(session, body.run)

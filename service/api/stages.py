@@ -1,4 +1,4 @@
-"""How each stage of the monitoring is doing, from acquisition to advice, after the blocks of ISO 13374-1."""
+"""Serves the state of each stage of the monitoring, from acquisition to advice, after the blocks of ISO 13374-1."""
 
 from collections.abc import Mapping
 from datetime import datetime
@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from service.api.access import Reading
-from service.api.rendering import time_or_none
+from service.api.values import time_or_none
 from service.security.requirement import VIEWER
 from storage.clock import now, to_datetime
 from storage.stages import Figures, figures
@@ -47,7 +47,7 @@ class Stages(BaseModel):
 
 @router.get("/health/stages", operation_id="read_stages")
 def read_stages(request: Request, session: Reading) -> Stages:
-    """How acquisition, manipulation, state detection, health assessment, prognosis and advice are doing, by what they did."""
+    """Report on acquisition, manipulation, state detection, health assessment, prognosis and advice by what they did."""
     moment = now()
     parts: dict[str, str] = request.app.state.parts()
     held = figures(session, since=moment - A_DAY_NS, overdue=moment - AN_HOUR_NS)
@@ -73,7 +73,7 @@ def _acquisition(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Samples become runs, and runs parameters."""
+    """Report on the stage at which samples become runs, and runs parameters."""
     busy = held.runs > 0 or held.identifications > 0
     state, words = _state(parts, "identifying", busy=busy, idle="no run began in the last day")
     if state in ("ok", "idle") and held.failed_jobs:
@@ -88,7 +88,7 @@ def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _detection(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Parameters are judged: does the model fit, and how far are they from the baseline."""
+    """Report on the stage at which parameters are judged: does the model fit, and how far are they from the baseline."""
     idle = "nothing was identified in the last day"
     state, words = _state(parts, "identifying", busy=held.identifications > 0, idle=idle)
     if state == "ok" and held.accepted < held.identifications:
@@ -116,7 +116,7 @@ def _assessment(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _prognosis(held: Figures, parts: Mapping[str, str]) -> Stage:
-    """Computed when it is asked for, by trend-tests; nothing of it is stored."""
+    """Report on prognosis: computed by trend-tests when it is asked for, never stored."""
     busy = held.newest_diagnosis is not None
     state, words = _state(parts, "database", busy=busy, idle="no machine has a complete baseline yet")
     if state == "ok":
@@ -139,7 +139,7 @@ def _advice(held: Figures, parts: Mapping[str, str]) -> Stage:
 
 
 def _state(parts: Mapping[str, str], part: str, *, busy: bool, idle: str) -> tuple[State, str]:
-    """By the part of the service that does the work, and whether there was any. A part that is not here is not known."""
+    """Tell the state by the part of the service that does the work, and whether there was any; an absent part is not known."""
     words = parts.get(part, "ok")
     if words != "ok":
         return "failed", f"{part}: {words}"

@@ -7,7 +7,7 @@ PATIENCE_S = 30.0
 
 
 def end_stuck_connections(listener: socket.socket, *, after_s: float = PATIENCE_S) -> None:
-    """Connections that a listening socket accepts end when their peer takes nothing for so long; only where Linux does it.
+    """End accepted connections whose peer takes nothing for so long; only where Linux does it.
 
     Source: RFC 5482; TCP_USER_TIMEOUT in tcp(7), which also holds while the peer's window is closed.
     """

@@ -1,4 +1,4 @@
-"""Who is told of alert events, and how each delivery went."""
+"""Serves subscriptions to alert events and the deliveries to them."""
 
 from collections.abc import Awaitable, Callable
 from typing import cast
@@ -6,8 +6,8 @@ from typing import cast
 from fastapi import APIRouter, HTTPException, Request, Response, status
 
 from service.alert_life import Forbidden
-from service.api import alert_rendering as rendering
-from service.api import alert_schemas as schemas
+from service.api import subscription_rendering as rendering
+from service.api import subscription_schemas as schemas
 from service.api.access import Number, Reading, database, principal
 from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
@@ -28,14 +28,14 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 
 @router.get("", operation_id="list_subscriptions")
 def list_subscriptions(request: Request, session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
-    """All subscriptions, without their secrets."""
+    """List all subscriptions, without their secrets."""
     rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
     return [rendering.subscription(row, _secrets(request)) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
 def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
-    """Be told of every event from now on. A webhook's secret is shown here, once."""
+    """Subscribe to every event from now on. A webhook's secret is shown here, once."""
     declared = channel_kind(said.kind)
     if declared.url_target:
         parsed(said.target)
@@ -59,7 +59,7 @@ def _secrets(request: Request) -> SigningSecrets:
 
 
 def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
-    """Where the service finds the secret, if that is said. Raises SecretUnusable."""
+    """Tell where the service finds the secret, if that is said. Raises SecretUnusable."""
     if said.secret_file is None and said.secret_env is None:
         return None
     who = principal(request)
@@ -73,7 +73,7 @@ def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
 def read_subscription(
     request: Request, session: Reading, response: Response, subscription_id: Number
 ) -> schemas.SubscriptionOut:
-    """One subscription, and the ETag with which it can be changed."""
+    """Read one subscription, and the ETag with which it can be changed."""
     return tagged(response, rendering.subscription(deliveries.get(session, subscription_id), _secrets(request)))
 
 
@@ -103,7 +103,7 @@ def enable_subscription(
 
 @router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")
 def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> list[schemas.DeliveryOut]:
-    """The delivery log, newest first."""
+    """List the delivery log, newest first."""
     deliveries.get(session, subscription_id)
     rows = deliveries.of_subscription(session, subscription_id, limit=paging.wanted, after=paging.after)
     return [rendering.delivery(row) for row in paging.page(rows, lambda row: (row.id,))]

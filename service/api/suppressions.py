@@ -1,18 +1,18 @@
-"""Machines, probes and rules whose alerts call nobody for a while, and notes on machines' timelines."""
+"""Serve suppressions: machines, probes and rules whose alerts call nobody for a while."""
 
 from fastapi import APIRouter, Request, Response, status
 
-from service import alerting, baselining
+from service import alerting
 from service.alert_life import Forbidden, Suppression
 from service.alerting import Person
 from service.api import alert_rendering as rendering
 from service.api import alert_schemas as schemas
-from service.api.access import MachineId, Number, Period, Reading, database, instant
-from service.api.paging import ById, ByTime
+from service.api.access import MachineId, Number, Reading, database, instant
+from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
-from service.security.requirement import ANALYST, OPERATOR, VIEWER
-from storage import machines, suppressions, timeline
+from service.security.requirement import OPERATOR, VIEWER
+from storage import machines, suppressions
 from storage.clock import now
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
@@ -20,7 +20,7 @@ router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 @router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
 def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.SuppressionOut]:
-    """What is suppressed on a machine now, shelvings among it."""
+    """List what is suppressed on a machine now, shelvings among it."""
     machines.get(session, machine_id)
     rows = suppressions.in_force(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.suppression(row) for row in paging.page(rows, lambda row: (row.id,))]
@@ -36,7 +36,7 @@ def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> 
 def begin_suppression(
     request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
 ) -> schemas.SuppressionOut:
-    """A machine in maintenance, a probe out of service: alerts open and to come call nobody until it is ended."""
+    """Suppress alerts of a machine in maintenance or a probe out of service: open ones and new ones, until it is ended."""
     until = None if said.until is None else instant(said.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
@@ -56,7 +56,7 @@ def begin_suppression(
 
 @router.get("/suppressions/{suppression_id}", operation_id="read_suppression")
 def read_suppression(session: Reading, response: Response, suppression_id: Number) -> schemas.SuppressionOut:
-    """One suppression, in force or ended, and the ETag with which it can be ended."""
+    """Read one suppression, in force or ended, and the ETag with which it can be ended."""
     return tagged(response, rendering.suppression(suppressions.get(session, suppression_id)))
 
 
@@ -64,33 +64,9 @@ def read_suppression(session: Reading, response: Response, suppression_id: Numbe
 def end_suppression(
     request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.SuppressionOut:
-    """Alerts whose cause is there call again."""
+    """End a suppression: alerts whose cause is there call again."""
     with database(request).transaction() as session:
         row = suppressions.get(session, suppression_id)
         require(if_match, rendering.suppression(row))
         alerting.release(session, row, Person(said.by, said.comment))
         return tagged(response, rendering.suppression(row))
-
-
-@router.get("/machines/{machine_id}/timeline", operation_id="read_timeline")
-def read_timeline(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.TimelineOut]:
-    """Notes and markers of a machine, newest first."""
-    machines.get(session, machine_id)
-    rows = timeline.of_machine(
-        session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
-    )
-    return [rendering.timeline_entry(row) for row in paging.page(rows, lambda row: (row.at, row.id))]
-
-
-@router.post(
-    "/machines/{machine_id}/timeline",
-    operation_id="add_timeline_entry",
-    dependencies=[ANALYST],
-    status_code=status.HTTP_201_CREATED,
-)
-def add_timeline_entry(request: Request, machine_id: MachineId, said: schemas.TimelineIn) -> schemas.TimelineOut:
-    """Put a note, a marker or a maintenance on a machine's timeline; a maintenance begins a new baseline."""
-    with database(request).transaction() as session:
-        machines.get(session, machine_id)
-        row = baselining.note(session, machine_id, at=instant(said.at), kind=said.kind, text=said.text, by=said.by)
-        return rendering.timeline_entry(row)

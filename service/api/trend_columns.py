@@ -11,6 +11,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.vector_angle import angle_deg, angle_half_width_deg
 from service.api.downsampling import Chosen, min_max
+from service.api.values import rfc3339_texts
 from service.known_parameters import units_of
 from service.trend_baselines import BaselineBand, baseline_bands
 from storage import machines, trends
@@ -58,7 +59,7 @@ class _Kept:
     columns: Columns
 
 
-class KeptHistories:
+class HistoryCache:
     """Histories by machine, parameter and scope, read again when something was stored that changes them."""
 
     def __init__(self, database: Database, *, baseline_runs: int) -> None:
@@ -69,7 +70,7 @@ class KeptHistories:
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
-        """The columns of each parameter, empty but for the unit if it was never identified.
+        """Return the columns of each parameter, empty but for the unit if it was never identified.
 
         Raises MachineUnknown, ParameterUnknown for what the machine cannot have.
         """
@@ -119,7 +120,7 @@ class KeptHistories:
 
 
 def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
-    """The points of a time range [ns, both ends belong to it], thinned out to at most so many.
+    """Return the points of a time range [ns, both ends belong to it], thinned out to at most so many.
 
     Each kind of run is thinned out for itself, and what was not accepted apart from what was: a fit that failed takes the
     place of no value that counts.
@@ -132,7 +133,7 @@ def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> 
 
 
 def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
-    """The chosen points, column by column; NaN where there is no value."""
+    """Return the chosen points, column by column; NaN where there is no value."""
     history, at = columns.history, chosen.index
     return {
         "measured_at": columns.measured_at[at].tolist(),
@@ -148,7 +149,7 @@ def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
 
 
 def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
-    """Real and imaginary part of an unbalance, and its angle; null for everything else."""
+    """Return real and imaginary part of an unbalance, and its angle; null for everything else."""
     if not columns.complex:
         return dict.fromkeys(("real", "imaginary", "angle_deg", "angle_half_width_deg"))
     history, at = columns.history, chosen.index
@@ -162,7 +163,7 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
 
 
 def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
-    """The baseline's band that each chosen point is compared with; NaN where there is none."""
+    """Return the baseline's band that each chosen point is compared with; NaN where there is none."""
     history, at = columns.history, chosen.index
     band = np.full((3, len(at)), np.nan)
     time, kind = history.measured_at[at], history.run_kind[at]
@@ -182,8 +183,8 @@ def _columns(history: History, bands: list[BaselineBand]) -> Columns:
     quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)
     return Columns(
         history=history,
-        measured_at=texts(history.measured_at),
-        computed_at=texts(history.computed_at),
+        measured_at=rfc3339_texts(history.measured_at),
+        computed_at=rfc3339_texts(history.computed_at),
         value=value,
         standard_error=np.full(len(history), np.nan) if is_complex else history.standard_error,
         quality=quality.astype(np.object_),
@@ -191,14 +192,3 @@ def _columns(history: History, bands: list[BaselineBand]) -> Columns:
         complex=is_complex,
         baselines=bands,
     )
-
-
-def texts(nanoseconds: trends.Integers) -> Texts:
-    """Times [ns since 1970] as RFC 3339 in UTC, to the microsecond."""
-    moments = (nanoseconds // 1000).astype("datetime64[us]")
-    return np.datetime_as_string(moments, timezone="UTC").astype(np.object_)
-
-
-def text(nanoseconds: int) -> str:
-    """A time [ns since 1970] as RFC 3339 in UTC."""
-    return str(texts(np.array([nanoseconds]))[0])

@@ -10,10 +10,12 @@ from pydantic import BaseModel, Field
 from service.api.access import MachineId, Period
 from service.api.downsampling import Chosen
 from service.api.formats import CSV, MEDIA_TYPES, PARQUET, Format, asked_format, csv_bytes, parquet_bytes
-from service.api.fresh_answers import Fresh
+from service.api.fresh_answers import Cached
+from service.api.parameter_units import ParameterUnitChoice
 from service.api.problems import RESPONSES
-from service.api.trend_columns import Columns, KeptHistories, beside, cut, parts, table, text
-from service.api.trend_units import TrendUnitChoice, in_units
+from service.api.trend_columns import Columns, HistoryCache, beside, cut, parts, table
+from service.api.trend_units import in_units
+from service.api.values import rfc3339_text
 from service.security.requirement import VIEWER
 from service.trend_baselines import BaselineBand
 from storage import trends
@@ -50,7 +52,7 @@ class DownSampling(BaseModel):
     points: int = Field(description="how many there are in the time range")
 
 
-class BaselineOut(BaseModel):
+class TrendBaseline(BaseModel):
     """Between which values 95 % of the estimates lie while nothing happens, by the baseline of a part of the trend."""
 
     run_kind: str = Field(description="of the runs that it is for")
@@ -68,7 +70,7 @@ class Series(BaseModel):
     parameter: str
     unit: str = Field(description="of all its values")
     down_sampling: DownSampling
-    baselines: list[BaselineOut] = Field(description="empty until a baseline is complete, and for gathered runs")
+    baselines: list[TrendBaseline] = Field(description="empty until a baseline is complete, and for gathered runs")
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
     computed_at: list[str] = Field(description="when it was identified")
     value: list[float | None] = Field(description="of an unbalance its magnitude")
@@ -114,23 +116,23 @@ class Trends(BaseModel):
 )
 async def read_trends(
     request: Request,
-    fresh: Fresh,
+    cache: Cached,
     machine_id: MachineId,
     period: Period,
     parameter: Parameters,
-    units: TrendUnitChoice,
+    units: ParameterUnitChoice,
     max_points: MaxPoints = 5000,
     scope: Scope = "run",
     chosen: FormatChoice = None,
 ) -> Response:
-    """History of one or more parameters, or quantities derived from them, over a time range, oldest first.
+    """Read the history of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
     The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
     baseline's band beside it and each row says how its series was thinned out. The series of a parameter that the machine has
     and that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
     """
     wanted = asked_format(request, chosen)
-    kept: KeptHistories = request.app.state.histories
+    kept: HistoryCache = request.app.state.histories
     names = list(dict.fromkeys(parameter))
 
     def read() -> Response:
@@ -140,7 +142,7 @@ async def read_trends(
         body = _json(machine_id, scope, found, points) if wanted == "json" else _file(wanted, found, points)
         return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
 
-    return await fresh.answer(request, trends.TABLES, read)
+    return await cache.answer(request, trends.TABLES, read)
 
 
 def _json(machine_id: str, scope: str, found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> bytes:
@@ -164,8 +166,8 @@ def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
 def _baseline(one: BaselineBand) -> dict[str, Any]:
     return {
         "run_kind": one.run_kind,
-        "since": text(one.since),
-        "until": None if one.until is None else text(one.until),
+        "since": rfc3339_text(one.since),
+        "until": None if one.until is None else rfc3339_text(one.until),
         "centre": one.band.centre,
         "lower": one.band.lower,
         "upper": one.band.upper,
@@ -174,7 +176,7 @@ def _baseline(one: BaselineBand) -> dict[str, Any]:
 
 
 def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[str, list[Any]]:
-    """All series below each other."""
+    """Return the rows of all series, one series below the other."""
     whole: dict[str, list[Any]] = {}
     for name, columns in found.items():
         chosen = points[name]

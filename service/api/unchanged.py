@@ -1,12 +1,12 @@
-"""Who has an answer already is told so: `If-None-Match` with its ETag is answered with 304 (RFC 9110 §13.1.2)."""
+"""Answers conditional GETs: `If-None-Match` with the ETag of the answer gets 304 (RFC 9110 §13.1.2)."""
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 KEPT = (b"etag", b"cache-control", b"vary", b"date", b"link")
 
 
-class Unchanged:
-    """ASGI middleware: leaves the body away where the client has it."""
+class ConditionalGet:
+    """ASGI middleware: sends no body that the client has already."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,4 +1,4 @@
-"""Questions that would not be heeded are refused, lest somebody takes the answer for one to what they asked."""
+"""Rejects query parameters that an operation does not know: a misspelt filter would otherwise return unfiltered data."""
 
 from collections.abc import Iterator
 from typing import Any, get_args, get_origin
@@ -17,8 +17,8 @@ _names: dict[str, dict[str, bool]] = {}
 """What each operation takes, by its id; whether more than once."""
 
 
-async def refuse_unheeded(request: Request) -> None:
-    """Raises RequestValidationError for a parameter that the operation does not know, that no store could look for, or of
+async def reject_unknown_parameters(request: Request) -> None:
+    """Raise RequestValidationError for a parameter that the operation does not know, that no store could look for, or of
     which only the last one would count.
     """
     route = request.scope["route"]

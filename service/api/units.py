@@ -32,20 +32,20 @@ class Units(BaseModel):
     )
 
     def speeds(self, rad_per_s: NDArray[np.float64]) -> Column:
-        """Spin speeds [rad/s], or their errors, in these units."""
+        """Return spin speeds [rad/s], or their errors, in these units."""
         return column(np.asarray(rad_per_s) / _SPEED[self.speed])
 
     def speed_of(self, rad_per_s: float) -> float:
-        """One spin speed [rad/s] in these units."""
+        """Return one spin speed [rad/s] in these units."""
         return float(rad_per_s) / _SPEED[self.speed]
 
     def amplitudes(self, metres: NDArray[np.float64]) -> Column:
-        """Amplitudes, 0-to-peak [m], in these units."""
+        """Return amplitudes, 0-to-peak [m], in these units."""
         length, _, kind = self.amplitude.partition("_")
         return column(np.asarray(metres) / (_LENGTH[length] * _PEAK[kind]))
 
     def phases(self, phasors: NDArray[np.complex128]) -> Column:
-        """Phases of phasors, not negative and less than a turn, in these units."""
+        """Return phases of phasors, not negative and less than a turn, in these units."""
         angle, _, sense = self.phase.partition("_")
         turn = 2.0 * np.pi / _ANGLE[angle]
         phase = LEAD["lag" if sense == "lag" else "lead"] * np.angle(phasors) / _ANGLE[angle]
@@ -54,7 +54,7 @@ class Units(BaseModel):
 
 
 def column(values: NDArray[Any]) -> Column:
-    """Numbers as JSON has them: null for what is not finite."""
+    """Return numbers as JSON has them: null for what is not finite."""
     return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 
 
@@ -86,7 +86,7 @@ async def _units(units: Asked = None) -> Units:
 
 
 def names_in(units: str | None) -> list[str]:
-    """The units that a question names. Raises RequestValidationError for one that is given twice."""
+    """Return the units that a question names. Raises RequestValidationError for one that is given twice."""
     names = [] if units is None else units.split(",")
     if "" in names:
         raise wrong_units(units, "a unit is missing beside a comma")
@@ -97,7 +97,7 @@ def names_in(units: str | None) -> list[str]:
 
 
 def wrong_units(given: str | None, message: str) -> RequestValidationError:
-    """What is wrong with the units of a question."""
+    """Return the error that says what is wrong with the units of a request."""
     return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
 
 

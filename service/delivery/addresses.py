@@ -1,4 +1,4 @@
-"""Where deliveries may go: to public addresses, and to the private networks that the operator names.
+"""Restricts deliveries to public addresses and to the private networks that the operator names.
 
 A receiver's URL is given by a person over the API; without this guard it could make the service talk to machines that only
 the service can reach. The address is looked up once and the connection goes to what was looked up, so that a name that
@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from yarl import URL
 
+from estimator.errors import Invalid
 from service.delivery.daemon_threads import DaemonThreads
 
 LOOK_UPS = DaemonThreads(8, name="look-up")
@@ -42,7 +43,7 @@ ISATAP = 0x5EFE
 """Upper half of an interface's number whose lower half is an IPv4 address of the site; bit 0x02000000 is free (RFC 5214)."""
 
 
-class TargetRefused(ValueError):
+class TargetRefused(Invalid):
     """Nothing is sent there; the message says why and what would be right."""
 
 
@@ -56,7 +57,7 @@ class Target:
 
 
 def parsed(text: str) -> URL:
-    """A URL that something can be sent to. Raises TargetRefused."""
+    """Return a URL that something can be sent to. Raises TargetRefused."""
     try:
         url = URL(text)
         if url.scheme not in ("http", "https") or not url.host:
@@ -88,7 +89,7 @@ _under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
 
 
 async def _found(name: str, port: int | None) -> list[str]:
-    """All addresses of a host. One that is given by its address waits for no name server."""
+    """Return all addresses of a host. One that is given by its address waits for no name server."""
     try:
         return _asked(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
@@ -104,7 +105,7 @@ def _asked(name: str, port: int | None, flags: int = 0) -> list[str]:
 
 
 def _address(text: str) -> Address:
-    """The address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
+    """Return the address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
     address = ipaddress.ip_address(text.split("%")[0])
     if not isinstance(address, ipaddress.IPv6Address):
         return address
@@ -114,7 +115,7 @@ def _address(text: str) -> Address:
 
 
 def _public(address: Address) -> bool:
-    """Whether everybody reaches it, and it leads to no other address."""
+    """Tell whether everybody reaches it, and it leads to no other address."""
     if not address.is_global or address.is_multicast or any(address in network for network in NOT_PUBLIC):
         return False
     if isinstance(address, ipaddress.IPv4Address):

@@ -23,7 +23,7 @@ class DaemonThreads(Executor):
         self._lock = threading.Lock()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """As of Executor."""
+        """Submit as `Executor` does."""
         future: Future[T] = Future()
         self._waiting.put((future, lambda: fn(*args, **kwargs)))
         with self._lock:

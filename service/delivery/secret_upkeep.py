@@ -28,7 +28,7 @@ class Look:
 
     @classmethod
     def at(cls, rows: Sequence[SubscriptionRow], secrets: SigningSecrets) -> "Look":
-        """At subscriptions."""
+        """Look at subscriptions."""
         troubles = [(row.name, secrets.trouble(row)) for row in rows if row.state == deliveries.ACTIVE]
         why = f": {secrets.reason}" if secrets.sealing is None else ": the next start seals it"
         return cls(
@@ -38,7 +38,7 @@ class Look:
 
 
 class SecretWatch:
-    """What a service that delivers says of its webhooks' secrets, as of the last look."""
+    """Says how a delivering service's webhook secrets are, as of the last look."""
 
     def __init__(self, database: Database, secrets: SigningSecrets) -> None:
         self._database = database
@@ -56,17 +56,17 @@ class SecretWatch:
 
     @property
     def warnings(self) -> list[str]:
-        """In words."""
+        """Say in words what is wrong with them."""
         return [*self._found.unsigned, *self._found.plain]
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for a monitoring system, by the name of the metric."""
         return {"rundown_webhooks_unsigned": len(self._found.unsigned)}
 
 
 def opened(database: Database, settings: Settings) -> SigningSecrets:
-    """The secrets of a service that starts: a key is made where one may be, what is plain or under an older key is sealed."""
+    """Open the secrets of a service that starts: make a key where one may be, seal what is plain or under an older key."""
     with database.reading() as session:
         sealed = any(is_sealed(row.secret) for row in deliveries.with_secret(session))
     # Where something is sealed already, a new key would only hide that the right one is missing.

@@ -13,12 +13,12 @@ SECRET_BYTES = 32
 
 
 def new_secret() -> str:
-    """A secret that nobody can guess."""
+    """Return a secret that nobody can guess."""
     return PREFIX + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
 
 
 def key_of(secret: str) -> bytes:
-    """The key in a secret. Raises ValueError for a malformed one."""
+    """Return the key in a secret. Raises ValueError for a malformed one."""
     try:
         return base64.b64decode(secret.removeprefix(PREFIX), validate=True)
     except ValueError:
@@ -26,7 +26,7 @@ def key_of(secret: str) -> bytes:
 
 
 def signed_headers(secret: str, *, message_id: str, seconds: int, body: bytes) -> dict[str, str]:
-    """The headers that let a receiver check who sent a body, and when. Raises ValueError for a malformed secret."""
+    """Return the headers that let a receiver check who sent a body, and when. Raises ValueError for a malformed secret."""
     signature = hmac.new(key_of(secret), f"{message_id}.{seconds}.".encode() + body, hashlib.sha256).digest()
     return {
         "webhook-id": message_id,

@@ -1,4 +1,4 @@
-"""Where the secrets that sign webhooks are kept: sealed in the database, or in a file or a variable, which it refers to.
+"""Keeps the secrets that sign webhooks: sealed in the database, or in a file or a variable, which it refers to.
 
 Whoever may make subscriptions names a file or a variable: therefore only files of one folder, only variables of one prefix,
 and only what is a webhook's secret by its form. Nothing else of the service's machine can be named, used or guessed that way.
@@ -10,7 +10,9 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from estimator.errors import Conflict
 from service.delivery.signing import PREFIX, key_of
+from service.secret_references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 from service.security.sealing import SEALED, SealBroken, Sealing, make_key
 from service.settings import Settings
 from storage.claim import file_of
@@ -19,16 +21,13 @@ from storage.tables import SubscriptionRow
 
 FILE, ENVIRONMENT = "file:", "env:"
 """With which references begin in the database."""
-VARIABLE_PREFIX = "RUNDOWN_WEBHOOK_SECRET_"
-VARIABLE = rf"^{VARIABLE_PREFIX}[A-Z0-9_]{{1,64}}$"
-FILE_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 LARGEST_FILE = 1024
 """No secret is longer [B]."""
 SHORTEST, LONGEST = 24, 64
 """Of the key in a secret that is referred to, as Standard Webhooks asks [B]."""
 
 
-class SecretUnusable(ValueError):
+class SecretUnusable(Conflict):
     """A secret cannot be kept or had; the message says why and what would be right, never what it is."""
 
 
@@ -42,7 +41,7 @@ class SigningSecrets:
 
     @classmethod
     def of(cls, settings: Settings, *, make: bool = False) -> "SigningSecrets":
-        """As the settings say. make: whether a key may be made where none is set, beside an SQLite file."""
+        """Read the settings. make: whether a key may be made where none is set, beside an SQLite file."""
         folder = Path(settings.webhook_secrets_folder) if settings.webhook_secrets_folder else None
         file = key_file(settings)
         if file is None:
@@ -56,7 +55,7 @@ class SigningSecrets:
             return cls(None, folder, f"there is no sealing key: {error}: {right}")
 
     def sealed(self, secret: str, subscription_id: int) -> str:
-        """A secret as it may stand in the database. Raises SecretUnusable."""
+        """Return a secret as it may stand in the database. Raises SecretUnusable."""
         if self.sealing is None:
             raise SecretUnusable(
                 f"a webhook's secret is not kept in plain, and {self.reason}; or give secret_file or secret_env"
@@ -64,7 +63,7 @@ class SigningSecrets:
         return self.sealing.seal(secret.encode(), place=_place(subscription_id))
 
     def referred(self, *, file: str | None, variable: str | None) -> str:
-        """A reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
+        """Return a reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
         if file is not None:
             self._from_file(file)
             return FILE + file
@@ -72,7 +71,7 @@ class SigningSecrets:
         return f"{ENVIRONMENT}{variable}"
 
     def reveal(self, row: SubscriptionRow) -> str:
-        """A subscription's secret. Raises SecretUnusable."""
+        """Return a subscription's secret. Raises SecretUnusable."""
         kept = row.secret or ""
         if kept.startswith(FILE):
             return self._from_file(kept.removeprefix(FILE))
@@ -90,7 +89,7 @@ class SigningSecrets:
             ) from error
 
     def trouble(self, row: SubscriptionRow) -> str | None:
-        """Why nothing can be signed for a subscription."""
+        """Say why nothing can be signed for a subscription."""
         try:
             self.reveal(row)
         except SecretUnusable as error:
@@ -98,7 +97,7 @@ class SigningSecrets:
         return None
 
     def renewed(self, row: SubscriptionRow) -> str | None:
-        """What should stand in place of a secret that lies plain or under an older key; None where it is as it should be."""
+        """Return what should replace a secret that lies plain or under an older key; None where it is as it should be."""
         kept = row.secret or ""
         if self.sealing is None or kept.startswith((FILE, ENVIRONMENT)):
             return None
@@ -119,7 +118,7 @@ class SigningSecrets:
 
 
 def key_file(settings: Settings) -> Path | None:
-    """Where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
+    """Tell where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
     if settings.sealing_key_file:
         return Path(settings.sealing_key_file)
     path = file_of(engine_of(settings.database))
@@ -127,17 +126,17 @@ def key_file(settings: Settings) -> Path | None:
 
 
 def is_sealed(kept: str | None) -> bool:
-    """Whether what stands in the database is sealed."""
+    """Tell whether what is stored in the database is sealed."""
     return (kept or "").startswith(SEALED)
 
 
 def is_plain(kept: str | None) -> bool:
-    """Whether what stands in the database is a secret as it is."""
+    """Tell whether what is stored in the database is a secret in plain text."""
     return bool(kept) and not (kept or "").startswith((SEALED, FILE, ENVIRONMENT))
 
 
 def where_kept(kept: str | None) -> str | None:
-    """Where a secret is, in words; None where there is none."""
+    """Tell where a secret is, in words; None where there is none."""
     if not kept:
         return None
     if is_sealed(kept):
@@ -158,7 +157,7 @@ def _from_environment(name: str) -> str:
 
 
 def _read(folder: Path, name: str) -> str:
-    """Links lead nowhere but into the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
+    """Follow links only inside the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
     real = Path(os.path.realpath(folder / name))
     if not real.is_relative_to(os.path.realpath(folder)):
         raise SecretUnusable(f"the file {name} leads out of the folder")
@@ -172,7 +171,7 @@ def _read(folder: Path, name: str) -> str:
 
 
 def _fit(secret: str, what: str) -> str:
-    """Raises SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
+    """Raise SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
     wanted = f"{what} must hold {PREFIX} and base64 of {SHORTEST} to {LONGEST} bytes, in one line"
     try:
         fits = secret.startswith(PREFIX) and SHORTEST <= len(key_of(secret)) <= LONGEST

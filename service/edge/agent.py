@@ -67,7 +67,7 @@ class Agent:
         self._blocks = 0
 
     def read_files(self, stop: threading.Event, *, speedup: float | None = None) -> None:
-        """All files of the configuration from where it was, or until `stop`. speedup: over real time, if it is to be paced."""
+        """Read all files of the configuration from where it was, or until `stop`. speedup: over real time, if paced."""
         files = self._configuration.waveforms.files
         names = [str(file.path) for file in files]
         at = names.index(self._progress.file) if self._progress.file in names else 0
@@ -83,7 +83,7 @@ class Agent:
         self._settle(stop)
 
     def follow(self, topic: Topic, stop: threading.Event) -> None:
-        """What comes on a topic, until `stop`."""
+        """Follow a topic until `stop`."""
         stream = BlockStream(self._settings)
         for chunk in topic.chunks(stop):
             if chunk is not None:
@@ -96,7 +96,7 @@ class Agent:
         self._publish(stop)
 
     def status(self) -> dict[str, Any]:
-        """How it is doing."""
+        """Tell how it is doing."""
         log = self._source.log.status()
         return {
             "source": self._source.name,
@@ -144,7 +144,7 @@ class Agent:
         return not stop.is_set()
 
     def _take(self, outcome: Outcome, progress: Progress, stop: threading.Event) -> None:
-        """One outcome, in order."""
+        """Take one outcome, in order."""
         self._blocks += 1
         found = list(outcome.found)
         if outcome.block is not None:
@@ -238,7 +238,7 @@ class Agent:
 
 
 def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
-    """Of each channel; bad: whether all of them are."""
+    """Return the status of each channel; bad: whether all of them are."""
     return [
         ChannelStatus.BAD
         if bad or fault in UNUSABLE
@@ -250,7 +250,7 @@ def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
 
 
 def block_settings(configuration: EdgeConfiguration) -> BlockSettings:
-    """The part of the configuration that decides what comes of a waveform."""
+    """Return the part of the configuration that decides what comes of a waveform."""
     keyphasor = configuration.keyphasor
     threshold = None
     if keyphasor.threshold is not None and keyphasor.hysteresis is not None:

@@ -48,7 +48,7 @@ def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float |
 
 
 def open_log(configuration: EdgeConfiguration) -> DurableLog:
-    """The agent's log. Raises LogError."""
+    """Return the agent's log. Raises LogError."""
     log = configuration.log
     owner = f"{configuration.plant}/{configuration.machine}/{configuration.source}"
     return DurableLog(log.path, source=owner, samples=log.samples, payload_bytes=round(log.megabytes * (1 << 20)))

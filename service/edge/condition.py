@@ -1,4 +1,4 @@
-"""What can be wrong with what the edge agent gets: the names, and what holds right now.
+"""Conditions of the edge agent's input: their names, and which hold right now.
 
 A condition begins, lasts and ends; its beginning and end go to the log output, and all that hold are in the agent's status.
 """
@@ -62,7 +62,7 @@ class Conditions:
         self._lock = threading.Lock()
 
     def block(self, found: Iterable[Found]) -> None:
-        """What holds in the newest block; what held in the one before and is not among it has ended."""
+        """Set what holds in the newest block; what held in the one before and is not among it has ended."""
         fresh = {(one.name, one.subject): one for one in found}
         with self._lock:
             for key in [key for key in self._holds if key not in fresh]:
@@ -71,28 +71,28 @@ class Conditions:
                 self._hold(one)
 
     def begin(self, name: str, subject: str | None, detail: str) -> None:
-        """A condition begins to hold, besides those of the newest block."""
+        """Begin a condition, besides those of the newest block."""
         with self._lock:
             self._hold(Found(name, subject, detail))
 
     def happened(self, name: str, subject: str | None, detail: str) -> None:
-        """Something was wrong once."""
+        """Note that something was wrong once."""
         with self._lock:
             self._counts[name] += 1
         logger.warning("%s", _text(Found(name, subject, detail)))
 
     def holds(self, name: str) -> bool:
-        """Whether a condition of this name holds."""
+        """Tell whether a condition of this name holds."""
         with self._lock:
             return any(key[0] == name for key in self._holds)
 
     def counts(self) -> dict[str, int]:
-        """How many blocks, files or messages each was found in."""
+        """Tell how many blocks, files or messages each was found in."""
         with self._lock:
             return dict(self._counts)
 
     def report(self) -> dict[str, Any]:
-        """For the status: what holds since when, and the counts."""
+        """Report for the status: what holds since when, and the counts."""
         with self._lock:
             lasting = [
                 {"name": one.name, "subject": one.subject, "detail": one.detail, "since_ns": since}

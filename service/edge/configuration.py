@@ -1,4 +1,4 @@
-"""What the edge agent measures: one YAML or JSON file, described by this schema."""
+"""Configuration of the edge agent: one YAML or JSON file, described by this schema."""
 
 from datetime import datetime
 from pathlib import Path
@@ -146,22 +146,22 @@ class EdgeConfiguration(_Part):
 
     @property
     def columns(self) -> list[str]:
-        """Of the keyphasor, then of the channels."""
+        """Return the columns of the keyphasor, then of the channels."""
         return [self.keyphasor.column, *(channel.column for channel in self.channels)]
 
     @property
     def all_rails(self) -> list[Range | None]:
-        """Of each channel."""
+        """Return the rails of each channel."""
         return [channel.rails or self.rails for channel in self.channels]
 
     @property
     def amplitude_unit(self) -> str:
-        """In which amplitudes are published."""
+        """Return the unit in which amplitudes are published."""
         return "V" if self.waveforms.unit == "V" and self.channels[0].sensitivity is None else "um"
 
     @property
     def factors(self) -> list[float]:
-        """Of each channel, from the unit of its waveform to that of the amplitudes."""
+        """Return the factor of each channel from the unit of its waveform to that of the amplitudes."""
         unit = self.waveforms.unit
         if unit != "V":
             return [METRES[unit] / METRES["um"]] * len(self.channels)
@@ -169,7 +169,7 @@ class EdgeConfiguration(_Part):
 
 
 def read_configuration(path: Path) -> EdgeConfiguration:
-    """The configuration in a file; paths in it are relative to it. Raises UnreadableFile, which names every wrong field."""
+    """Read a configuration file; paths in it are relative to it. Raises UnreadableFile, which names every wrong field."""
     try:
         read = EdgeConfiguration.model_validate(read_yaml(path))
     except ValidationError as error:

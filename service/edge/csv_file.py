@@ -28,7 +28,7 @@ class CsvFile:
         self._columns = [names.index(column) for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Columns (K, n) from row `first` on, up to `size` rows at a time. Raises FileTrouble for a last row cut short."""
+        """Yield columns (K, n) from row `first` on, `size` rows at a time. Raises FileTrouble for a last row cut short."""
         with self._path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             rows = itertools.islice(file, first + 1, None)
             while lines := list(itertools.islice(rows, size)):

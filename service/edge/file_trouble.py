@@ -1,4 +1,4 @@
-"""Why a file of waveforms cannot be read, wholly or from some place on."""
+"""The error of a file of waveforms that cannot be read, wholly or from some place on."""
 
 
 class FileTrouble(Exception):
@@ -11,7 +11,7 @@ class FileTrouble(Exception):
 
 
 def require_columns(wanted: list[str], there: list[str]) -> None:
-    """Raises FileTrouble for columns that are not there."""
+    """Raise FileTrouble for columns that are not there."""
     missing = [column for column in wanted if column not in there]
     if missing:
         raise FileTrouble("missing_column", f"no {', '.join(missing)}; there are {', '.join(there[:50]) or 'none'}")

@@ -39,7 +39,7 @@ class WaveformFile(Protocol):
 
 
 def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformFile:
-    """By the ending of its name. Raises FileTrouble."""
+    """Open a file by the ending of its name. Raises FileTrouble."""
     try:
         match path.suffix.lower():
             case ".wav":
@@ -64,7 +64,7 @@ def read_chunks(
     anchor: tuple[int, int] | None = None,
     rate: float | None = None,
 ) -> Iterator[Chunk]:
-    """The file's waveforms from sample `first` on. What is wrong with it becomes a condition; what can be read is delivered.
+    """Yield the file's waveforms from sample `first` on. Faults become conditions; what can be read is delivered.
 
     anchor, rate: where reading goes on, a row of the unbroken waveform with its time [ns], and the sampling rate found before.
     """
@@ -107,7 +107,7 @@ def _timed(
     start: int,
     anchor: tuple[int, int] | None,
 ) -> Iterator[Chunk]:
-    """Chunks whose last column is the time [s]: rows back in time are left out; behind a hole the waveform begins anew."""
+    """Yield chunks whose last column is the time [s], without rows back in time; behind a gap the waveform begins anew."""
     latest, last_row = -math.inf, first - 1
     going_on = anchor is not None
     back = 0
@@ -143,7 +143,7 @@ def _timed(
 
 
 def _believed(seconds: Floats) -> Floats:
-    """Times without those that no recording has, and without single ones ahead of the row after them."""
+    """Return times without those that no recording has, and without single ones ahead of the row after them."""
     believed = np.where(np.abs(seconds) <= LONGEST_S, seconds, np.nan)
     middle = believed[1:-1]
     middle[(middle > believed[2:]) & (believed[2:] > believed[:-2])] = np.nan
@@ -151,7 +151,7 @@ def _believed(seconds: Floats) -> Floats:
 
 
 def _rate_of(seconds: Floats) -> float | None:
-    """Sampling rate [Hz] that the times show; None where most do not go forward."""
+    """Return the sampling rate [Hz] that the times show; None where most do not go forward."""
     if seconds.size < 2:
         return None
     step = float(np.nanmedian(np.diff(seconds)))
@@ -159,7 +159,7 @@ def _rate_of(seconds: Floats) -> float | None:
 
 
 def _sampling_rate(said: float | None, configured: float | None) -> float | None:
-    """Raises FileTrouble where the two differ, or what the file says is no rate."""
+    """Raise FileTrouble where the two differ, or what the file says is no rate."""
     if said is not None and not (math.isfinite(said) and said > 0.0):
         raise FileTrouble("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
     if said is not None and configured is not None and abs(said / configured - 1.0) > RATE_TOLERANCE:

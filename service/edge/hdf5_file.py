@@ -35,7 +35,7 @@ class Hdf5File:
         self.start_ns = int(_number(said["start_ns"], "start_ns")) if "start_ns" in said else None
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it is damaged."""
         with self._opened() as file:
             datasets = [file[column] for column in self._columns]
             lengths = [dataset.shape[0] for dataset in datasets]
@@ -61,7 +61,7 @@ class Hdf5File:
 
 
 def _number(said: Any, name: str) -> Any:
-    """An attribute of one number; integers stay exact."""
+    """Return an attribute of one number; integers stay exact."""
     value = np.asarray(said)
     if value.size != 1 or value.dtype.kind not in "fiu":
         raise FileTrouble("unreadable_file", f"attribute '{name}' must be one number, it is {str(said)[:60]!r}")

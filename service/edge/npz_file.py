@@ -44,7 +44,7 @@ class NpzFile:
         self.start_ns = None if start is None else int(start)
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it is damaged."""
         with ExitStack() as stack:
             archive = stack.enter_context(zipfile.ZipFile(self._path))
             members = [stack.enter_context(archive.open(f"{column}.npy")) for column in self._columns]
@@ -66,7 +66,7 @@ class NpzFile:
                 raise FileTrouble("truncated_file", f"some of its arrays end after {length} samples, others do not")
 
     def _header(self, member: IO[bytes], column: str) -> tuple[int, np.dtype[np.generic]]:
-        """Length and type of an array, read from its beginning."""
+        """Return the length and type of an array, read from its beginning."""
         try:
             version = np.lib.format.read_magic(member)
             reader = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0

@@ -47,7 +47,7 @@ class Topic:
         self._subscriber: zenoh.Subscriber[None] | None = session.declare_subscriber(key, self._enqueue)
 
     def chunks(self, stop: threading.Event) -> Iterator[Chunk | None]:
-        """All that has come until `stop`; None when nothing has come for a moment."""
+        """Yield all that has come until `stop`; None when nothing has come for a moment."""
         heard = time.monotonic()
         silent = False
         while True:
@@ -101,7 +101,7 @@ class Topic:
         return payload, left_out
 
     def _chunk(self, payload: bytes) -> Chunk | None:
-        """What is to be worked off of a message; None where it is left out."""
+        """Tell what is to be worked off of a message; None where it is left out."""
         try:
             message = decode_waveforms(payload)
         except BadMessage as error:

@@ -40,7 +40,7 @@ class WavFile:
         self._columns = [int(column) - 1 for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Columns (K, n) from sample `first` on, up to `size` samples at a time. Raises FileTrouble where it ends early."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it ends early."""
         frame = self._channels * self._width
         promised = self._bytes // frame if self._bytes not in (0, UNKNOWN_SIZE) else self._available // frame
         there = min(promised, self._available // frame)
@@ -74,7 +74,7 @@ class WavFile:
         return file.read(size)
 
     def _find(self, file: BinaryIO, name: bytes) -> tuple[int, int]:
-        """Place and size of a chunk."""
+        """Return the place and size of a chunk."""
         while len(head := file.read(8)) == 8:
             found, size = struct.unpack("<4sI", head)
             if found == name:
@@ -83,7 +83,7 @@ class WavFile:
         raise FileTrouble("unreadable_file", f"a WAV file without its part '{name.decode().strip()}'")
 
     def _format(self, chunk: bytes) -> tuple[int, int, int, float]:
-        """Kind of the values, bytes of each, channels, sampling rate [Hz]."""
+        """Return the kind of the values, bytes of each, channels, sampling rate [Hz]."""
         if len(chunk) < 16:
             raise FileTrouble("unreadable_file", "a WAV file whose format is cut short")
         kind, channels, rate, _, _, bits = struct.unpack_from("<HHIIHH", chunk)

@@ -67,7 +67,7 @@ def encode_waveforms(
     kind: ValueType = "<f4",
     unit: float = 1.0,
 ) -> bytes:
-    """The message of waveforms (C, N). unit: what 1 in the message stands for; with int16 the step of the converter."""
+    """Return the message of waveforms (C, N). unit: what 1 in the message stands for; with int16 the step of the converter."""
     names = "\n".join(channels).encode()
     numbers = values / unit if kind != "<i2" else np.clip(np.rint(values / unit), -32768, 32767)
     body = names + np.ascontiguousarray(numbers, dtype=kind).tobytes()

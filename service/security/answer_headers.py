@@ -18,7 +18,7 @@ NO_STORE = (b"cache-control", b"no-store")
 """What somebody may see must not stay in a cache for somebody else."""
 
 
-class AnswerHeaders:
+class SecurityHeaders:
     """ASGI middleware, outside of all others."""
 
     def __init__(self, app: ASGIApp) -> None:

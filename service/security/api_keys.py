@@ -26,20 +26,20 @@ COMMAND = "rundown key"
 
 
 def prefix_of(text: str) -> str | None:
-    """The prefix of what looks like a key; None for anything else."""
+    """Return the prefix of what looks like a key; None for anything else."""
     parts = text.split("_", 2)
     return parts[1] if len(parts) == 3 and text.startswith(BEGIN) and parts[1] and parts[2] else None
 
 
 def key_hash(text: str) -> str:
-    """What is kept of a key."""
+    """Hash a key; only the hash is stored."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def create(
     session: Session, *, name: str, role: Role, plants: Sequence[str] | None, days: float, address: str = "local"
 ) -> tuple[ApiKeyRow, str]:
-    """A new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
+    """Return a new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
     prefix = secrets.token_hex(PREFIX_BYTES)
     text = f"{BEGIN}{prefix}_{secrets.token_urlsafe(SECRET_BYTES)}"
     expires_at = now() + round(days * A_DAY_NS)
@@ -52,7 +52,7 @@ def create(
 
 
 def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -> tuple[ApiKeyRow, str]:
-    """A new key in the place of an old one, which opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
+    """Replace a key by a new one; the old one opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
 
     overlap_days: how long both are valid.
     """
@@ -74,18 +74,18 @@ def confirm(session: Session, prefix: str) -> None:
 
 
 def revoke(session: Session, prefix: str) -> None:
-    """Raises KeyUnknown."""
+    """Raise KeyUnknown."""
     keys.revoke(keys.get(session, prefix))
     audit.append(session, Entry(COMMAND, "local", "revoke_key", prefix, "done"))
 
 
 def principal(row: ApiKeyRow) -> Principal:
-    """Who a key stands for."""
+    """Return the principal of a key."""
     plants = None if row.plants is None else frozenset(row.plants)
     return Principal(row.name, Role.of(row.role), plants, "key", f"key {row.prefix}")
 
 
 def opens(row: ApiKeyRow | None, text: str) -> bool:
-    """Whether this is that key, and valid."""
+    """Tell whether this is that key, and valid."""
     given = key_hash(text)
     return hmac.compare_digest(row.hash if row else "", given) and row is not None and keys.valid(row, at=now())

@@ -41,14 +41,14 @@ class Unauthenticated(Exception):
 
 @dataclass(frozen=True)
 class Credentials:
-    """What a request brings along. bearer: a key or a token; cookie: of a browser's session."""
+    """Credentials of a request. bearer: a key or a token; cookie: of a browser's session."""
 
     bearer: str | None
     cookie: str | None
 
     @classmethod
     def of(cls, headers: Mapping[bytes, bytes], *, cookie: str) -> "Credentials":
-        """From a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
+        """Take them from a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
         said = headers.get(b"authorization", b"").decode("latin-1").strip()
         if said and not said.lower().startswith(SCHEME):
             raise Unauthenticated("Authorization must be 'Bearer' and an API key or a token")
@@ -63,7 +63,7 @@ def cookie_name(scheme: str, *, public_url: str) -> str:
 
 
 def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
-    """The cookie of a browser's session, which has that name."""
+    """Return the cookie of a browser's session, which has that name."""
     for part in headers.get(b"cookie", b"").decode("latin-1").split(";"):
         name, _, value = part.strip().partition("=")
         if name == wanted and value:
@@ -72,7 +72,7 @@ def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
 
 
 class Authentication:
-    """Who asks. required: also where there is neither a key nor an issuer."""
+    """Finds out who asks. required: also where there is neither a key nor an issuer."""
 
     def __init__(
         self,
@@ -90,14 +90,14 @@ class Authentication:
         self._remembered: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
-        """Whether credentials are needed. A first key is noticed within seconds; that there was one is never forgotten."""
+        """Tell whether credentials are needed. A first key is noticed within seconds; that there was one is not forgotten."""
         if not self._on and self._clock() - self._asked_at > REMEMBERED_S:
             self._asked_at = self._clock()
             self._on = await asyncio.to_thread(self._keys_are_there)
         return self._on
 
     async def principal(self, given: Credentials) -> Principal:
-        """Who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
+        """Return who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
         if not await self.on():
             return OPEN
         text = given.bearer or given.cookie
@@ -123,18 +123,18 @@ class Authentication:
         return found
 
     async def still(self, given: Credentials, who: Principal) -> bool:
-        """Whether credentials still stand for the same, for what goes on long after it was asked for."""
+        """Tell whether credentials still stand for the same principal, for answers that go on for long."""
         try:
             return await self.principal(given) == who
         except Unauthenticated:
             return False
 
     def forget(self, cookie: str) -> None:
-        """A session that was ended opens nothing from now on, in this process."""
+        """Forget a session that was ended: it opens nothing from now on, in this process."""
         self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
 
     def key(self, text: str) -> Principal:
-        """Who an API key stands for. Raises Unauthenticated."""
+        """Return the principal of an API key. Raises Unauthenticated."""
         prefix = api_keys.prefix_of(text)
         with self._database.reading() as session:
             row = None if prefix is None else keys.find(session, prefix)

@@ -8,15 +8,15 @@ import hmac
 from collections.abc import Mapping
 from urllib.parse import urlsplit
 
+from service.hosts import is_address, is_loopback
 from service.security.principal import Principal
-from service.security.secret_files import is_address, is_loopback
 
 TOKEN_HEADER = "X-Rundown-Token"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
-    """Why a change seems to come from another site's page; None where it does not."""
+    """Say why a change seems to come from another site's page; None where it does not."""
     site = headers.get(b"sec-fetch-site", b"none").decode("latin-1")
     if site == "same-origin":
         return None
@@ -34,7 +34,7 @@ def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 
 
 def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
-    """Why a request to a service on loopback seems to come from a page whose name was made to mean it (DNS rebinding).
+    """Say why a request to a service on loopback seems to come from a page whose name was made to mean it (DNS rebinding).
 
     An address is nobody's name, and localhost is everybody's own.
     """
@@ -51,7 +51,7 @@ def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 def refusal(
     who: Principal, method: str, headers: Mapping[bytes, bytes], *, public_url: str, with_token: bool = True
 ) -> str | None:
-    """Why a change is refused; None where it is not. with_token: logging in and out needs none."""
+    """Say why a change is refused; None where it is not. with_token: logging in and out needs none."""
     if method in SAFE_METHODS or who.kind not in ("open", "session", "anonymous"):
         return None
     found = foreign(headers, public_url=public_url)

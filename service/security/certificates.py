@@ -7,7 +7,7 @@ DAY_S = 86_400.0
 
 
 def good_until(file: Path) -> datetime:
-    """When the first certificate of a file expires. Raises OSError, ValueError for a file that holds none."""
+    """Tell when the first certificate of a file expires. Raises OSError, ValueError for a file that holds none."""
     from cryptography import x509  # takes a tenth of a second to import
 
     return x509.load_pem_x509_certificate(file.read_bytes()).not_valid_after_utc

@@ -58,7 +58,7 @@ def create_key(
 
 @key_app.command("list")
 def list_keys(database: Store = None) -> None:
-    """Every key there ever was, without its secret."""
+    """List every key there ever was, without its secret."""
     from storage import keys
     from storage.clock import now
 
@@ -167,7 +167,7 @@ def verify_audit(
 
 
 def _noted(text: str) -> tuple[int, str]:
-    """Number and hash of an entry."""
+    """Return the number and hash of an entry."""
     if re.fullmatch(NOTED, text) is None:
         fail(f"'{text}' is not NUMBER:HASH")
     number, _, digest = text.partition(":")
@@ -176,7 +176,7 @@ def _noted(text: str) -> tuple[int, str]:
 
 @contextmanager
 def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
-    """The store, closed in the end. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    """Open the store, and close it. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
     from sqlalchemy.exc import DBAPIError
 
     from service.settings import SettingsWrong, settings_of
@@ -211,7 +211,7 @@ def _state(row: "ApiKeyRow", *, at: int) -> str:
 
 
 def _require_plant(name: str) -> None:
-    """As a machine's document names it: a key for another name would open nothing."""
+    """Require a plant as a machine's document names it: a key for another name would open nothing."""
     try:
         TypeAdapter(Identifier).validate_python(name)
     except ValidationError:

@@ -1,10 +1,10 @@
-"""What an application needs to know of who may use it."""
+"""Settings of who may use an application."""
 
 from dataclasses import dataclass
 
+from service.hosts import is_loopback
 from service.security.key_set import KeySet
 from service.security.open_id import OpenId
-from service.security.secret_files import is_loopback
 from service.security.tokens import Claims, Tokens
 from service.settings import Settings
 
@@ -12,7 +12,7 @@ from service.settings import Settings
 @dataclass(frozen=True)
 class Security:
     """required: credentials are needed even where there is neither a key nor an issuer; tls: whether the service itself
-    speaks TLS; names_checked: see `Guard`. requests, failures: per second and at once, see `Rate`.
+    speaks TLS; names_checked: see `Guard`. requests, failures: per second and at once, see `RateLimit`.
     """
 
     required: bool = False
@@ -26,7 +26,7 @@ class Security:
 
     @classmethod
     def of(cls, settings: Settings) -> "Security":
-        """As the settings say."""
+        """Read the settings."""
         tokens = open_id = None
         if settings.oidc_issuer:
             open_id = OpenId(

@@ -1,4 +1,4 @@
-"""Trying the doors of a service that runs: whether they answer a stranger as the settings say."""
+"""Probes the endpoints of a running service: do they answer a stranger as the settings say?"""
 
 import socket
 import ssl
@@ -21,7 +21,7 @@ Level = Literal["ok", "not tried", "open"]
 
 @dataclass(frozen=True)
 class Tried:
-    """What came of it."""
+    """Result of one probe."""
 
     level: Level
     what: str
@@ -29,7 +29,7 @@ class Tried:
 
 
 def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterator[Tried]:
-    """Every door that can be tried without changing anything. asked: whether credentials are needed; url: where the API is."""
+    """Probe every endpoint without changing anything. asked: whether credentials are needed; url: of the API."""
     yield from _api(settings, asked=asked, url=url or api_url(settings))
     for endpoint in settings.zenoh_listen:
         if endpoint.partition("/")[0] in ENCRYPTED and settings.zenoh_tls_ca:
@@ -37,7 +37,7 @@ def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterato
 
 
 def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
-    """Everything that can be read and asks for credentials, without any."""
+    """Yield everything that can be read and asks for credentials, without any."""
     what = "REST API without credentials"
     paths = [
         one.path
@@ -68,7 +68,7 @@ def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
 
 
 def _without_certificate(endpoint: str) -> Tried:
-    """A TLS handshake that shows none must fail; that it does, a server of TLS 1.3 says only with the first thing read."""
+    """Try a TLS handshake without one: it must fail, which a server of TLS 1.3 says only with the first thing read."""
     what = f"{endpoint} without a certificate"
     where = urlsplit("//" + endpoint_here(endpoint).partition("/")[2])
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

@@ -1,4 +1,4 @@
-"""What somebody on the network could reach of a service, and why: from its settings and its store, without asking it anything.
+"""Finds out what a stranger on the network could reach of a service, and why, from its settings and its store alone.
 
 A door is open where plant data can be read or written from the network without anybody saying who they are.
 """
@@ -15,10 +15,10 @@ from sqlalchemy import make_url
 
 from service.api.application import every_operation
 from service.delivery.signing_secrets import key_file
+from service.hosts import is_loopback
 from service.security.browser_origin import SAFE_METHODS
 from service.security.exposure import allowed_twice, beyond, credentials_needed
 from service.security.operations import Operation
-from service.security.secret_files import is_loopback
 from service.settings import Settings
 from service.stream_access import AccessUnusable, read_access
 from storage import keys
@@ -57,7 +57,7 @@ class Door:
 
 
 def doors(settings: Settings) -> list[Door]:
-    """All of them, worst first."""
+    """Return all endpoints that can be reached, worst first."""
     found = [
         _api(settings, list(every_operation())),
         *(_endpoint(settings, one) for one in settings.zenoh_listen),
@@ -71,7 +71,7 @@ def doors(settings: Settings) -> list[Door]:
 
 
 def credentials_asked(settings: Settings) -> tuple[bool, str]:
-    """Whether the API asks who somebody is, and what makes it so."""
+    """Tell whether the API asks who somebody is, and which settings make it so."""
     path = file_of(engine_of(settings.database))
     try:
         with looking(settings.database) as session:
@@ -131,7 +131,7 @@ def _named(operations: Iterable[Operation]) -> str:
 
 
 def _endpoint(settings: Settings, endpoint: str) -> Door:
-    """One on which the service is a zenoh router."""
+    """Describe an endpoint on which the service is a zenoh router."""
     reached = bool(beyond([endpoint]))
     certificates = endpoint.partition("/")[0] in ENCRYPTED and bool(settings.zenoh_tls_ca)
     everything = "publish samples for any machine, and waveforms to edge agents' topics; hear all samples and alerts"
@@ -164,7 +164,7 @@ def _rules(file: Path) -> str:
 
 
 def _router(endpoint: str) -> Door:
-    """One of somebody else, to which the service connects."""
+    """Describe a router of somebody else, to which the service connects."""
     inside = not beyond([endpoint])
     clear = endpoint.partition("/")[0] not in ENCRYPTED
     level: Level = "local" if inside else "weak" if clear else "guarded"
@@ -217,7 +217,7 @@ def _scheduler(settings: Settings) -> Iterator[Door]:
 
 
 def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Door:
-    """A private network to which the service posts."""
+    """Describe a private network to which the service posts."""
     own = any(network.overlaps(one) for one in map(ipaddress.ip_network, OWN) if one.version == network.version)
     level: Level = "weak" if own or network.num_addresses > WIDE else "guarded"
     also = ", among them addresses of the service's machine itself" if own else ""
@@ -233,7 +233,7 @@ def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Do
 
 
 def _files(settings: Settings) -> Iterator[Door]:
-    """Files that others on this machine may read or write; those of a secret end the start besides."""
+    """Yield files that others on this machine may read or write; those of a secret end the start besides."""
     path = file_of(engine_of(settings.database))
     database = [] if path is None else readable_by_others(path)
     named = (
@@ -268,7 +268,7 @@ def _within(folder: Path) -> list[Path]:
 
 
 def _open_to_others(file: Path, settings: Settings) -> bool:
-    """The access rules are no secret: they must only not be written."""
+    """Tell whether others may read a file, or write to it: the access rules are no secret, and must only not be written."""
     try:
         mode = file.stat().st_mode
     except OSError:
@@ -278,7 +278,7 @@ def _open_to_others(file: Path, settings: Settings) -> bool:
 
 
 def written(door: Door) -> str:
-    """A door, for people."""
+    """Write an endpoint for people."""
     lines = (
         f"{door.level:8s} {door.what}: {door.address}",
         f"         reached from  {door.reach}",

@@ -1,9 +1,9 @@
-"""Whether the service may start as it is set up: beyond this machine nobody comes in without saying who they are."""
+"""Refuses to start a service that strangers could reach: beyond this machine nobody comes in without credentials."""
 
 from collections.abc import Sequence
 from urllib.parse import urlsplit
 
-from service.security.secret_files import is_loopback
+from service.hosts import is_loopback
 from service.settings import Settings
 
 TWICE = (
@@ -22,7 +22,7 @@ class Exposed(RuntimeError):
 
 
 def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
-    """What is open to everybody, allowed twice, for the log. Raises Exposed where it was not allowed twice."""
+    """List what is open to everybody and allowed twice, for the log. Raises Exposed where it was not allowed twice."""
     found = _open_doors(settings, keys_are_there=keys_are_there)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE}")
@@ -30,7 +30,7 @@ def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[
 
 
 def require_guarded(settings: Settings, listen: Sequence[str]) -> list[str]:
-    """The same of a router alone, which listens on these zenoh endpoints. Raises Exposed."""
+    """Refuse the same for a router alone, which listens on these zenoh endpoints. Raises Exposed."""
     found = _open_endpoints(settings, listen)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE_FOR_ROUTERS}")
@@ -58,20 +58,20 @@ def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
 
 
 def credentials_needed(settings: Settings, *, keys_are_there: bool) -> bool:
-    """Whether the API asks who somebody is."""
+    """Tell whether the API asks who somebody is."""
     return keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
 
 
 def allowed_twice(settings: Settings) -> bool:
-    """Whether it was said twice that everybody may do everything."""
+    """Tell whether it was said twice that everybody may do everything."""
     return settings.allow_no_authentication and settings.everybody_may_change_everything
 
 
 def beyond(endpoints: Sequence[str]) -> list[str]:
-    """Those zenoh endpoints that other machines reach."""
+    """Return those zenoh endpoints that other machines reach."""
     return [one for one in endpoints if not one.startswith("unix") and not is_loopback(host_of(one))]
 
 
 def host_of(endpoint: str) -> str:
-    """The host of a zenoh endpoint such as tcp/[::]:7447."""
+    """Return the host of a zenoh endpoint such as tcp/[::]:7447."""
     return urlsplit("//" + endpoint.partition("/")[2].partition("?")[0].partition("#")[0]).hostname or ""

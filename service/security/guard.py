@@ -1,4 +1,4 @@
-"""Who may pass: each request gets its principal, or is refused, before anything of it is read or done."""
+"""Gives each request its principal, or refuses it, before anything of it is read or done."""
 
 import asyncio
 import logging
@@ -10,13 +10,14 @@ from sqlalchemy.exc import DBAPIError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.problems import problem_response
+from service.api.error_status import status_of
+from service.api.problem import problem_response
 from service.security import browser_origin
 from service.security.authentication import Authentication, Credentials, Unauthenticated, cookie_name
 from service.security.key_set import KeysUnavailable
 from service.security.operations import Operation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import Recorded, plain
@@ -42,8 +43,8 @@ class Guard:
         operations: Operations,
         authentication: Authentication,
         visibility: Visibility,
-        requests: Rate,
-        failures: Rate,
+        requests: RateLimit,
+        failures: RateLimit,
         repeated: RepeatedEntries,
         public_url: str = "",
         names_checked: bool = False,
@@ -89,11 +90,8 @@ class Guard:
             answer = _wait(wait) if wait else _unauthenticated(str(error), headers)
             await answer(scope, receive, send)
             return
-        except NotThere as error:
-            await problem_response(HTTPStatus.NOT_FOUND, str(error))(scope, receive, send)
-            return
-        except KeysUnavailable as error:
-            await problem_response(HTTPStatus.SERVICE_UNAVAILABLE, str(error))(scope, receive, send)
+        except (NotThere, KeysUnavailable) as error:
+            await problem_response(status_of(error), error.detail)(scope, receive, send)
             return
         except DBAPIError as error:
             detail = f"the database does not answer: {error.orig}"

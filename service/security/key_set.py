@@ -12,6 +12,8 @@ import jwt
 from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1, EllipticCurvePublicKey
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPublicKey
 
+from estimator.errors import Unavailable
+
 logger = logging.getLogger(__name__)
 
 KEPT_S = 600.0
@@ -28,7 +30,7 @@ PublicKey = RSAPublicKey | EllipticCurvePublicKey
 ALGORITHM: dict[str, str] = {"RSA": "RS256", "EC": "ES256"}
 
 
-class KeysUnavailable(RuntimeError):
+class KeysUnavailable(Unavailable):
     """The issuer's keys cannot be had; the message says from where and why."""
 
 
@@ -44,7 +46,7 @@ class KeySet:
         self._tried_at: float | None = None
 
     def find(self, key_id: str | None) -> tuple[str, PublicKey] | None:
-        """Algorithm and key of an id; without an id the only key there is. Blocks while it asks. Raises KeysUnavailable."""
+        """Return algorithm and key of an id; without an id the only key. Blocks while it asks. Raises KeysUnavailable."""
         with self._lock:
             now = self._clock()
             old = self._read_at is None or now - self._read_at > KEPT_S
@@ -75,7 +77,7 @@ class KeySet:
 
 
 def fetched(url: str, **post: Any) -> bytes:
-    """What an issuer answers; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
+    """Fetch an answer of the issuer; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
     import httpx  # half a second of every start, for those who have an issuer
 
     parts, size = [], 0
@@ -94,7 +96,7 @@ def fetched(url: str, **post: Any) -> bytes:
 
 
 def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
-    """Keys with which a signature of this service's algorithms can be checked; others are passed over."""
+    """Return keys with which a signature of this service's algorithms can be checked; others are passed over."""
     found = {}
     for number, one in enumerate(document["keys"]):
         algorithm = ALGORITHM.get(one.get("kty", ""))

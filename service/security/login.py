@@ -17,7 +17,7 @@ from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal, Role
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
@@ -65,20 +65,20 @@ PAGE = """<!doctype html>
 
 @router.get("/login")
 def read_login(request: Request) -> Response:
-    """The page to log in on; who is logged in already, or need not, goes on."""
+    """Serve the page to log in on; who is logged in already, or need not, goes on."""
     who: Principal = request.state.principal
     return _page(request, "") if who.kind == "anonymous" else RedirectResponse("/", 303)
 
 
 @router.get("/login.css")
 def read_style() -> Response:
-    """How it looks."""
+    """Serve the style sheet of the login page."""
     return Response(STYLE.read_bytes(), media_type="text/css", headers={"Cache-Control": "no-cache"})
 
 
 @router.post("/login")
 async def log_in(request: Request) -> Response:
-    """With an API key."""
+    """Log in with an API key."""
     address = request.client.host if request.client else "unknown"
     body = b""
     async for part in request.stream():
@@ -90,7 +90,7 @@ async def log_in(request: Request) -> Response:
     try:
         who = await asyncio.to_thread(authentication.key, given)
     except Unauthenticated as error:
-        wait = cast(Rate, request.app.state.failures).take(address)
+        wait = cast(RateLimit, request.app.state.failures).take(address)
         if not wait:
             await asyncio.to_thread(_refused, request, Entry("unknown", address, "log_in", "API key", "refused"))
             return _page(request, f"Not logged in: {error}.", 401)
@@ -132,7 +132,7 @@ def begin_at_issuer(request: Request) -> Response:
 
 @router.get(CALLBACK)
 def come_back(request: Request) -> Response:
-    """From the issuer, with a code."""
+    """Come back from the issuer, with a code."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None or security.tokens is None:
         return _page(request, "No issuer is configured.", 404)
@@ -166,7 +166,7 @@ def log_out(request: Request) -> Response:
 
 
 def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
-    """A new session, whose cookie was never anybody else's."""
+    """Return a new session, whose cookie was never anybody else's."""
     cookie, role = secrets.token_urlsafe(32), who.role
     assert role is not None
     address = request.client.host if request.client else "unknown"
@@ -192,7 +192,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
 
 
 def _under_way(request: Request) -> LoginRow:
-    """The login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
+    """Return the login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
     state, browser = request.query_params.get("state", ""), request.cookies.get(UNDER_WAY_COOKIE, "")
     with cast(Database, request.app.state.database).transaction() as session:
         found = logins.take(session, key_hash(state), at=now())

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlencode
 
+from service.hosts import encrypted
 from service.security.key_set import fetched
-from service.security.secret_files import encrypted
 
 KNOWN_FOR_S = 3600.0
 CALLBACK = "/login/callback"
@@ -58,7 +58,7 @@ class OpenId:
         self._found: tuple[float, dict[str, Any]] | None = None
 
     def begin(self) -> Begun:
-        """A new login. Blocks. Raises LoginFailed."""
+        """Return a new login. Blocks. Raises LoginFailed."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
         asked = {
@@ -74,7 +74,7 @@ class OpenId:
         return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
     def finish(self, answer: Mapping[str, str], *, verifier: str) -> str:
-        """The ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""
+        """Return the ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""
         if answer.get("iss", self._issuer) != self._issuer:
             raise LoginFailed("another issuer answered")
         if "code" not in answer:
@@ -95,7 +95,7 @@ class OpenId:
             raise LoginFailed("the issuer gave no ID token for the code") from error
 
     def keys_url(self) -> str:
-        """Where the issuer publishes its keys. Raises LoginFailed."""
+        """Tell where the issuer publishes its keys. Raises LoginFailed."""
         return self._endpoint("jwks_uri")
 
     def _endpoint(self, name: str) -> str:
@@ -108,7 +108,7 @@ class OpenId:
         return url
 
     def _discovered(self) -> dict[str, Any]:
-        """OpenID Connect Discovery 1.0."""
+        """Read the issuer's configuration. Source: OpenID Connect Discovery 1.0."""
         try:
             said = json.loads(fetched(self._issuer.rstrip("/") + "/.well-known/openid-configuration"))
             if said["issuer"] != self._issuer:

@@ -42,7 +42,7 @@ class Operations:
         return iter(self._all)
 
     def find(self, method: str, path: str) -> tuple[Operation, Mapping[str, str]] | None:
-        """The operation of a request, with its path's parameters; of several that fit, the first, as it is routed."""
+        """Return the operation of a request, with its path's parameters; of several that fit, the first, as it is routed."""
         for one in self._all:
             if method in one.methods and (match := one.pattern.match(path)):
                 return one, match.groupdict()

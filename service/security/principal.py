@@ -1,4 +1,4 @@
-"""Who asks: a person or a program, with a role and the plants that it concerns."""
+"""The principal of a request: a person or a program, with a role and the plants that it concerns."""
 
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from storage.plant_scope import Plants
 
 
 class Role(IntEnum):
-    """What somebody may do; each may do what those before it may. A source only sends samples."""
+    """Roles; each may do what those before it may. A source only sends samples."""
 
     SOURCE = 0
     VIEWER = 1
@@ -21,12 +21,12 @@ class Role(IntEnum):
 
     @property
     def label(self) -> str:
-        """As it is written in keys, tokens and answers."""
+        """Write the role as in keys, tokens and answers."""
         return self.name.lower()
 
     @classmethod
     def of(cls, label: str) -> "Role":
-        """The role of a label. Raises ValueError."""
+        """Return the role of a label. Raises ValueError."""
         try:
             return cls[label.upper()]
         except KeyError:
@@ -38,7 +38,7 @@ Kind = Literal["open", "anonymous", "key", "token", "session"]
 
 @dataclass(frozen=True)
 class Principal:
-    """Who asks. kind: open, where the service asks nobody who they are; plants: None for all.
+    """A person or a program. kind: open, where the service asks nobody who they are; plants: None for all.
 
     identity: unambiguous, for the audit trail and for limits; token: what a change from a browser must bring along.
     """
@@ -52,7 +52,7 @@ class Principal:
 
     @property
     def known(self) -> bool:
-        """Whether it is known who this is."""
+        """Tell whether it is known who this is."""
         return self.kind in ("key", "token", "session")
 
     @property
@@ -61,7 +61,7 @@ class Principal:
         return self.identity if self.name in self.identity else f"{self.name} ({self.identity})"
 
     def sees(self, plant: str | None) -> bool:
-        """Whether a plant concerns them; None: something of no plant that is known."""
+        """Tell whether a plant concerns them; None: something of no plant that is known."""
         return self.plants is None or (plant is not None and plant in self.plants)
 
 

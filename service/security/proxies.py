@@ -9,7 +9,7 @@ MAPPED = "::ffff:"
 
 
 def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
-    """Whether an address is one of these proxies'."""
+    """Tell whether an address is one of these proxies'."""
     seen = [ip_network(one) for one in as_seen(networks)]
 
     def is_proxy(address: str) -> bool:
@@ -23,6 +23,6 @@ def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
 
 
 def as_seen(networks: Sequence[Network]) -> list[str]:
-    """The networks as peers of either kind of socket come from them."""
+    """Return the networks as peers of either kind of socket come from them."""
     mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
     return [*map(str, networks), *mapped]

@@ -1,4 +1,4 @@
-"""How often somebody may ask: a bucket of tokens each, which fills up again at a steady rate."""
+"""Limits how often somebody may ask: token buckets that fill up at a steady rate."""
 
 import time
 from collections import OrderedDict
@@ -7,7 +7,7 @@ from collections.abc import Callable
 MOST_KEPT = 10_000
 
 
-class Rate:
+class RateLimit:
     """Buckets by name. per_s: tokens that come back each second; burst: as many as a bucket holds."""
 
     def __init__(self, *, per_s: float, burst: float, clock: Callable[[], float] = time.monotonic) -> None:

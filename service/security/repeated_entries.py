@@ -1,4 +1,4 @@
-"""What somebody can bring about as often as they like, such as refusals and logins, is in the audit trail once a minute.
+"""Keeps repeated refusals and logins in the audit trail down to one entry a minute.
 
 The first is written at once. Those of the same principal and operation that follow are counted in memory, and told in one
 entry when the minute is over: a flood of a month leaves an entry a minute, and no more.
@@ -37,7 +37,7 @@ class _Minute:
     addresses: set[str] = field(default_factory=set)
 
     def told(self) -> Entry:
-        """What was counted, as an entry."""
+        """Return the counted entries as one entry."""
         some = len(self.addresses)
         where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MOST_ADDRESSES else ''} addresses"
         return replace(self.latest, address=where, outcome=f"{self.latest.outcome}: {self.count} more within a minute")
@@ -53,7 +53,7 @@ class RepeatedEntries:
         self._minutes: dict[tuple[str, str, str], _Minute] = {}
 
     def first(self, entry: Entry) -> bool:
-        """Whether an entry is the first of its minute, and to be written as it is; otherwise it has been counted."""
+        """Tell whether an entry is the first of its minute, and to be written as it is; count it otherwise."""
         with self._lock:
             minute = self._minutes.get(_kind(entry))
             if minute is None and len(self._minutes) >= MOST_KEPT:

@@ -1,4 +1,4 @@
-"""What an operation needs of who asks for it: declared once, where the operation is."""
+"""Requirements of operations on whoever asks: declared once, where the operation is."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Requirement:
     recorded: bool = True
 
     def met(self, who: Principal) -> bool:
-        """Whether somebody may do it; which plants they see is looked at where it is known what it is about."""
+        """Tell whether somebody may do it; which plants they see is checked where it is known what it is about."""
         if self.every_plant and who.plants is not None:
             return False
         return self.role is None or (
@@ -30,14 +30,14 @@ class Requirement:
         )
 
     async def __call__(self, request: Request) -> None:
-        """The guard has looked already; without a guard nothing is opened."""
+        """Require that the guard has looked already; without a guard nothing is opened."""
         who = getattr(request.state, "principal", None)
         if who is None or not self.met(who):
             raise HTTPException(status.HTTP_403_FORBIDDEN, "this operation needs another role")
 
     @property
     def words(self) -> str:
-        """What it needs, for people."""
+        """Say what it needs, for people."""
         if self.role is None:
             return "nothing"
         also = " or source" if self.sources else ""
@@ -54,7 +54,7 @@ ADMIN_OF_ALL = Depends(Requirement(Role.ADMIN, every_plant=True))
 
 
 def strictest(dependencies: Sequence[Dependency] | None) -> Requirement | None:
-    """What a router and its operation need together; None where nothing is declared."""
+    """Combine the requirements of a router and its operation; None where nothing is declared."""
     found: list[Any] = [one.dependency for one in dependencies or () if isinstance(one.dependency, Requirement)]
     if not found:
         return None

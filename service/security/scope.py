@@ -1,8 +1,9 @@
-"""What path parameters name, and whether somebody may see it: what is another plant's is not there (404)."""
+"""Checks that somebody may see what path parameters name: what is another plant's is not there (404)."""
 
 from collections.abc import Mapping
 from typing import Any
 
+from estimator.errors import Missing
 from service.security.principal import Principal
 from storage.database import Database
 from storage.plant_scope import PlantScope
@@ -34,12 +35,16 @@ LARGEST = 2**62
 MOST_KEPT = 10_000
 
 
-class NotThere(LookupError):
+class NotThere(Missing):
     """Something that somebody may not see, or that is not there: they are told the same."""
+
+    def __init__(self, subject: str, key: str) -> None:
+        super().__init__(key)
+        self.subject = subject
 
 
 class Visibility:
-    """What of a database somebody sees. What belongs to a plant belongs to it for ever, so that looks are remembered."""
+    """Rows of a database that somebody sees. What belongs to a plant belongs to it for ever, so that look-ups are cached."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -47,11 +52,11 @@ class Visibility:
         self._seen: set[tuple[frozenset[str], str, str]] = set()
 
     def known(self, who: Principal, parameters: Mapping[str, str]) -> bool:
-        """Whether it is remembered that somebody sees all of this."""
+        """Tell whether it is cached that somebody sees all of this."""
         return who.plants is None or all((who.plants, name, value) in self._seen for name, value in parameters.items())
 
     def require(self, who: Principal, parameters: Mapping[str, str]) -> None:
-        """Look. Raises NotThere."""
+        """Require that somebody sees all of this. Raises NotThere."""
         if who.plants is None:
             return
         with PlantScope(self._database, who.plants).reading() as session:
@@ -61,13 +66,13 @@ class Visibility:
                 if key is None:
                     continue  # the endpoint says what is wrong with it
                 if session.get(row, key) is None:
-                    raise NotThere(f"no {what} {value[:64]}")
+                    raise NotThere(what, value[:64])
                 if len(self._seen) >= MOST_KEPT:
                     self._seen.clear()
                 self._seen.add((who.plants, name, value))
 
     def plant(self, machine_id: str) -> str | None:
-        """The plant of a machine."""
+        """Return the plant of a machine."""
         found = self._plants.get(machine_id)
         if found is None:
             with self._database.reading() as session:
@@ -77,12 +82,12 @@ class Visibility:
         return found
 
     def sees(self, who: Principal, machine_id: str) -> bool:
-        """Whether a machine concerns somebody."""
+        """Tell whether a machine concerns somebody."""
         return who.plants is None or who.sees(self.plant(machine_id))
 
 
 def _key(row: type[Any], value: str) -> str | int | None:
-    """By what a row is found; None for a text that is nothing's key."""
+    """Return the key by which a row is found; None for a text that is nothing's key."""
     if row is MachineRow:
         return value if value.isprintable() else None
     digits = value.isascii() and value.isdigit() and len(value) <= len(str(LARGEST))

@@ -32,23 +32,23 @@ class Sealing:
 
     @classmethod
     def of(cls, file: Path) -> "Sealing":
-        """With the keys of a file. Raises ValueError."""
+        """Read the keys of a file. Raises ValueError."""
         return cls(read_keys(str(file)))
 
     def seal(self, secret: bytes, *, place: str) -> str:
-        """A secret as it may stand in the database, in one place only."""
+        """Return a secret as it may stand in the database, in one place only."""
         nonce = os.urandom(NONCE_BYTES)
         return SEALED + base64.b64encode(nonce + self._keys[0].encrypt(nonce, secret, place.encode())).decode()
 
     def open(self, sealed: str, *, place: str) -> bytes:
-        """The secret. Raises SealBroken."""
+        """Return the secret. Raises SealBroken."""
         for key in self._keys:
             if (found := _opened(key, sealed, place)) is not None:
                 return found
         raise SealBroken("none of the sealing keys opens it: it was sealed with another one, or changed")
 
     def is_current(self, sealed: str, *, place: str) -> bool:
-        """Whether the first key opens it; one that only a later key opens is to be sealed anew."""
+        """Tell whether the first key opens it; one that only a later key opens is to be sealed anew."""
         return _opened(self._keys[0], sealed, place) is not None
 
 

@@ -2,17 +2,15 @@
 
 import base64
 import binascii
-import ipaddress
 import stat
 from pathlib import Path
-from urllib.parse import urlsplit
 
 KEY_BYTES = 32
 """Length of a sealing key."""
 
 
 def read_secret(path: str) -> str:
-    """The first line of a file. Raises ValueError, which says what is wrong, never what is in it."""
+    """Return the first line of a file. Raises ValueError, which says what is wrong, never what is in it."""
     require_private(path)
     try:
         found = Path(path).read_text(encoding="utf-8").strip()
@@ -24,7 +22,7 @@ def read_secret(path: str) -> str:
 
 
 def read_keys(path: str) -> list[bytes]:
-    """The sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
+    """Return the sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
     require_private(path)
     try:
         lines = Path(path).read_text(encoding="ascii").split()
@@ -42,33 +40,10 @@ _URL_SAFE = str.maketrans("-_", "+/")
 
 
 def require_private(path: str) -> None:
-    """Raises ValueError for a file that is not there, or that others can read."""
+    """Raise ValueError for a file that is not there, or that others can read."""
     try:
         mode = Path(path).stat().st_mode
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
     if mode & (stat.S_IROTH | stat.S_IWOTH):
         raise ValueError(f"{path} can be read or written by others: chmod 640 or 600 it")
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this machine reaches an address."""
-    try:
-        return ipaddress.ip_address(host.strip("[]").split("%")[0]).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def is_address(host: str) -> bool:
-    """Whether this is an address, not a name."""
-    try:
-        ipaddress.ip_address(host.strip("[]").split("%")[0])
-    except ValueError:
-        return False
-    return True
-
-
-def encrypted(url: str) -> bool:
-    """Whether nobody between can read what is sent to a URL: https, or loopback."""
-    parts = urlsplit(url)
-    return parts.scheme == "https" or (parts.scheme == "http" and is_loopback(parts.hostname or ""))

@@ -13,16 +13,16 @@ from storage.plant_scope import Plants, PlantScope
 
 
 class Store(Protocol):
-    """What operations ask of a database."""
+    """Operations on a database."""
 
     def transaction(self) -> AbstractContextManager[Session]:
-        """A session whose changes are committed together at the end, or not at all."""
+        """Open a session whose changes are committed together at the end, or not at all."""
 
     def reading(self) -> AbstractContextManager[Session]:
-        """A session for looking only."""
+        """Open a session for reading only."""
 
     def check(self) -> None:
-        """Raises DatabaseUnusable."""
+        """Raise DatabaseUnusable."""
 
 
 class Recorded:
@@ -36,7 +36,7 @@ class Recorded:
 
     @contextmanager
     def transaction(self) -> Iterator[Session]:
-        """As the database's."""
+        """Open a transaction as the database does."""
         with self._store.transaction() as session:
             yield session
             session.flush()
@@ -44,11 +44,11 @@ class Recorded:
         self.written = True
 
     def reading(self) -> AbstractContextManager[Session]:
-        """As the database's."""
+        """Open a reading session as the database does."""
         return self._store.reading()
 
     def check(self) -> None:
-        """As the database's."""
+        """Check as the database does."""
         self._store.check()
 
     def _append(self, session: Session) -> None:
@@ -59,5 +59,5 @@ class Recorded:
 
 
 def plain(database: Database, plants: Plants | None) -> Store:
-    """The database, or some plants of it."""
+    """Return the database, or some plants of it."""
     return database if plants is None else PlantScope(database, plants)

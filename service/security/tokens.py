@@ -42,17 +42,17 @@ class Tokens:
         self._claims = claims
 
     def principal(self, token: str) -> Principal:
-        """Who a token stands for. Blocks while keys are asked for. Raises TokenRefused, KeysUnavailable."""
+        """Return the principal of a token. Blocks while keys are fetched. Raises TokenRefused, KeysUnavailable."""
         return self.stands_for(self.checked(token, audience=self._audience))
 
     def stands_for(self, claims: Mapping[str, Any]) -> Principal:
-        """Who checked claims stand for."""
+        """Return the principal of checked claims."""
         subject = str(claims["sub"])
         name = str(_inside(claims, self._claims.name) or claims.get("preferred_username") or subject)
         return Principal(_shown(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
 
     def checked(self, token: str, *, audience: str, nonce: str | None = None) -> dict[str, Any]:
-        """The claims of a token that is the issuer's, for that audience, and valid now. Raises as `principal`."""
+        """Return the claims of a token that is the issuer's, for that audience, and valid now. Raises as `principal`."""
         if len(token) > LONGEST:
             raise TokenRefused(f"a token of more than {LONGEST} characters")
         try:
@@ -78,7 +78,7 @@ class Tokens:
         return claims
 
     def _role(self, claims: Mapping[str, Any]) -> Role | None:
-        """The highest role that is named; None, which opens nothing, where none is."""
+        """Return the highest role that is named; None, which opens nothing, where none is."""
         found = []
         for said in _words(_inside(claims, self._claims.role)):
             label = self._claims.roles.get(said, said)
@@ -87,13 +87,13 @@ class Tokens:
         return max(found, default=None)
 
     def _plants(self, claims: Mapping[str, Any]) -> frozenset[str] | None:
-        """Those that are named; none without the claim."""
+        """Return those that are named; none without the claim."""
         said = frozenset(_words(_inside(claims, self._claims.plants)))
         return None if EVERY_PLANT in said else said
 
 
 def _shown(name: str, subject: str) -> str:
-    """The name beside the subject and never alone: who bears a name may choose it, the subject is the issuer's."""
+    """Write the name beside the subject, never alone: who bears a name may choose it, the subject is the issuer's."""
     shown = plain_text(subject)
     if len(shown) > LONGEST_SUBJECT:
         digest = hashlib.sha256(subject.encode("utf-8", "backslashreplace")).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""What the two sides answer when they are asked: JSON, without a frame."""
+"""Answers of the two sides to queries: JSON, without a frame."""
 
 import msgspec
 

@@ -68,12 +68,12 @@ class NumberFormat(NamedTuple):
     quantum: float = 1.0
 
     def require_quantum(self) -> None:
-        """Raises Rejected where it cannot be multiplied with."""
+        """Raise Rejected where it cannot be multiplied with."""
         if not (math.isfinite(self.quantum) and self.quantum > 0.0):
             raise Rejected("undecodable", f"a quantum of {self.quantum} is no quantum")
 
     def write(self, rows: Table) -> bytes:
-        """A table's bytes. Raises ValueError for numbers that do not fit."""
+        """Return a table's bytes. Raises ValueError for numbers that do not fit."""
         values = np.array(rows, dtype=float)
         if self.kind == FLOAT64.kind:
             return values.astype(self.kind).tobytes()
@@ -84,7 +84,7 @@ class NumberFormat(NamedTuple):
         return np.where(np.isnan(steps), nothing, steps).astype(self.kind).tobytes()
 
     def read(self, body: bytes, at: int, shape: tuple[int, int]) -> Table:
-        """A table from its bytes, which begin at `at`."""
+        """Return a table from its bytes, which begin at `at`."""
         stored = np.frombuffer(body, self.kind, shape[0] * shape[1], at).reshape(shape)
         if self.kind == FLOAT64.kind:
             values, nothing = stored.astype(float), np.isnan(stored)
@@ -101,12 +101,12 @@ _KINDS = {0: "<f8", 1: "<i4", 2: "<i2"}
 
 
 def int32(quantum: float) -> NumberFormat:
-    """Whole multiples of a quantum, four bytes each."""
+    """Return whole multiples of a quantum, four bytes each."""
     return NumberFormat(1, _KINDS[1], quantum)
 
 
 def int16(quantum: float) -> NumberFormat:
-    """Whole multiples of a quantum, two bytes each."""
+    """Return whole multiples of a quantum, two bytes each."""
     return NumberFormat(2, _KINDS[2], quantum)
 
 
@@ -117,7 +117,7 @@ def encode_binary(
     phase: NumberFormat = FLOAT64,
     scatter: NumberFormat = FLOAT64,
 ) -> bytes:
-    """The body. Raises ValueError for what this encoding has no place for."""
+    """Return the body. Raises ValueError for what this encoding has no place for."""
     conditions = batch.conditions or {}
     names = "\n".join([batch.plant, batch.machine, batch.source, *batch.channels, *conditions]).encode()
     second = batch.amplitude_2x is not None and batch.phase_2x is not None
@@ -153,7 +153,7 @@ def encode_binary(
 
 
 def decode_binary(body: bytes) -> SampleBatch:
-    """The batch in a body, not yet checked in its shape. Raises Rejected."""
+    """Return the batch in a body, not yet checked in its shape. Raises Rejected."""
     if len(body) < _VERSION.size or not body.startswith(_MAGIC):
         raise Rejected("undecodable", f"body does not begin with {_MAGIC.decode()} and the header of a binary batch")
     _, schema, header_size = _VERSION.unpack_from(body)

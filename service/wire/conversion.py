@@ -88,7 +88,7 @@ def _factor(batch: SampleBatch, name: str, table: Mapping[Any, float]) -> float:
 
 
 def _conditions(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
-    """Operating conditions (S, k) in the document's order, NaN where one was not measured."""
+    """Return operating conditions (S, k) in the document's order, NaN where one was not measured."""
     table = np.full((len(batch.time_ns), len(machine.conditions)), np.nan)
     for name, values in (batch.conditions or {}).items():
         table[:, machine.condition_names.index(name)] = np.array(values, dtype=float)  # null becomes NaN
@@ -107,7 +107,7 @@ def _check_names(batch: SampleBatch, machine: Machine) -> None:
 
 
 def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
-    """Factor to metres per channel of the batch."""
+    """Return the factor to metres per channel of the batch."""
     if batch.amplitude_unit != "V":
         return np.full(len(batch.channels), _factor(batch, "amplitude_unit", METRES))
     sensitivity = {probe.id: probe.sensitivity for probe in machine.probes}
@@ -122,7 +122,7 @@ def _table(rows: Table) -> NDArray[np.float64]:
 
 
 def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """What the source itself says of each value: a null is as good as `not_available`. blank: where one may be null."""
+    """Tell what the source itself says of each value: a null is as good as `not_available`. blank: where one may be null."""
     if batch.status is None:
         said = np.full(blank.shape, ChannelStatus.GOOD, dtype=np.uint8)
     else:
@@ -137,7 +137,7 @@ def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
 
 
 def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArray[np.bool_]) -> list[Fault]:
-    """Why values that the source calls good are not taken; size: amplitudes 0-to-peak [m]."""
+    """Say why values that the source calls good are not taken; size: amplitudes 0-to-peak [m]."""
     faults = []
     for index, column in np.argwhere(wrong):
         channel, amplitude = batch.channels[column], size[index, column]

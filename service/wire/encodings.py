@@ -24,14 +24,14 @@ class _Version(msgspec.Struct):
 
 
 def encode_body(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
-    """A batch without its frame, as HTTP carries it."""
+    """Return a batch without its frame, as HTTP carries it."""
     if encoding == BINARY:
         return encode_binary(batch)
     return msgspec.json.encode(batch) if encoding == JSON else msgspec.msgpack.encode(batch)
 
 
 def encode_batch(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
-    """The payload that carries a batch."""
+    """Return the payload that carries a batch."""
     return frame(encode_body(batch, encoding))
 
 
@@ -44,7 +44,7 @@ def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
 
 
 def decode_body(body: bytes, encoding: str) -> SampleBatch:
-    """The batch in a body, checked in itself. Raises Rejected."""
+    """Return the batch in a body, checked in itself. Raises Rejected."""
     kind = encoding.split(";")[0].strip().lower()
     if kind in UNSAID:
         kind = MESSAGEPACK

@@ -20,13 +20,13 @@ def frame(body: bytes) -> bytes:
 
 
 def require_size(size: int) -> None:
-    """Raises Rejected for a payload of more bytes than are taken."""
+    """Raise Rejected for a payload of more bytes than are taken."""
     if size > LARGEST_MESSAGE:
         raise Rejected("too_large", f"{size} bytes; at most {LARGEST_MESSAGE} are taken")
 
 
 def unframed(payload: bytes) -> bytes:
-    """The body of a payload, checked. Raises Rejected."""
+    """Return the body of a payload, checked. Raises Rejected."""
     require_size(len(payload))
     match = _LINE.match(payload)
     if match is None:

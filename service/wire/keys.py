@@ -1,4 +1,4 @@
-"""Where messages travel: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
+"""Keys of messages: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
 
 import re
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class Key:
 
     @classmethod
     def parse(cls, key: str) -> "Key":
-        """From a full key expression. Raises Rejected."""
+        """Parse a full key expression. Raises Rejected."""
         parts = key.split("/")
         if len(parts) != 5 or parts[:2] != ["rundown", "v1"] or not all(IDENTIFIER.match(p) for p in parts[2:4]):
             raise Rejected("key_mismatch", f"'{key[:200]}' is not rundown/v1/<plant>/<machine>/samples")
@@ -31,30 +31,30 @@ class Key:
 
     @property
     def samples(self) -> str:
-        """Where batches are published."""
+        """Tell where batches are published."""
         return f"rundown/v1/{self.plant}/{self.machine}/samples"
 
     @property
     def log(self) -> str:
-        """Where a source answers replay queries."""
+        """Tell where a source answers replay queries."""
         return f"rundown/v1/{self.plant}/{self.machine}/log"
 
     @property
     def status(self) -> str:
-        """Where a source says how it is doing."""
+        """Tell where a source says how it is doing."""
         return f"rundown/v1/{self.plant}/{self.machine}/status"
 
     @property
     def received(self) -> str:
-        """Where the service says how far it has received the machine's sources."""
+        """Tell where the service says how far it has received the machine's sources."""
         return f"rundown/v1/{self.plant}/{self.machine}/received"
 
     @property
     def submit(self) -> str:
-        """Where one replica of the service hands samples that came over HTTP to the one that stores them."""
+        """Tell where one replica of the service hands samples that came over HTTP to the one that stores them."""
         return f"rundown/v1/{self.plant}/{self.machine}/submit"
 
     @property
     def live(self) -> str:
-        """Liveliness token of the machine's source."""
+        """Return the liveliness token of the machine's source."""
         return f"rundown/v1/live/{self.plant}/{self.machine}"

@@ -1,4 +1,4 @@
-"""Why input is not taken: every reason has a name, which the quarantine, the metrics and the documentation share."""
+"""Reasons for rejecting input: each has a name, which the quarantine, the metrics and the documentation share."""
 
 from dataclasses import dataclass
 from typing import Literal

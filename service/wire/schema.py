@@ -1,4 +1,4 @@
-"""What a message says: one schema for all encodings, with its version and limits."""
+"""The schema of a message: one for all encodings, with its version and limits."""
 
 import msgspec
 
@@ -58,12 +58,12 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 def source_key(batch: SampleBatch) -> SourceKey:
-    """Whose samples these are."""
+    """Tell whose samples these are."""
     return SourceKey(batch.machine, batch.source, batch.epoch)
 
 
 def require_schema(version: int) -> None:
-    """Raises Rejected for a schema that this service does not know."""
+    """Raise Rejected for a schema that this service does not know."""
     if version < 1:
         raise Rejected("undecodable", f"there is no schema {version}; this service knows 1 to {WIRE_SCHEMA}")
     if version > WIRE_SCHEMA:
@@ -71,7 +71,7 @@ def require_schema(version: int) -> None:
 
 
 def require_shape(batch: SampleBatch) -> None:
-    """Raises Rejected for a batch whose parts do not fit together or are beyond the limits."""
+    """Raise Rejected for a batch whose parts do not fit together or are beyond the limits."""
     count, channels = len(batch.time_ns), len(batch.channels)
     if not 1 <= count <= LARGEST_BATCH:
         raise Rejected("wrong_shape", f"{count} samples; a batch has 1 to {LARGEST_BATCH}")

@@ -5,7 +5,6 @@ import sys
 import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime
-from pathlib import Path
 
 import httpx
 import pytest
@@ -19,9 +18,8 @@ from service.security.principal import Role
 from storage import alerts
 from storage.database import Database
 from tests.asking import Api
+from tests.paths import ROOT
 from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from benchmarks.contract import against_service
-from service.api import openapi
+from service import openapi_command
 
 EXAMPLES = 2
 SEQUENCES = 5
@@ -13,7 +13,7 @@ def test_the_api_answers_as_its_document_says(tmp_path: Path) -> None:
     found = against_service(tmp_path, examples=EXAMPLES, sequences=SEQUENCES, seed=1, limits=False)
     assert found.errors == []
     assert found.failures == {}
-    paths = openapi.document()["paths"]
+    paths = openapi_command.document()["paths"]
     described = {f"{method.upper()} {path}" for path, item in paths.items() for method in item}
     assert found.asked["fuzzing"].keys() == described
     assert found.asked["stateful"].total() >= 2 * SEQUENCES

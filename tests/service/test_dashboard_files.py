@@ -4,7 +4,6 @@ import gzip
 import hashlib
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import httpx
 import pytest
@@ -12,8 +11,9 @@ import pytest
 from benchmarks.serving import served
 from service.api.dashboard import FOLDER, STAMP, files
 from storage.database import Database
+from tests.paths import ROOT
 
-SOURCES = Path(__file__).parents[2] / "dashboard"
+SOURCES = ROOT / "dashboard"
 STAMPED = ("index.html", "package-lock.json", "public", "src", "vite.config.js")
 """As in dashboard/vite.config.js."""
 LARGEST_GZIP = 400_000

@@ -10,7 +10,7 @@ import pytest
 from fastapi import Request, Response
 
 from service.api import fresh_answers
-from service.api.fresh_answers import LARGEST_KEPT_BYTES, MOST_KEPT_BYTES, FreshAnswers
+from service.api.fresh_answers import LARGEST_KEPT_BYTES, MOST_KEPT_BYTES, ResponseCache
 from service.security.principal import OPEN
 from storage import machines
 from storage.database import Database
@@ -49,10 +49,10 @@ def test_an_answer_is_kept_until_something_is_committed_that_bears_on_it(databas
     make = Counted()
 
     async def story() -> list[bytes]:
-        fresh, found = FreshAnswers(database), []
+        cache, found = ResponseCache(database), []
 
         async def ask(tables: tuple[str, ...] = TABLES) -> None:
-            found.append(bytes((await fresh.answer(asked(), tables, make)).body))
+            found.append(bytes((await cache.answer(asked(), tables, make)).body))
 
         await ask()
         await ask()
@@ -73,10 +73,10 @@ def test_what_may_be_a_little_behind_is_so_for_a_little_only(database: Database,
     make = Counted()
 
     async def story() -> list[bytes]:
-        fresh, found = FreshAnswers(database), []
+        cache, found = ResponseCache(database), []
 
         async def ask() -> None:
-            found.append(bytes((await fresh.answer(asked(), ("alerts",), make, lately=TABLES)).body))
+            found.append(bytes((await cache.answer(asked(), ("alerts",), make, lately=TABLES)).body))
 
         monkeypatch.setattr(fresh_answers, "LATELY_S", 3600.0)
         await ask()
@@ -102,17 +102,17 @@ def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Datab
     monkeypatch.setattr(fresh_answers, "AHEAD_S", 0.0)
 
     async def story() -> list[bytes]:
-        fresh = FreshAnswers(database)
+        cache = ResponseCache(database)
 
         async def ask() -> bytes:
-            return bytes((await fresh.answer(asked(), ("alerts",), make, lately=TABLES)).body)
+            return bytes((await cache.answer(asked(), ("alerts",), make, lately=TABLES)).body)
 
         found = [await ask(), await ask()]
         await asyncio.to_thread(create, database, "a")
         go_on.clear()
         found += [await ask() for _ in range(3)]  # while the next one is under way
         go_on.set()
-        while make.made < 2 or fresh.making:
+        while make.made < 2 or cache.making:
             await asyncio.sleep(0.001)
         return [*found, await ask()]
 
@@ -133,16 +133,16 @@ def test_what_goes_wrong_while_nobody_waits_is_told_to_who_asks_next(
     monkeypatch.setattr(fresh_answers, "AHEAD_S", 0.0)
 
     async def story() -> None:
-        fresh = FreshAnswers(database)
-        await fresh.answer(asked(), ("alerts",), make, lately=TABLES)
+        cache = ResponseCache(database)
+        await cache.answer(asked(), ("alerts",), make, lately=TABLES)
         await asyncio.to_thread(create, database, "a")
         if database.kind != "postgresql":
-            await fresh.answer(asked(), ("alerts",), make, lately=TABLES)
-        while fresh.making:
+            await cache.answer(asked(), ("alerts",), make, lately=TABLES)
+        while cache.making:
             await asyncio.sleep(0.001)
         monkeypatch.setattr(fresh_answers, "LATELY_S", 0.0)
         with pytest.raises(ValueError, match="cannot be made"):
-            await fresh.answer(asked(), ("alerts",), make, lately=TABLES)
+            await cache.answer(asked(), ("alerts",), make, lately=TABLES)
 
     asyncio.run(story())
 
@@ -151,8 +151,8 @@ def test_what_is_committed_while_an_answer_is_made_is_in_the_next_one(database: 
     make = Counted(meanwhile=lambda: create(database, f"m{make.made}"))
 
     async def story() -> list[bytes]:
-        fresh = FreshAnswers(database)
-        return [bytes((await fresh.answer(asked(), TABLES, make)).body) for _ in range(3)]
+        cache = ResponseCache(database)
+        return [bytes((await cache.answer(asked(), TABLES, make)).body) for _ in range(3)]
 
     assert asyncio.run(story()) == [b"1", b"2", b"3"]
 
@@ -162,8 +162,8 @@ def test_what_many_ask_at_once_is_made_once_and_none_goes_without_it(database: D
     make = Counted(meanwhile=lambda: go_on.wait(10))
 
     async def story() -> list[bytes]:
-        fresh = FreshAnswers(database)
-        waiting = [asyncio.create_task(fresh.answer(asked(), TABLES, make)) for _ in range(5)]
+        cache = ResponseCache(database)
+        waiting = [asyncio.create_task(cache.answer(asked(), TABLES, make)) for _ in range(5)]
         while not make.made:
             await asyncio.sleep(0.001)
         waiting[0].cancel()  # who began it goes away
@@ -177,10 +177,10 @@ def test_what_differs_in_what_it_depends_on_is_made_apart(database: Database) ->
     make = Counted()
 
     async def story() -> int:
-        fresh = FreshAnswers(database)
+        cache = ResponseCache(database)
         for request in (asked(), asked("/y"), asked(accept="text/csv"), asked(accept_encoding="gzip")):
-            await fresh.answer(request, TABLES, make)
-        await fresh.answer(asked(), TABLES, make, apart=1)
+            await cache.answer(request, TABLES, make)
+        await cache.answer(asked(), TABLES, make, apart=1)
         return make.made
 
     assert asyncio.run(story()) == 5
@@ -191,10 +191,10 @@ def test_an_error_is_told_and_not_kept(database: Database) -> None:
         raise ValueError("no")
 
     async def story() -> None:
-        fresh = FreshAnswers(database)
+        cache = ResponseCache(database)
         with pytest.raises(ValueError, match="no"):
-            await fresh.answer(asked(), TABLES, wrong)
-        assert (await fresh.answer(asked(), TABLES, Counted())).body == b"1"
+            await cache.answer(asked(), TABLES, wrong)
+        assert (await cache.answer(asked(), TABLES, Counted())).body == b"1"
 
     asyncio.run(story())
 
@@ -204,14 +204,14 @@ def test_memory_is_bounded(database: Database) -> None:
     many = 2 * MOST_KEPT_BYTES // (LARGEST_KEPT_BYTES // 2)
 
     async def story() -> None:
-        fresh = FreshAnswers(database)
+        cache = ResponseCache(database)
         for _ in range(2):
-            await fresh.answer(asked("/huge"), TABLES, huge)
+            await cache.answer(asked("/huge"), TABLES, huge)
         for number in range(many):
-            await fresh.answer(asked(f"/{number}"), TABLES, large)
-        await fresh.answer(asked(f"/{many - 1}"), TABLES, large)
+            await cache.answer(asked(f"/{number}"), TABLES, large)
+        await cache.answer(asked(f"/{many - 1}"), TABLES, large)
         assert large.made == many
-        await fresh.answer(asked("/0"), TABLES, large)
+        await cache.answer(asked("/0"), TABLES, large)
 
     asyncio.run(story())
     assert huge.made == 2
@@ -222,8 +222,8 @@ def test_large_answers_are_compressed_for_who_takes_it(database: Database) -> No
     make = Counted(5000)
 
     async def story() -> tuple[Response, Response]:
-        fresh = FreshAnswers(database)
-        return await fresh.answer(asked(accept_encoding="gzip"), TABLES, make), await fresh.answer(asked(), TABLES, make)
+        cache = ResponseCache(database)
+        return await cache.answer(asked(accept_encoding="gzip"), TABLES, make), await cache.answer(asked(), TABLES, make)
 
     small, whole = asyncio.run(story())
     assert small.headers["content-encoding"] == "gzip"

@@ -32,8 +32,6 @@ from tests.damage import damage
 from tests.identification import chapter_3, close_run, counts
 from tests.plant import sqlite_url, wait_until
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-
 
 @pytest.fixture
 def train() -> Machine:

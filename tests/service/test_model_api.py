@@ -16,8 +16,8 @@ from estimator.misalignment_force import coupling_forces
 from estimator.rules import Noise
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model import model_at
-from service.api import openapi
-from service.api.kept_answers import KeptAnswers
+from service import openapi_command
+from service.api.kept_answers import ComputedCache
 from storage import machines, runs
 from storage import samples as sample_store
 from storage.blocks import Samples
@@ -225,7 +225,7 @@ ASKED = {"parameter": "coupling.C1.kxx", "rpm": 1000}
 def takes_units() -> dict[str, tuple[str, dict[str, Any]]]:
     """Every path whose answer is declared to come in units that are asked for, such units, and what else is asked."""
     found = {}
-    for path, item in openapi.document()["paths"].items():
+    for path, item in openapi_command.document()["paths"].items():
         takes = {one["name"]: one for one in item.get("get", {}).get("parameters", [])}
         if "units" in takes:
             units = "n_um" if "n_um" in takes["units"]["description"] else "hz,mil_p,rad_lead"
@@ -380,10 +380,10 @@ def test_the_drawing_is_to_scale(api: Api) -> None:
 
 def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("service.api.kept_answers.MOST_KEPT", 2)
-    answers, made = KeptAnswers(), []
+    cache, made = ComputedCache(), []
 
     def ask(name: str) -> str:
-        return answers.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
+        return cache.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
 
     assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
     assert made == ["a", "b", "c", "a"]

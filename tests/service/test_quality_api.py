@@ -1,7 +1,6 @@
 """Quality of runs through the worker, the store and the API; the measured run-up that rings among them."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import httpx
 import numpy as np
@@ -23,8 +22,7 @@ from storage.blocks import DamagedBlock, Samples, encode
 from storage.clock import now
 from storage.database import Database
 from tests.asking import Api
-
-ROOT = Path(__file__).parents[2]
+from tests.paths import ROOT
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import yaml
 from service.documents import UnreadableFile
 from service.recording import Sidecar, read_recording, read_sidecar, split
 from service.wire import Key, decode_batch, encode_batch, to_samples
+from tests.paths import DATA
 from tests.plant import SECOND, START, batch, machine, sweep_rpm
 
-DATA = Path(__file__).parents[1] / "data"
 HEADER = "seconds,rpm,size,phase,size_2,phase_2"
 ROWS = ("0.0,2990,100,30,50,-20", "0.5,2980,101,31,51,-21", "1.25,2970,102,32,52,-22")
 

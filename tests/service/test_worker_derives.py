@@ -2,7 +2,6 @@
 
 import signal
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,7 @@ from service import worker
 from service.documents import read_machine
 from service.task import IdentificationOutcome, IdentificationTask
 from storage.blocks import Samples, encode
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from tests.paths import EXAMPLES
 
 
 @pytest.fixture(scope="module")

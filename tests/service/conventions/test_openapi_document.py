@@ -3,16 +3,13 @@
 import json
 import re
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
-from service.api import openapi
+from service import openapi_command
 from service.api.patterns import WORDS
 from tests.asking import PREFIX, Api, problem
+from tests.paths import ROOT
 from tests.plant import KEY
-
-ROOT = Path(__file__).parents[3]
-
 
 OF_ITSELF = ("/health", "/ready", "/alive")
 """What the service says of itself is the answer also where it is not well."""
@@ -33,9 +30,9 @@ def test_every_error_is_described_as_a_problem(api: Api) -> None:
 
 
 def test_the_committed_document_is_that_of_the_application() -> None:
-    """A change of the API is seen in review: `python -m service.api.openapi docs/openapi.json` renews the file."""
+    """A change of the API is seen in review: `python -m service.openapi_command docs/openapi.json` renews the file."""
     committed = (ROOT / "docs" / "openapi.json").read_text(encoding="utf-8")
-    assert committed == openapi.text(), "docs/openapi.json is not up to date: python -m service.api.openapi docs/openapi.json"
+    assert committed == openapi_command.text(), "renew it: python -m service.openapi_command docs/openapi.json"
 
 
 def test_every_pattern_is_said_in_words() -> None:

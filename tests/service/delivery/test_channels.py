@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from service.api.alert_schemas import SubscriptionIn
+from service.api.subscription_schemas import SubscriptionIn
 from service.delivery.channel import RemindingChannel
 from service.delivery.channel_kind import ChannelKind
 from service.delivery.channels import CHANNEL_KINDS, ChannelUnknown, by_kind, channel_kind, is_channel

@@ -1,16 +1,15 @@
 """docs/edge.md says what the agent takes and what it says of itself."""
 
 import re
-from pathlib import Path
 
 import yaml
 
 from service.edge.condition import CONDITIONS
 from service.edge.configuration import EdgeConfiguration
 from service.edge.waveform_message import _HEADER
+from tests.paths import ROOT
 
-PAGE = (Path(__file__).parents[3] / "docs" / "edge.md").read_text()
-ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "edge.md").read_text()
 
 
 def test_the_configuration_on_the_page_is_one_for_the_example() -> None:

@@ -10,13 +10,13 @@ from cryptography.hazmat.primitives.asymmetric import ec, rsa
 from pydantic import BaseModel, create_model
 from sqlalchemy import select
 
-from service.api import alert_schemas, limit_schemas
+from service.api import alert_schemas, limit_schemas, timeline_schemas
 from service.security import api_keys
 from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
-from service.security.rate import Rate
+from service.security.rate import RateLimit
 from service.security.tokens import Claims, TokenRefused, Tokens
 from storage import keys
 from storage.clock import now
@@ -133,7 +133,7 @@ def test_every_body_that_says_who_does_it_is_filled_in() -> None:
     """A new model with `by` in a request must use Author."""
     asked = [
         one
-        for module in (alert_schemas, limit_schemas)
+        for module in (alert_schemas, limit_schemas, timeline_schemas)
         for one in vars(module).values()
         if isinstance(one, type)
         and issubclass(one, BaseModel)
@@ -184,7 +184,7 @@ def test_who_brings_nothing_or_an_old_session_uses_up_nobodys_guesses(store: Dat
 
 def test_a_bucket_fills_up_again() -> None:
     clock = Clock()
-    rate = Rate(per_s=2.0, burst=3.0, clock=clock)
+    rate = RateLimit(per_s=2.0, burst=3.0, clock=clock)
     assert [rate.take("a") for _ in range(3)] == [0.0, 0.0, 0.0]
     assert rate.take("a") == pytest.approx(0.5)
     assert rate.take("b") == 0.0

@@ -1,0 +1,34 @@
+"""The status with which each category of errors is answered."""
+
+from collections.abc import Mapping
+from http import HTTPStatus
+
+from estimator.errors import (
+    Conflict,
+    Damaged,
+    DomainError,
+    Gone,
+    Invalid,
+    LimitReached,
+    Missing,
+    Outdated,
+    Unavailable,
+    Unconditional,
+)
+
+STATUS: Mapping[type[DomainError], HTTPStatus] = {
+    Invalid: HTTPStatus.UNPROCESSABLE_ENTITY,
+    Missing: HTTPStatus.NOT_FOUND,
+    Conflict: HTTPStatus.CONFLICT,
+    Gone: HTTPStatus.GONE,
+    Outdated: HTTPStatus.PRECONDITION_FAILED,
+    Unconditional: HTTPStatus.PRECONDITION_REQUIRED,
+    LimitReached: HTTPStatus.TOO_MANY_REQUESTS,
+    Damaged: HTTPStatus.INTERNAL_SERVER_ERROR,
+    Unavailable: HTTPStatus.SERVICE_UNAVAILABLE,
+}
+
+
+def status_of(error: DomainError) -> HTTPStatus:
+    """Look up the status of an error's category."""
+    return next(STATUS[kind] for kind in type(error).__mro__ if kind in STATUS)
