@@ -1,12 +1,12 @@
 import "uplot/dist/uPlot.min.css";
-import "./style.css";
-import "./print.css";
+import "./styles/style.css";
+import "./styles/print.css";
 import { render } from "preact";
-import { connect } from "./connection";
-import { followAddress } from "./router";
-import { findOut } from "./session";
-import { Shell } from "./shell";
-import { followSystem } from "./theme";
+import { connect } from "./data/connection";
+import { followAddress } from "./browser/router";
+import { findOut } from "./data/session";
+import { Shell } from "./shell/shell";
+import { followSystem } from "./browser/theme";
 
 followSystem();
 followAddress();
