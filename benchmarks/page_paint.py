@@ -29,7 +29,7 @@ new PerformanceObserver((list) => {
   for (const one of list.getEntries()) window.painted.largest = one.startTime;
 }).observe({ type: "largest-contentful-paint", buffered: true });
 const look = () => {
-  const whole = ["h1", ".train .element", ".alarm, .alarms, .panel .empty"].every((one) => document.querySelector(one));
+  const whole = ["h1", ".train .element", ".alert-row, .alerts, .panel .empty"].every((one) => document.querySelector(one));
   if (!whole) return requestAnimationFrame(look);
   requestAnimationFrame(() => { window.painted.meaningful = performance.now(); });
 };

@@ -1,17 +1,17 @@
+// Start the page: theme, router, connection, then the first drawing.
 import "uplot/dist/uPlot.min.css";
-import "./styles/style.css";
-import "./styles/print.css";
+import "./styles/index.css";
 import { render } from "preact";
+import { startRouter } from "./browser/router";
+import { startTheme } from "./browser/theme";
 import { connect } from "./data/connection";
-import { followAddress } from "./browser/router";
-import { findOut } from "./data/session";
+import { loadCurrentUser } from "./data/session";
 import { Shell } from "./shell/shell";
-import { followSystem } from "./browser/theme";
 
-followSystem();
-followAddress();
+startTheme();
+startRouter();
 connect();
-void findOut();
+void loadCurrentUser();
 const page = document.getElementById("page")!;
 page.replaceChildren();
 render(<Shell />, page);

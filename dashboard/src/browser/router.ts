@@ -1,17 +1,19 @@
-// Where in the page one is, in the address behind the #: /machines/motor-pump/trends?element=coupling.C1
+// The route, in the address behind the #: /machines/motor-pump/trends?element=coupling.C1
 import { Store } from "./store";
 
-export interface Place {
+export interface Route {
   parts: string[];
   query: URLSearchParams;
 }
 
-function here(): Place {
+type Query = Record<string, string | null | undefined>;
+
+function currentRoute(): Route {
   const [path = "", search = ""] = window.location.hash.replace(/^#/, "").split("?", 2);
   return { parts: path.split("/").filter(Boolean).map(decoded), query: new URLSearchParams(search) };
 }
 
-/** An address cut off in the middle of a sign is no reason to show nothing at all. */
+/** An address cut off within an escape sequence still leads somewhere. */
 function decoded(part: string): string {
   try {
     return decodeURIComponent(part);
@@ -20,34 +22,34 @@ function decoded(part: string): string {
   }
 }
 
-export const place = new Store<Place>(here());
-let shown = window.location.hash;
+export const route = new Store<Route>(currentRoute());
+let routedHash = window.location.hash;
 
-function arrive(): void {
-  shown = window.location.hash;
-  place.set(here());
+function update(): void {
+  routedHash = window.location.hash;
+  route.set(currentRoute());
 }
 
-export function followAddress(): void {
-  window.addEventListener("hashchange", arrive);
+export function startRouter(): void {
+  window.addEventListener("hashchange", update);
 }
 
-export function link(parts: string[], query: Record<string, string | null | undefined> = {}): string {
+export function link(parts: string[], query: Query = {}): string {
   const search = new URLSearchParams();
   for (const [name, value] of Object.entries(query)) if (value) search.set(name, value);
   const text = search.toString();
   return `#/${parts.map(encodeURIComponent).join("/")}${text ? `?${text}` : ""}`;
 }
 
-/** Change some of the query without a new entry in the history. */
-export function choose(changes: Record<string, string | null>): void {
-  if (window.location.hash !== shown) return; // who has gone on already is not brought back
-  const { parts, query } = place.value;
+/** Change parts of the query without a new entry in the history. */
+export function replaceQuery(changes: Record<string, string | null>): void {
+  if (window.location.hash !== routedHash) return; // the user has navigated on: do not bring them back
+  const { parts, query } = route.value;
   const next = Object.fromEntries([...query.entries(), ...Object.entries(changes)]);
   window.history.replaceState(null, "", link(parts, next));
-  arrive();
+  update();
 }
 
-export function go(parts: string[], query: Record<string, string | null | undefined> = {}): void {
+export function navigate(parts: string[], query: Query = {}): void {
   window.location.hash = link(parts, query);
 }

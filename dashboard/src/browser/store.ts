@@ -1,8 +1,8 @@
-// A value that components follow.
+// An observable value, and hooks with which components subscribe to it.
 import { useLayoutEffect, useState } from "preact/hooks";
 
 export class Store<T> {
-  private readonly followers = new Set<() => void>();
+  private readonly subscribers = new Set<() => void>();
 
   constructor(private current: T) {}
 
@@ -13,27 +13,27 @@ export class Store<T> {
   set(next: T): void {
     if (Object.is(next, this.current)) return;
     this.current = next;
-    for (const follower of [...this.followers]) follower();
+    for (const subscriber of [...this.subscribers]) subscriber();
   }
 
-  follow(follower: () => void): () => void {
-    this.followers.add(follower);
-    return () => this.followers.delete(follower);
+  subscribe(subscriber: () => void): () => void {
+    this.subscribers.add(subscriber);
+    return () => this.subscribers.delete(subscriber);
   }
 }
 
 /**
- * What several stores hold, followed from the very moment it is drawn: an effect behind the next frame would not hear of what
- * changes until then, and what changes only once would never be shown.
+ * The values of several stores. A layout effect subscribes before the first frame: an effect after it would miss changes until
+ * then, and a value that changes only once would never be shown.
  */
 export function useStores<T>(stores: Store<T>[]): T[] {
   const [, redraw] = useState(0);
   const shown = stores.map((store) => store.value);
   useLayoutEffect(() => {
-    const again = () => redraw((count) => count + 1);
-    const leave = stores.map((store) => store.follow(again));
-    if (stores.some((store, index) => !Object.is(store.value, shown[index]))) again();
-    return () => leave.forEach((one) => one());
+    const update = () => redraw((count) => count + 1);
+    const unsubscribe = stores.map((store) => store.subscribe(update));
+    if (stores.some((store, index) => !Object.is(store.value, shown[index]))) update();
+    return () => unsubscribe.forEach((one) => one());
   }, stores);
   return shown;
 }

@@ -1,46 +1,47 @@
-// Light or dark: as the system says, or as a person chose here.
+// The colour theme: that of the system, or one chosen here.
 import { Store } from "./store";
 
-export type Choice = "system" | "light" | "dark";
+export type ThemeChoice = "system" | "light" | "dark";
 
-const KEY = "rundown.theme";
+const STORAGE_KEY = "rundown.theme";
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 
-function chosen(): Choice {
-  const kept = window.localStorage.getItem(KEY);
-  return kept === "light" || kept === "dark" ? kept : "system";
+function savedChoice(): ThemeChoice {
+  const saved = window.localStorage.getItem(STORAGE_KEY);
+  return saved === "light" || saved === "dark" ? saved : "system";
 }
 
-export const choice = new Store<Choice>(chosen());
-/** What is shown now; plots are drawn again when it changes. */
-export const shown = new Store<"light" | "dark">("light");
+export const themeChoice = new Store<ThemeChoice>(savedChoice());
+/** The theme shown now; plots are drawn again when it changes. */
+export const activeTheme = new Store<"light" | "dark">("light");
 
-let paper = false;
+let printing = false;
 
-/** Paper is light, whatever the screen is: a report looks as it will be printed. */
-export function onPaper(is: boolean): void {
-  paper = is;
+/** Use the light theme, whatever the screen has: a report looks as it will be printed. */
+export function setPrintColours(on: boolean): void {
+  printing = on;
   apply();
 }
 
 function apply(): void {
-  const now = paper ? "light" : choice.value === "system" ? (dark.matches ? "dark" : "light") : choice.value;
-  document.documentElement.dataset.theme = now;
-  shown.set(now);
+  const choice = themeChoice.value;
+  const theme = printing ? "light" : choice === "system" ? (dark.matches ? "dark" : "light") : choice;
+  document.documentElement.dataset.theme = theme;
+  activeTheme.set(theme);
 }
 
-export function choose(next: Choice): void {
-  window.localStorage.setItem(KEY, next);
-  choice.set(next);
+export function chooseTheme(next: ThemeChoice): void {
+  window.localStorage.setItem(STORAGE_KEY, next);
+  themeChoice.set(next);
   apply();
 }
 
-export function followSystem(): void {
+export function startTheme(): void {
   dark.addEventListener("change", apply);
   apply();
 }
 
 /** A colour of the style sheet, for canvases. */
-export function colour(name: string): string {
+export function cssColour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 }

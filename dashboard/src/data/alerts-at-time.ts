@@ -1,14 +1,14 @@
-// Alerts as they were at a moment: their events tell how severe they were then, in which state, and what they said.
-import type { Alert, AlertEvent } from "../schemas/answers";
-import { useResources, type Answer } from "./resource";
+// Alerts as they were at a past moment: their events tell severity, state and message at that time.
+import type { Alert, AlertEvent } from "../schemas/alerts";
+import { useResources, type QueryResult } from "./resource";
 
-/** The service answers with so many at most. */
-export const MOST_EVENTS = 1000;
+/** The API's limit for a page of events. */
+export const MAX_EVENTS = 1000;
 
-/** Alerts opened later are as they are now. Nothing until it is known how the others were. */
-export function useAlertsAt(alerts: Alert[] | undefined, at: string): Answer<Alert[]> {
+/** Alerts opened later stay as they are now. No data until the events of all others are there. */
+export function useAlertsAt(alerts: Alert[] | undefined, at: string): QueryResult<Alert[]> {
   const changed = (alerts ?? []).filter((one) => notAfter(one.opened_at, at) && !notAfter(one.updated_at, at));
-  const events = useResources<AlertEvent[]>(changed.map((one) => `/alerts/${one.id}/events?limit=${MOST_EVENTS}`));
+  const events = useResources<AlertEvent[]>(changed.map((one) => `/alerts/${one.id}/events?limit=${MAX_EVENTS}`));
   const { failure, asOf } = events.find((one) => one.failure) ?? {};
   if (!alerts || events.some((one) => !one.data)) return { data: undefined, failure };
   const last = new Map(changed.map((one, index) => [one.id, lastUntil(events[index]!.data!, at)]));

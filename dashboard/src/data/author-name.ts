@@ -1,13 +1,13 @@
-// Who sits here: who is logged in, else what they said last.
-import { me } from "./session";
+// The name under which changes are made: of the user who is logged in, else the one entered last.
+import { currentUser } from "./session";
 
-const KEY = "rundown.name";
+const STORAGE_KEY = "rundown.name";
 
-export function keptName(): string {
-  if (me.value?.kind === "session") return me.value.name;
-  return window.localStorage.getItem(KEY) ?? "";
+export function savedAuthorName(): string {
+  if (currentUser.value?.kind === "session") return currentUser.value.name;
+  return window.localStorage.getItem(STORAGE_KEY) ?? "";
 }
 
-export function keepName(name: string): void {
-  window.localStorage.setItem(KEY, name);
+export function saveAuthorName(name: string): void {
+  window.localStorage.setItem(STORAGE_KEY, name);
 }

@@ -1,143 +1,142 @@
-// Whether the service answers, and what it says of alerts as it happens.
-import type { AlertEvent } from "../schemas/answers";
-import { reason } from "./problem";
-import { findOut } from "./session";
+// The connection to the service: the stream of alert events, and a heartbeat that finds out whether the service answers.
 import { Store } from "../browser/store";
+import type { AlertEvent } from "../schemas/alerts";
+import { problemText } from "./problem";
+import { loadCurrentUser } from "./session";
 
 export interface Connection {
-  /** troubled: the service answers, but cannot read its data. */
-  state: "connecting" | "live" | "troubled" | "lost";
-  /** Since when [ms]. */
+  /** degraded: the service answers, but cannot read its data. */
+  state: "connecting" | "live" | "degraded" | "lost";
+  /** When this state began [ms]. */
   since: number;
-  /** What the service says of its trouble. */
-  why: string;
+  /** The service's own reason for being degraded. */
+  reason: string;
 }
 
-/** How long to wait between two tries [ms]. */
-const RETRY_MS = 1000;
-/** The service is asked as often as this whether it is there: a frozen one keeps its connections open [ms]. */
-const BEAT_MS = 4000;
-const BEAT_PATIENCE_MS = 3000;
-/** From one beat of another page to its next. */
-const BEAT_SLACK_MS = BEAT_MS - BEAT_PATIENCE_MS;
-/** With these a proxy says that the service behind it does not answer. */
-const BEHIND_A_PROXY = [502, 504];
-const EVENTS = "/api/v1/alert-events/stream";
-const BEAT = "/api/v1/alert-events?limit=1";
+/** Between two attempts to open the stream [ms]. */
+const RECONNECT_MS = 1000;
+/** A frozen service keeps its connections open: only a request finds out that it does not answer [ms]. */
+const HEARTBEAT_MS = 4000;
+const HEARTBEAT_TIMEOUT_MS = 3000;
+/** From one heartbeat of another tab to its next. */
+const HEARTBEAT_SLACK_MS = HEARTBEAT_MS - HEARTBEAT_TIMEOUT_MS;
+/** A proxy's statuses for a service behind it that does not answer. */
+const BAD_GATEWAY = [502, 504];
+const STREAM = "/api/v1/alert-events/stream";
+const HEARTBEAT = "/api/v1/alert-events?limit=1";
 
-export const connection = new Store<Connection>({ state: "connecting", since: Date.now(), why: "" });
-/** The newest alert event; followers are told of each. */
-export const newestEvent = new Store<AlertEvent | null>(null);
-/** Grows each time the service is back, or the page is seen again: whoever shows something asks again. */
-export const returns = new Store(0);
+export const connection = new Store<Connection>({ state: "connecting", since: Date.now(), reason: "" });
+/** The newest alert event; subscribers are notified of each. */
+export const latestAlertEvent = new Store<AlertEvent | null>(null);
+/** Counts how often the service was back, or the tab seen again, after events may have been missed. */
+export const reconnects = new Store(0);
 
 let stream: EventSource | null = null;
-let retry: number | undefined;
-/** Whether something may have happened that this page was not told: it was not seen, or nobody answered. */
-let behind = document.hidden;
-/** When the service last answered a page of this browser [ms]. */
-let heardAt = 0;
-/** Pages of this browser share its few connections: one that waits for a free one hears from the others that the service is there. */
-const pages = new BroadcastChannel("rundown.heard");
+let reconnect: number | undefined;
+/** Whether events may have been missed: the tab was hidden, or the service did not answer. */
+let mayHaveMissedEvents = document.hidden;
+/** When the service last answered a tab of this browser [ms]. */
+let lastResponseAt = 0;
+/** Tabs share the browser's few connections: one that waits for a free one learns from the others that the service answers. */
+const otherTabs = new BroadcastChannel("rundown.heard");
 
-function become(state: Connection["state"], why = ""): void {
+function setState(state: Connection["state"], reason = ""): void {
   const before = connection.value;
-  if (before.state !== state || before.why !== why) connection.set({ state, since: before.state === state ? before.since : Date.now(), why });
+  if (before.state !== state || before.reason !== reason) connection.set({ state, since: before.state === state ? before.since : Date.now(), reason });
 }
 
-/** The service answered, if only that it cannot. */
-export function heard(): void {
-  heardAt = Date.now();
-  pages.postMessage(null);
+/** Note that the service responded, if only with an error. */
+export function noteResponse(): void {
+  lastResponseAt = Date.now();
+  otherTabs.postMessage(null);
 }
 
-export function timedOut(error: unknown): boolean {
+export function isTimeout(error: unknown): boolean {
   return error instanceof DOMException && error.name === "TimeoutError";
 }
 
-/** A question was not answered. asked: when it was asked [ms]. */
-export function missed(asked: number, error: unknown): void {
-  if (!timedOut(error) || heardAt < asked - BEAT_SLACK_MS) lose();
+/** Note that a request got no response. sentAt: when it was sent [ms]. */
+export function noteNoResponse(sentAt: number, error: unknown): void {
+  if (!isTimeout(error) || lastResponseAt < sentAt - HEARTBEAT_SLACK_MS) setLost();
 }
 
-function lose(): void {
-  become("lost");
-  listenAgain();
+function setLost(): void {
+  setState("lost");
+  scheduleReconnect();
 }
 
-/** It answers, but with a fault of its own. */
-function trouble(why: string): void {
-  become("troubled", why);
-  behind = true;
+/** The service responds, but with a server error. */
+function setDegraded(reason: string): void {
+  setState("degraded", reason);
+  mayHaveMissedEvents = true;
 }
 
-/** All is well: whoever shows something asks again, if something may have been missed. */
-function recover(): void {
-  become("live");
-  if (behind) returns.set(returns.value + 1);
-  behind = false;
+function setLive(): void {
+  setState("live");
+  if (mayHaveMissedEvents) reconnects.set(reconnects.value + 1);
+  mayHaveMissedEvents = false;
 }
 
-function listenAgain(): void {
-  close();
-  if (!document.hidden) retry = window.setTimeout(listen, RETRY_MS);
+function scheduleReconnect(): void {
+  closeStream();
+  if (!document.hidden) reconnect = window.setTimeout(openStream, RECONNECT_MS);
 }
 
-function close(): void {
-  behind = true;
-  window.clearTimeout(retry);
+function closeStream(): void {
+  mayHaveMissedEvents = true;
+  window.clearTimeout(reconnect);
   stream?.close();
   stream = null;
 }
 
-function listen(): void {
-  const after = newestEvent.value ? `?after=${newestEvent.value.id}` : "";
-  const opened = new EventSource(EVENTS + after);
+function openStream(): void {
+  const after = latestAlertEvent.value ? `?after=${latestAlertEvent.value.id}` : "";
+  const opened = new EventSource(STREAM + after);
   stream = opened;
   opened.onopen = () => {
-    // A stream opens without any data to read: only the beat tells that a trouble is over.
-    if (connection.value.state !== "troubled") recover();
-    void beat();
+    // A stream opens without reading any data: only the heartbeat ends the degraded state.
+    if (connection.value.state !== "degraded") setLive();
+    void heartbeat();
   };
   opened.onerror = () => {
     if (stream !== opened) return;
-    if (connection.value.state === "troubled") listenAgain();
-    else lose();
-    void beat(); // it may answer all the same
-    void findOut(); // a stream does not say why it ended: the session may be over
+    if (connection.value.state === "degraded") scheduleReconnect();
+    else setLost();
+    void heartbeat(); // the service may answer all the same
+    void loadCurrentUser(); // a stream does not say why it ended: the session may have expired
   };
   opened.addEventListener("alert", (message) => {
-    newestEvent.set(JSON.parse((message as MessageEvent<string>).data) as AlertEvent);
+    latestAlertEvent.set(JSON.parse((message as MessageEvent<string>).data) as AlertEvent);
   });
 }
 
-/** A browser has six connections to a service over HTTP/1.1, for all of its pages: one that is not seen holds none. */
-function seenOrNot(): void {
-  close();
-  if (connection.value.state === "live") become("connecting");
-  if (!document.hidden) listen();
+/** A browser has six connections to a host over HTTP/1.1, for all tabs together: a hidden tab holds none. */
+function onVisibilityChange(): void {
+  closeStream();
+  if (connection.value.state === "live") setState("connecting");
+  if (!document.hidden) openStream();
 }
 
-async function beat(): Promise<void> {
+async function heartbeat(): Promise<void> {
   if (document.hidden) return;
-  const asked = Date.now();
+  const sentAt = Date.now();
   try {
-    const answer = await fetch(BEAT, { signal: AbortSignal.timeout(BEAT_PATIENCE_MS) });
-    if (BEHIND_A_PROXY.includes(answer.status)) return lose();
-    heard();
-    if (answer.status >= 500) trouble(await reason(answer));
-    else if (connection.value.state === "troubled") {
-      if (stream?.readyState === EventSource.OPEN) recover();
-      else become("connecting");
+    const response = await fetch(HEARTBEAT, { signal: AbortSignal.timeout(HEARTBEAT_TIMEOUT_MS) });
+    if (BAD_GATEWAY.includes(response.status)) return setLost();
+    noteResponse();
+    if (response.status >= 500) setDegraded(await problemText(response));
+    else if (connection.value.state === "degraded") {
+      if (stream?.readyState === EventSource.OPEN) setLive();
+      else setState("connecting");
     }
   } catch (error) {
-    if (connection.value.state !== "lost") missed(asked, error);
+    if (connection.value.state !== "lost") noteNoResponse(sentAt, error);
   }
 }
 
 export function connect(): void {
-  pages.onmessage = () => (heardAt = Date.now());
-  document.addEventListener("visibilitychange", seenOrNot);
-  if (!document.hidden) listen();
-  window.setInterval(() => void beat(), BEAT_MS);
+  otherTabs.onmessage = () => (lastResponseAt = Date.now());
+  document.addEventListener("visibilitychange", onVisibilityChange);
+  if (!document.hidden) openStream();
+  window.setInterval(() => void heartbeat(), HEARTBEAT_MS);
 }

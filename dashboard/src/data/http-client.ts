@@ -1,92 +1,92 @@
-// Asking the service, and what is said when it refuses.
-import { connection, heard, missed, timedOut } from "./connection";
-import { reason } from "./problem";
-import { changeHeaders, refused } from "./session";
+// Requests to the API, and their errors.
+import { connection, isTimeout, noteNoResponse, noteResponse } from "./connection";
+import { problemText } from "./problem";
+import { csrfHeaders, redirectToLogin } from "./session";
 
-export const PREFIX = "/api/v1";
-const PATIENCE_MS = 20_000;
+export const API_PREFIX = "/api/v1";
+const TIMEOUT_MS = 20_000;
 
-/** The service's problem detail (RFC 9457), or that it did not answer; then the status is 0. */
-export class Failure extends Error {
+/** An error response (RFC 9457), or none at all; then the status is 0. */
+export class ApiError extends Error {
   constructor(
     readonly status: number,
     message: string,
-    /** The service is there, but its answer is not yet. */
-    readonly late = false,
+    /** The service is up, but has not answered this request yet. */
+    readonly pending = false,
   ) {
     super(message);
   }
 
-  /** Whether the service said that it does not do this: else it may be done, or answered, yet. */
-  get refused(): boolean {
-    return this.status >= 400 && this.status < 500 && this.status !== 429 && !this.late;
+  /** Whether the service refused the request for good: any other may be carried out, or answered, yet. */
+  get rejected(): boolean {
+    return this.status >= 400 && this.status < 500 && this.status !== 429 && !this.pending;
   }
 
-  /** Whether it is of this question alone: that nobody answers at all is said once, above everything. */
-  get own(): boolean {
-    return this.status > 0 || this.late;
+  /** Whether it concerns this request alone: that the service does not answer at all is stated once, above everything. */
+  get isLocal(): boolean {
+    return this.status > 0 || this.pending;
   }
 }
 
-function unanswered(asked: number, error: unknown): Failure {
-  missed(asked, error);
-  return timedOut(error) && connection.value.state !== "lost" ? late() : new Failure(0, "The service does not answer.");
+function noResponse(sentAt: number, error: unknown): ApiError {
+  noteNoResponse(sentAt, error);
+  return isTimeout(error) && connection.value.state !== "lost" ? pending() : new ApiError(0, "The service does not answer.");
 }
 
-function late(): Failure {
-  return new Failure(0, `The service is there, but has not answered this within ${PATIENCE_MS / 1000} s.`, true);
+function pending(): ApiError {
+  return new ApiError(0, `The service is up, but did not answer this request within ${TIMEOUT_MS / 1000} s.`, true);
 }
 
-async function ask(path: string, options: RequestInit): Promise<Response> {
+async function request(path: string, options: RequestInit): Promise<Response> {
   let response: Response;
-  const asked = Date.now();
+  const sentAt = Date.now();
   try {
-    response = await fetch(PREFIX + path, { ...options, signal: AbortSignal.timeout(PATIENCE_MS) });
+    response = await fetch(API_PREFIX + path, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
   } catch (error) {
-    throw unanswered(asked, error);
+    throw noResponse(sentAt, error);
   }
-  heard(); // even if it refuses: whether it can read its data is told by the beat
+  noteResponse(); // even if it is an error: the heartbeat finds out whether the service can read its data
   if (response.ok) return response;
-  if (response.status === 401) refused();
-  const underWay = response.status === 409 && response.headers.has("retry-after");
-  throw new Failure(response.status, await reason(response), underWay);
+  if (response.status === 401) redirectToLogin();
+  const inProgress = response.status === 409 && response.headers.has("retry-after");
+  throw new ApiError(response.status, await problemText(response), inProgress);
 }
 
-async function read<T>(response: Response): Promise<T> {
+async function parse<T>(response: Response): Promise<T> {
   try {
     return (await response.json()) as T;
   } catch (error) {
-    if (timedOut(error)) throw late();
-    throw new Failure(response.status, error instanceof SyntaxError ? "The service's answer is no JSON." : "The service's answer broke off.");
+    if (isTimeout(error)) throw pending();
+    throw new ApiError(response.status, error instanceof SyntaxError ? "The service's response is not JSON." : "The service's response was cut off.");
   }
 }
 
 export async function get<T>(path: string): Promise<T> {
-  return read<T>(await ask(path, { headers: { accept: "application/json" } }));
+  return parse<T>(await request(path, { headers: { accept: "application/json" } }));
 }
 
-/** The answer, and the ETag with which it can be changed. */
-export async function getToChange<T>(path: string): Promise<[T, string | null]> {
-  const response = await ask(path, { headers: { accept: "application/json" }, cache: "no-store" });
-  return [await read<T>(response), response.headers.get("etag")];
+/** The resource, and the ETag that a change of it must name. */
+export async function getWithEtag<T>(path: string): Promise<[T, string | null]> {
+  const response = await request(path, { headers: { accept: "application/json" }, cache: "no-store" });
+  return [await parse<T>(response), response.headers.get("etag")];
 }
 
-/** One attempt of a person, by what was asked: the keys of posts that may have been carried out though no answer came. */
-export type Attempt = Map<string, string>;
+/** Idempotency keys by request, of posts that may have been carried out though no response came. */
+export type IdempotencyKeys = Map<string, string>;
 
 function newKey(): string {
   return [...crypto.getRandomValues(new Uint32Array(4))].map((one) => one.toString(16)).join("-");
 }
 
-/** What is asked again in the same attempt after no answer came goes under the key of before, and is done once. */
-export async function post<T>(path: string, body: unknown, etag: string | null = null, attempt: Attempt = new Map()): Promise<T> {
-  const asked = path + JSON.stringify(body);
-  const key = attempt.get(asked) ?? newKey();
-  attempt.set(asked, key);
+/** Post. With the same keys a request that is repeated because no response came is carried out once. */
+export async function post<T>(path: string, body: unknown, etag: string | null = null, keys: IdempotencyKeys = new Map()): Promise<T> {
+  const request = path + JSON.stringify(body);
+  const key = keys.get(request) ?? newKey();
+  keys.set(request, key);
   try {
     return await send<T>("POST", path, body, etag, { "idempotency-key": key });
   } catch (error) {
-    if (error instanceof Failure && error.refused) attempt.delete(asked);
+    if (error instanceof ApiError && error.rejected) keys.delete(request);
     throw error;
   }
 }
@@ -95,15 +95,15 @@ export function put<T>(path: string, body: unknown, etag: string | null): Promis
   return send<T>("PUT", path, body, etag);
 }
 
-/** body: null for none. etag: of what is to be changed. */
+/** body: null for none. etag: of the resource that is to be changed. */
 async function send<T>(method: string, path: string, body: unknown, etag: string | null, more: Record<string, string> = {}): Promise<T> {
-  const headers: Record<string, string> = { accept: "application/json", ...changeHeaders(), ...more };
+  const headers: Record<string, string> = { accept: "application/json", ...csrfHeaders(), ...more };
   if (body !== null) headers["content-type"] = "application/json";
   if (etag) headers["if-match"] = etag;
-  return read<T>(await ask(path, { method, headers, body: body === null ? null : JSON.stringify(body) }));
+  return parse<T>(await request(path, { method, headers, body: body === null ? null : JSON.stringify(body) }));
 }
 
-export function query(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {
+export function queryString(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {
   const search = new URLSearchParams();
   for (const [name, value] of Object.entries(parameters)) {
     for (const one of Array.isArray(value) ? value : [value]) {

@@ -1,9 +1,9 @@
-// What was all there last, shown until its next is.
+// The last complete set of data, shown until the next one is complete.
 import { useRef } from "preact/hooks";
 
-/** of: what it is of; what was there of something else is not kept. */
-export function useLastWhole<T>(of: unknown, whole: T | undefined): T | undefined {
-  const last = useRef<{ of: unknown; whole: T } | null>(null);
-  if (whole !== undefined) last.current = { of, whole };
-  return last.current?.of === of ? last.current?.whole : undefined;
+/** of: what the data are of; data of something else are not kept. */
+export function useLastComplete<T>(of: unknown, complete: T | undefined): T | undefined {
+  const last = useRef<{ of: unknown; complete: T } | null>(null);
+  if (complete !== undefined) last.current = { of, complete };
+  return last.current?.of === of ? last.current?.complete : undefined;
 }

@@ -1,7 +1,7 @@
-// What the service says where it refuses.
+// Problem details (RFC 9457) of a response that is an error.
 
-/** Its problem detail (RFC 9457) in words; of an answer that has none, the status. */
-export async function reason(response: Response): Promise<string> {
+/** The detail and the errors of fields; the status where the response has none. */
+export async function problemText(response: Response): Promise<string> {
   try {
     const problem = (await response.json()) as { detail?: string; errors?: { field: string; message: string }[] };
     const fields = (problem.errors ?? []).map((one) => `${one.field}: ${one.message}`);

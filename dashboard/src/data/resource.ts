@@ -1,165 +1,165 @@
-// Answers of the service that components share: asked for once, kept, and asked for again when there is news.
+// A cache of the API's resources that components share: requested once, kept, and requested again when something changed.
 import { useLayoutEffect } from "preact/hooks";
-import { Failure, get } from "./http-client";
-import { connection, newestEvent, returns } from "./connection";
 import { Store, useStore, useStores } from "../browser/store";
+import { connection, latestAlertEvent, reconnects } from "./connection";
+import { ApiError, get } from "./http-client";
 
-export interface Answer<T> {
+export interface QueryResult<T> {
   data: T | undefined;
-  failure: Failure | undefined;
-  /** When the data were answered, where they grow old: it has failed for some time to get newer ones [ms]. */
+  failure: ApiError | undefined;
+  /** When the data were received, where they are stale: newer ones could not be loaded for some time [ms]. */
   asOf?: number | undefined;
 }
 
-/** So many answers that nobody follows are kept, for going back and forth. */
-const KEPT = 60;
-/** What was asked for so shortly before is not asked for again by another component [ms]. */
+/** Resources without a subscriber that are kept, for going back and forth. */
+const MAX_UNUSED = 60;
+/** Younger data are not requested again for another component [ms]. */
 const FRESH_MS = 1000;
-/** What waited for a free connection in vain is asked for again so much later [ms]. */
-const AGAIN_MS = 1000;
-/** What was refused is asked for again so much later [ms]: soon at first, for one failed try is no news. */
-const SOON_MS = 3000;
-const LATER_MS = 10_000;
-/** Data grow old when it has failed for so long to get newer ones [ms]. */
-const LASTING_MS = 2500;
+/** Until a retry when no free connection was found in time [ms]. */
+const RETRY_MS = 1000;
+/** Until a retry after an error [ms]: soon at first, since a single failed attempt is not reported. */
+const RETRY_SOON_MS = 3000;
+const RETRY_LATER_MS = 10_000;
+/** Data are stale when newer ones could not be loaded for so long [ms]. */
+const STALE_AFTER_MS = 2500;
 
 class Resource {
-  readonly answer = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
-  followers = 0;
-  asked = 0;
-  private asking = false;
-  /** Whether there was news while a question was open, whose answer may be from before. */
-  private again = false;
-  private answeredAt = 0;
-  /** When the first failure in a row was that is of this question alone; null without one [ms]. */
-  private refusedAt: number | null = null;
+  readonly result = new Store<QueryResult<unknown>>({ data: undefined, failure: undefined });
+  subscribers = 0;
+  requestedAt = 0;
+  private inFlight = false;
+  /** Whether something changed while a request was in flight, whose response may be from before. */
+  private refetchQueued = false;
+  private receivedAt = 0;
+  /** When the first of the latest errors in a row occurred that concern this request alone; null without one [ms]. */
+  private failingSince: number | null = null;
   private retry: number | undefined;
 
   constructor(readonly path: string) {}
 
-  /** Ask unless a question is open, or was asked since so long. */
-  want(sinceMs = FRESH_MS): void {
-    if (!this.asking && Date.now() - this.asked >= sinceMs) void this.refresh();
+  /** Request unless a request is in flight or was sent within that time. */
+  fetchIfOlder(ms = FRESH_MS): void {
+    if (!this.inFlight && Date.now() - this.requestedAt >= ms) void this.fetch();
   }
 
-  /** Ask, behind a question that is open. */
-  async refresh(): Promise<void> {
-    if (this.asking) {
-      this.again = true;
+  /** Request, after a request that is in flight. */
+  async fetch(): Promise<void> {
+    if (this.inFlight) {
+      this.refetchQueued = true;
       return;
     }
-    this.asking = true;
-    this.asked = Date.now();
+    this.inFlight = true;
+    this.requestedAt = Date.now();
     try {
-      this.answer.set({ data: await get(this.path), failure: undefined });
-      this.answeredAt = Date.now();
-      this.refusedAt = null;
+      this.result.set({ data: await get(this.path), failure: undefined });
+      this.receivedAt = Date.now();
+      this.failingSince = null;
       window.clearTimeout(this.retry);
     } catch (error) {
-      this.fail(error instanceof Failure ? error : new Failure(0, String(error)));
+      this.fail(error instanceof ApiError ? error : new ApiError(0, String(error)));
     } finally {
-      this.asking = false;
+      this.inFlight = false;
     }
-    const again = this.again;
-    this.again = false;
+    const again = this.refetchQueued;
+    this.refetchQueued = false;
     if (!again) return;
-    if (this.followers > 0) void this.refresh();
-    else this.asked = 0; // who comes back asks at once
+    if (this.subscribers > 0) void this.fetch();
+    else this.requestedAt = 0; // the next subscriber requests at once
   }
 
-  private fail(failure: Failure): void {
-    this.refusedAt = failure.own ? (this.refusedAt ?? Date.now()) : null;
-    const lasts = failure.late || (this.refusedAt !== null && Date.now() - this.refusedAt >= LASTING_MS);
-    // What was there stays visible while the service is away; what is gone is gone.
-    const data = failure.status === 404 ? undefined : this.answer.value.data;
-    this.answer.set({ data, failure, asOf: lasts ? this.answeredAt : undefined });
+  private fail(failure: ApiError): void {
+    this.failingSince = failure.isLocal ? (this.failingSince ?? Date.now()) : null;
+    const isStale = failure.pending || (this.failingSince !== null && Date.now() - this.failingSince >= STALE_AFTER_MS);
+    // Data stay visible while the service is away; a resource that was deleted does not.
+    const data = failure.status === 404 ? undefined : this.result.value.data;
+    this.result.set({ data, failure, asOf: isStale ? this.receivedAt : undefined });
     const { state } = connection.value;
-    if (state === "lost" || state === "troubled") return; // all is asked for again when that is over
-    if (failure.status === 0) this.askAgain(AGAIN_MS);
-    else if (data !== undefined || !failure.refused) this.askAgain(lasts ? LATER_MS : SOON_MS);
+    if (state === "lost" || state === "degraded") return; // everything is requested again when that is over
+    if (failure.status === 0) this.scheduleRetry(RETRY_MS);
+    else if (data !== undefined || !failure.rejected) this.scheduleRetry(isStale ? RETRY_LATER_MS : RETRY_SOON_MS);
   }
 
-  private askAgain(afterMs: number): void {
+  private scheduleRetry(afterMs: number): void {
     window.clearTimeout(this.retry);
-    this.retry = window.setTimeout(() => this.followers > 0 && !document.hidden && void this.refresh(), afterMs);
+    this.retry = window.setTimeout(() => this.subscribers > 0 && !document.hidden && void this.fetch(), afterMs);
   }
 }
 
 const resources = new Map<string, Resource>();
 
 function resourceOf(path: string): Resource {
-  const known = resources.get(path);
-  if (known) return known;
-  const made = new Resource(path);
-  resources.set(path, made);
-  return made;
+  const cached = resources.get(path);
+  if (cached) return cached;
+  const created = new Resource(path);
+  resources.set(path, created);
+  return created;
 }
 
-/** Never while something is drawn: what that shows is followed only when all of it is there. */
-function letGo(): void {
+/** Never call this during rendering: components subscribe only after it. */
+function evictUnused(): void {
   for (const [path, one] of resources) {
-    if (resources.size <= KEPT) break;
-    if (one.followers === 0) resources.delete(path);
+    if (resources.size <= MAX_UNUSED) break;
+    if (one.subscribers === 0) resources.delete(path);
   }
 }
 
-/** Ask for what will be shown in a moment. */
-export function foresee(...paths: string[]): void {
-  for (const path of paths) resourceOf(path).want();
+/** Request what will be shown in a moment. */
+export function prefetch(...paths: string[]): void {
+  for (const path of paths) resourceOf(path).fetchIfOlder();
 }
 
-/** Ask again for all that is shown and whose path holds the text. */
-export function refresh(text: string): void {
+/** Request again every shown resource whose path contains the text. */
+export function refetch(text: string): void {
   for (const [path, resource] of resources) {
     if (!path.includes(text)) continue;
-    if (resource.followers > 0) void resource.refresh();
+    if (resource.subscribers > 0) void resource.fetch();
     else resources.delete(path);
   }
 }
 
-returns.follow(() => refresh(""));
-newestEvent.follow(() => {
-  refresh("/alerts");
-  refresh("/deviations");
-  refresh("/fleet");
+reconnects.subscribe(() => refetch(""));
+latestAlertEvent.subscribe(() => {
+  refetch("/alerts");
+  refetch("/deviations");
+  refetch("/fleet");
 });
 
-const NOTHING = new Store<Answer<unknown>>({ data: undefined, failure: undefined });
+const NOTHING = new Store<QueryResult<unknown>>({ data: undefined, failure: undefined });
 
-/** Keep an answer up to date until what is returned is called. */
-function keep(resource: Resource, everyMs: number): () => void {
-  resource.followers += 1;
-  resource.want();
+/** Keep a resource up to date until the returned function is called. */
+function subscribe(resource: Resource, everyMs: number): () => void {
+  resource.subscribers += 1;
+  resource.fetchIfOlder();
   const timer =
     everyMs > 0
       ? window.setInterval(() => {
-          if (!document.hidden) resource.want(everyMs * 0.9);
+          if (!document.hidden) resource.fetchIfOlder(everyMs * 0.9);
         }, everyMs)
       : undefined;
   return () => {
-    resource.followers -= 1;
+    resource.subscribers -= 1;
     window.clearInterval(timer);
-    queueMicrotask(letGo);
+    queueMicrotask(evictUnused);
   };
 }
 
 /**
- * What the service answers under a path; nothing for no path.
+ * The resource at a path; nothing for no path.
  *
- * everyMs: asked again as often as this while the page is seen; 0: only on news.
+ * everyMs: how often it is polled while the tab is visible; 0: only after changes.
  */
-export function useResource<T>(path: string | null, everyMs = 0): Answer<T> {
+export function useResource<T>(path: string | null, everyMs = 0): QueryResult<T> {
   const resource = path === null ? null : resourceOf(path);
-  useLayoutEffect(() => (resource ? keep(resource, everyMs) : undefined), [resource, everyMs]);
-  return useStore(resource ? resource.answer : NOTHING) as Answer<T>;
+  useLayoutEffect(() => (resource ? subscribe(resource, everyMs) : undefined), [resource, everyMs]);
+  return useStore(resource ? resource.result : NOTHING) as QueryResult<T>;
 }
 
-/** The same under each of several paths; asked again only on news. */
-export function useResources<T>(paths: string[]): Answer<T>[] {
+/** The resources at several paths, requested again only after changes. */
+export function useResources<T>(paths: string[]): QueryResult<T>[] {
   const several = paths.map(resourceOf);
   useLayoutEffect(() => {
-    const leave = several.map((one) => keep(one, 0));
-    return () => leave.forEach((one) => one());
+    const unsubscribe = several.map((one) => subscribe(one, 0));
+    return () => unsubscribe.forEach((one) => one());
   }, several);
-  return useStores(several.map((one) => one.answer)) as Answer<T>[];
+  return useStores(several.map((one) => one.result)) as QueryResult<T>[];
 }

@@ -1,37 +1,32 @@
-// The identification of a run alone, and the slow roll without which the run is shown beside it.
-import type { IdentificationSummary, Run } from "../schemas/answers";
-import { query, type Failure } from "./http-client";
+// The identification of a single run, and the slow roll to subtract from the run's phasors so that they match its curve.
+import type { IdentificationSummary } from "../schemas/identifications";
+import type { Run } from "../schemas/runs";
+import { queryString, type ApiError } from "./http-client";
 import { useResource } from "./resource";
 
-/** Where there is none yet it is looked for as often as this. */
-const MS = 5000;
+/** While there is no identification of the run yet. */
+const POLL_MS = 5000;
 
-export interface FitOfRun {
+export interface RunIdentification {
   identified: IdentificationSummary | undefined;
-  /** What phasors and orbits are asked for without; null while it is not known. */
+  /** The API's parameter slow_roll for phasors and orbits; null while it is not known. */
   slowRoll: string | null;
-  /** Why it is not known whether there is one. */
-  failure: Failure | undefined;
+  /** Why it is not known whether there is an identification. */
+  failure: ApiError | undefined;
 }
 
-/** Points and curve agree only where both are without the same vectors; without a curve those in force are as good as any. */
-export function useFitOf(machine: string, run: Run | undefined): FitOfRun {
-  const path = run?.ended_at ? measuredIn(machine, run.started_at, run.ended_at) : null;
-  const listed = useResource<IdentificationSummary[]>(path);
-  const identified = listed.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
-  useResource(identified ? null : path, MS);
-  const waits = !run || (run.ended_at && !listed.data && !listed.failure);
-  return { identified, slowRoll: waits ? null : identified ? String(identified.slow_roll_version ?? "none") : "in_force", failure: listed.failure };
+/** Points and curve agree only with the same vectors subtracted; without a curve those in force are subtracted. */
+export function useRunIdentification(machine: string, run: Run | undefined): RunIdentification {
+  const path = run?.ended_at ? listPath(machine, run.started_at, run.ended_at) : null;
+  const list = useResource<IdentificationSummary[]>(path);
+  const identified = list.data?.find((one) => one.accepted && one.scope === "run" && run && one.runs.includes(run.id));
+  useResource(identified ? null : path, POLL_MS);
+  const isPending = !run || (run.ended_at && !list.data && !list.failure);
+  return { identified, slowRoll: isPending ? null : identified ? String(identified.slow_roll_version ?? "none") : "in_force", failure: list.failure };
 }
 
-/** Where identifications of a run are asked for: they are measured when it ends. */
-function measuredIn(machine: string, begin: string, end: string): string {
+/** An identification is dated at the end of its run. */
+function listPath(machine: string, begin: string, end: string): string {
   const to = new Date(Date.parse(end) + 1000).toISOString();
-  return `/machines/${machine}/identifications${query({ from: begin, to, limit: 100 })}`;
-}
-
-/** What an answer is without. leftOut: channels that the vectors are not of. */
-export function slowRollWords(version: number | null, leftOut: string[] = []): string {
-  if (version === null) return "as measured, no slow roll subtracted";
-  return `slow roll version ${version} subtracted${leftOut.length > 0 ? `, but not at ${leftOut.join(", ")}` : ""}`;
+  return `/machines/${machine}/identifications${queryString({ from: begin, to, limit: 100 })}`;
 }

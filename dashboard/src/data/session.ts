@@ -1,55 +1,55 @@
-// Who is logged in. Where the service asks nobody who they are, nobody is.
+// The user who is logged in; nobody where the service asks for no login.
 import { Store } from "../browser/store";
 
-export interface Me {
+export interface CurrentUser {
   name: string;
   role: string;
   plants: string[] | null;
   kind: "open" | "key" | "token" | "session";
-  /** What each change must bring along. */
+  /** CSRF token that each change must carry. */
   token: string | null;
 }
 
 const LOGIN = "/login";
-const AFTER = "rundown.after-login";
+const RETURN_TO = "rundown.after-login";
 
 let leaving = false;
 
-export const me = new Store<Me | null>(null);
+export const currentUser = new Store<CurrentUser | null>(null);
 
-/** The service wants to know who this is: remember the place, and go and log in. */
-export function refused(): void {
-  if (!leaving) window.sessionStorage.setItem(AFTER, window.location.hash);
+/** Remember the address, and go to the login page. */
+export function redirectToLogin(): void {
+  if (!leaving) window.sessionStorage.setItem(RETURN_TO, window.location.hash);
   leave();
 }
 
-/** Once: every question that is open is refused, and a second departure would break off the first. */
+/** Leave once: every request under way is refused, and a second navigation would cancel the first. */
 function leave(): void {
   if (leaving) return;
   leaving = true;
   window.location.assign(LOGIN);
 }
 
-export function changeHeaders(): Record<string, string> {
-  const token = me.value?.token;
+export function csrfHeaders(): Record<string, string> {
+  const token = currentUser.value?.token;
   return token ? { "x-rundown-token": token } : {};
 }
 
-export async function findOut(): Promise<void> {
+export async function loadCurrentUser(): Promise<void> {
   try {
     const response = await fetch("/api/v1/me", { headers: { accept: "application/json" }, cache: "no-store" });
-    if (response.status === 401) refused();
+    if (response.status === 401) redirectToLogin();
     if (!response.ok) return;
-    me.set((await response.json()) as Me);
+    currentUser.set((await response.json()) as CurrentUser);
   } catch {
-    return; // whoever shows something finds out that nobody answers
+    return; // the connection's heartbeat reports that the service does not answer
   }
-  const place = window.sessionStorage.getItem(AFTER);
-  window.sessionStorage.removeItem(AFTER);
-  if (place && !window.location.hash) window.location.hash = place;
+  const hash = window.sessionStorage.getItem(RETURN_TO);
+  window.sessionStorage.removeItem(RETURN_TO);
+  if (hash && !window.location.hash) window.location.hash = hash;
 }
 
 export async function logOut(): Promise<void> {
-  await fetch("/logout", { method: "POST", headers: changeHeaders() });
+  await fetch("/logout", { method: "POST", headers: csrfHeaders() });
   leave();
 }

@@ -1,7 +1,7 @@
-// A run's phasors in ascending order of speed, as a plot needs them.
-import type { Phasors } from "../schemas/answers";
+// A run's phasors in ascending order of speed, as plots need them.
+import type { Phasors } from "../schemas/runs";
 
-export interface Sweep {
+export interface SpeedSweep {
   channels: string[];
   rpm: number[];
   /** Per channel [µm pp]. */
@@ -10,7 +10,7 @@ export interface Sweep {
   lag: (number | null)[][];
 }
 
-export function bySpeed(phasors: Phasors): Sweep {
+export function speedSweep(phasors: Phasors): SpeedSweep {
   const order = phasors.speed_rpm.map((_, index) => index).sort((a, b) => phasors.speed_rpm[a]! - phasors.speed_rpm[b]!);
   const sorted = <T>(values: T[]): T[] => order.map((index) => values[index]!);
   return {

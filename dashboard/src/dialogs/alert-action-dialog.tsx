@@ -1,49 +1,49 @@
-// Asks who does something to an alert, and why; says what the service answers.
-import { DEEDS, type Deed } from "../words/alert-states";
-import { MOST_EVENTS } from "../data/alerts-at-time";
-import type { Alert, AlertEvent } from "../schemas/answers";
-import { Failure, get, getToChange, post, type Attempt } from "../data/http-client";
-import { AskDialog, Comment } from "./form-dialog";
-import { refresh } from "../data/resource";
+// Acknowledge, reset, shelve, unshelve or comment on an alert.
+import { MAX_EVENTS } from "../data/alerts-at-time";
+import { ApiError, get, getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
+import { refetch } from "../data/resource";
+import type { Alert, AlertEvent } from "../schemas/alerts";
+import { ALERT_ACTIONS, alertStateLabel, type AlertAction } from "../words/alert-states";
+import { author, CommentField, FormDialog } from "./form-dialog";
 
 const SHIFT = 8;
 const HOURS: [number, string][] = [
   [1, "1 hour"],
-  [SHIFT, "8 hours, a shift"],
+  [SHIFT, "8 hours (one shift)"],
   [24, "1 day"],
   [168, "1 week"],
-  [719, "30 days, the longest"],
+  [719, "30 days (the maximum)"],
 ];
 
-async function carryOut(alert: Alert, deed: Deed, said: Record<string, string>, attempt: Attempt): Promise<void> {
-  // The tag is that of the alert as it is now: if it is no longer what was shown, the service's answer says what it has become.
-  const [now, etag] = await getToChange<Alert>(`/alerts/${alert.id}`);
-  if (deed !== "comments" && now.state !== alert.state) {
-    const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MOST_EVENTS}`)).at(-1);
-    throw new Failure(409, `It is ${now.state.replaceAll("_", " ")} meanwhile, by ${last?.by ?? "somebody else"}. Look again.`);
+async function carryOut(alert: Alert, action: AlertAction, body: Record<string, string>, keys: IdempotencyKeys): Promise<void> {
+  // The ETag is that of the alert as it is now: if it is no longer as shown, the error says what it has become.
+  const [now, etag] = await getWithEtag<Alert>(`/alerts/${alert.id}`);
+  if (action !== "comments" && now.state !== alert.state) {
+    const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`)).at(-1);
+    throw new ApiError(409, `The alert has changed: it is now ${alertStateLabel(now.state)}, by ${last?.by ?? "somebody else"}. Check it again.`);
   }
-  if (deed !== "comments" && now.severity !== alert.severity) {
-    throw new Failure(409, `It is of severity ${now.severity} meanwhile, no longer ${alert.severity}. Look again.`);
+  if (action !== "comments" && now.severity !== alert.severity) {
+    throw new ApiError(409, `The alert has changed: its severity is now ${now.severity}, no longer ${alert.severity}. Check it again.`);
   }
-  // A deed can be undone, and is done anew then: only a comment must not be there twice.
-  await post(`/alerts/${alert.id}/${deed}`, said, etag, deed === "comments" ? attempt : undefined);
+  // An action can be undone and then taken anew, so it needs a new key: only a comment must not be there twice.
+  await post(`/alerts/${alert.id}/${action}`, body, etag, action === "comments" ? keys : undefined);
 }
 
-export function AlertDialog({ alert, deed, onClose }: { alert: Alert; deed: Deed; onClose: () => void }) {
-  const submit = async (form: FormData, attempt: Attempt) => {
-    const said: Record<string, string> = { by: String(form.get("by")).trim(), comment: String(form.get("comment") ?? "") };
-    if (deed === "shelve") said.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
+export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; action: AlertAction; onClose: () => void }) {
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const body: Record<string, string> = { by: author(form), comment: String(form.get("comment") ?? "") };
+    if (action === "shelve") body.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
     try {
-      await carryOut(alert, deed, said, attempt);
+      await carryOut(alert, action, body, keys);
     } finally {
-      refresh("/alerts");
-      refresh("/fleet");
+      refetch("/alerts");
+      refetch("/fleet");
     }
   };
   return (
-    <AskDialog title={DEEDS[deed].title} button={DEEDS[deed].button.replace(" …", "")} onSubmit={submit} onClose={onClose}>
+    <FormDialog title={ALERT_ACTIONS[action].title} button={ALERT_ACTIONS[action].button.replace(" …", "")} onSubmit={submit} onClose={onClose}>
       <p class="subject">{alert.message}</p>
-      {deed === "shelve" && (
+      {action === "shelve" && (
         <label>
           For
           <select name="hours">
@@ -55,7 +55,7 @@ export function AlertDialog({ alert, deed, onClose }: { alert: Alert; deed: Deed
           </select>
         </label>
       )}
-      <Comment required={deed === "comments"} />
-    </AskDialog>
+      <CommentField required={action === "comments"} />
+    </FormDialog>
   );
 }

@@ -1,4 +1,4 @@
-// A window in front of the page; the browser keeps the focus inside and closes it with Escape.
+// A modal window; the browser keeps the focus inside and closes it with Escape.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 
@@ -7,7 +7,7 @@ export function Dialog({ title, onClose, children }: { title: string; onClose: (
   useEffect(() => {
     const before = document.activeElement as HTMLElement | null;
     dialog.current?.showModal();
-    // Who works with keys goes on where the window was opened, however it was closed.
+    // The focus returns to where the window was opened, however it was closed.
     return () => (before?.isConnected ? before : document.getElementById("main"))?.focus();
   }, []);
   return (

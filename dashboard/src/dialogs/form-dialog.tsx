@@ -1,36 +1,36 @@
-// A form in front of the page: fields, who asks, and what the service answers.
+// A form in a modal window: its fields, the author's name, and the error when it could not be submitted.
 import type { ComponentChildren } from "preact";
 import { useRef, useState } from "preact/hooks";
-import { Failure, type Attempt } from "../data/http-client";
+import { saveAuthorName, savedAuthorName } from "../data/author-name";
+import { ApiError, type IdempotencyKeys } from "../data/http-client";
 import { Dialog } from "./dialog";
-import { keepName, keptName } from "../data/author-name";
 
 interface Props {
   title: string;
   button: string;
-  /** Whether who asks is written down. */
+  /** Whether the change is recorded under its author's name. */
   named?: boolean;
-  /** Carry it out; what it throws is shown, and the window stays. */
-  onSubmit: (form: FormData, attempt: Attempt) => Promise<void>;
+  /** Carry it out; an error that it throws is shown, and the window stays. */
+  onSubmit: (form: FormData, keys: IdempotencyKeys) => Promise<void>;
   onClose: () => void;
   children?: ComponentChildren;
 }
 
-export function AskDialog({ title, button, named = true, onSubmit, onClose, children }: Props) {
+export function FormDialog({ title, button, named = true, onSubmit, onClose, children }: Props) {
   const [failure, setFailure] = useState<string | null>(null);
   const [busy, setBusy] = useState(false);
-  const attempt = useRef<Attempt>(new Map());
+  const keys = useRef<IdempotencyKeys>(new Map());
   const submit = async (event: SubmitEvent) => {
     event.preventDefault();
     const form = new FormData(event.currentTarget as HTMLFormElement);
-    if (named) keepName(String(form.get("by")).trim());
+    if (named) saveAuthorName(author(form));
     setBusy(true);
     setFailure(null);
     try {
-      await onSubmit(form, attempt.current);
+      await onSubmit(form, keys.current);
       onClose();
     } catch (error) {
-      setFailure(error instanceof Failure ? error.message : String(error));
+      setFailure(error instanceof ApiError ? error.message : String(error));
     } finally {
       setBusy(false);
     }
@@ -42,11 +42,11 @@ export function AskDialog({ title, button, named = true, onSubmit, onClose, chil
         {named && (
           <label>
             Your name
-            <input name="by" required maxLength={120} autoComplete="name" defaultValue={keptName()} />
+            <input name="by" required maxLength={120} autoComplete="name" defaultValue={savedAuthorName()} />
           </label>
         )}
         {failure && (
-          <p class="trouble" role="alert">
+          <p class="error" role="alert">
             {failure}
           </p>
         )}
@@ -63,7 +63,12 @@ export function AskDialog({ title, button, named = true, onSubmit, onClose, chil
   );
 }
 
-export function Comment({ required = false }: { required?: boolean }) {
+/** The name entered in a form. */
+export function author(form: FormData): string {
+  return String(form.get("by")).trim();
+}
+
+export function CommentField({ required = false }: { required?: boolean }) {
   return (
     <label>
       Comment

@@ -1,17 +1,17 @@
-// All alerts of all machines.
-import type { Alert } from "../schemas/answers";
-import { Alerts } from "../panels/alert-list";
-import { query } from "../data/http-client";
-import { Cut, Panel } from "../components/parts";
-import { useResource } from "../data/resource";
-import { choose, place } from "../browser/router";
+// The alerts of all machines.
+import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { Panel, Truncated } from "../components/panel";
+import { queryString } from "../data/http-client";
+import { useResource } from "../data/resource";
+import { AlertList } from "../panels/alert-list";
+import type { Alert } from "../schemas/alerts";
 
-const SHOWN = 200;
+const LIMIT = 200;
 
 export function AlertsPage() {
-  const all = useStore(place).query.get("all") === "1";
-  const answer = useResource<Alert[]>(`/alerts${query({ open: !all, limit: SHOWN })}`, 30_000);
+  const all = useStore(route).query.get("all") === "1";
+  const result = useResource<Alert[]>(`/alerts${queryString({ open: !all, limit: LIMIT })}`, 30_000);
   return (
     <>
       <h1>Alerts</h1>
@@ -19,12 +19,12 @@ export function AlertsPage() {
         title={all ? "All, newest first" : "Open, newest first"}
         aside={
           <label class="switch">
-            <input type="checkbox" checked={all} onChange={() => choose({ all: all ? null : "1" })} /> closed ones too
+            <input type="checkbox" checked={all} onChange={() => replaceQuery({ all: all ? null : "1" })} /> include closed
           </label>
         }
       >
-        <Alerts answer={answer} machines none={all ? "There was never an alert." : "No alert is open."} />
-        <Cut shown={answer.data?.length ?? 0} most={SHOWN} />
+        <AlertList result={result} machines none={all ? "No alerts." : "No open alerts."} />
+        <Truncated shown={result.data?.length ?? 0} limit={LIMIT} />
       </Panel>
     </>
   );

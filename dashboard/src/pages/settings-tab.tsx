@@ -1,9 +1,9 @@
-// What people have set for a machine: whose alerts call nobody, and from where on something is an alert.
-import type { Document } from "../schemas/answers";
+// The settings of a machine: suppressed alerts, and limits.
 import { LimitsPanel } from "../panels/limits-panel";
 import { SuppressionsPanel } from "../panels/suppressions-panel";
+import type { Document } from "../schemas/machines";
 
-export function SettingsView({ machine }: { machine: Document }) {
+export function SettingsTab({ machine }: { machine: Document }) {
   return (
     <>
       <SuppressionsPanel machine={machine} />

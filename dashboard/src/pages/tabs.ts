@@ -1,4 +1,4 @@
-// The parts of a machine's page, in the order of the keys 1 to 7.
+// The tabs of a machine's page, in the order of the keys 1 to 7.
 
 export const TABS = [
   { id: "overview", name: "Overview" },

@@ -1,46 +1,52 @@
-// A list of alerts, what happened to each, and what can be done to it.
+// A list of alerts, the evidence and history of each, and the actions on it.
 import { useState } from "preact/hooks";
-import { AlertDialog } from "../dialogs/alert-action-dialog";
-import { calls, DEEDS, possible, stateInWords, type Deed } from "../words/alert-states";
-import { MOST_EVENTS } from "../data/alerts-at-time";
-import type { Alert, AlertEvent, Evidence } from "../schemas/answers";
-import { elementName, number, quantity, utc } from "../words/format";
-import { Cut, Empty, Severity, Shown, Time } from "../components/parts";
-import { useResource, type Answer } from "../data/resource";
 import { link } from "../browser/router";
+import { Loaded } from "../components/loading";
+import { Empty, Truncated } from "../components/panel";
+import { Severity } from "../components/severity";
+import { Time } from "../components/time";
+import { MAX_EVENTS } from "../data/alerts-at-time";
+import { useResource, type QueryResult } from "../data/resource";
+import { AlertActionDialog } from "../dialogs/alert-action-dialog";
+import { causeLabel, findingLabel } from "../findings/findings";
+import { elementName, words } from "../format/names";
+import { number, quantity } from "../format/numbers";
+import { utc } from "../format/times";
+import type { Alert, AlertEvent, Evidence } from "../schemas/alerts";
+import { ALERT_ACTIONS, alertStateLabel, availableActions, isUnacknowledged, type AlertAction } from "../words/alert-states";
 
-export function Alerts(props: { answer: Answer<Alert[]>; machines?: boolean; none: string }) {
-  const [asked, setAsked] = useState<{ alert: Alert; deed: Deed } | null>(null);
+export function AlertList(props: { result: QueryResult<Alert[]>; machines?: boolean; none: string }) {
+  const [dialog, setDialog] = useState<{ alert: Alert; action: AlertAction } | null>(null);
   return (
     <>
-      <Shown answer={props.answer} lines={4}>
+      <Loaded result={props.result} lines={4}>
         {(alerts) =>
           alerts.length === 0 ? (
             <Empty>{props.none}</Empty>
           ) : (
-            <ul class="alarms">
+            <ul class="alerts">
               {alerts.map((alert) => (
-                <Row key={alert.id} alert={alert} machine={props.machines ?? false} onAsk={(deed) => setAsked({ alert, deed })} />
+                <Row key={alert.id} alert={alert} machine={props.machines ?? false} onAction={(action) => setDialog({ alert, action })} />
               ))}
             </ul>
           )
         }
-      </Shown>
-      {asked && <AlertDialog alert={asked.alert} deed={asked.deed} onClose={() => setAsked(null)} />}
+      </Loaded>
+      {dialog && <AlertActionDialog alert={dialog.alert} action={dialog.action} onClose={() => setDialog(null)} />}
     </>
   );
 }
 
-function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk: (deed: Deed) => void }) {
+function Row({ alert, machine, onAction }: { alert: Alert; machine: boolean; onAction: (action: AlertAction) => void }) {
   const [open, setOpen] = useState(false);
   return (
-    <li class={`alarm ${alert.closed_at ? "closed" : ""} ${calls(alert) ? "calls" : ""}`} data-alert={alert.id}>
+    <li class={`alert-row ${alert.closed_at ? "closed" : ""} ${isUnacknowledged(alert) ? "unacknowledged" : ""}`} data-alert={alert.id}>
       <div class="head">
-        <Severity severity={alert.severity} seen={!calls(alert)} />
+        <Severity severity={alert.severity} acknowledged={!isUnacknowledged(alert)} />
         {machine && <a href={link(["machines", alert.machine])}>{alert.machine}</a>}
         <a href={link(["machines", alert.machine, "trends"], { element: alert.element })}>{elementName(alert.element)}</a>
-        <span class="rule">{alert.rule.replaceAll("_", " ")}</span>
-        <span class="state">{stateInWords(alert.state)}</span>
+        <span class="rule">{findingLabel(alert.rule)}</span>
+        <span class="state">{alertStateLabel(alert.state)}</span>
         <span class="space" />
         <span title={`first measured ${utc(alert.first_measured_at)}, last ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
           <Time at={alert.opened_at} />
@@ -48,9 +54,9 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
       </div>
       <p>{alert.message}</p>
       <div class="buttons">
-        {possible(alert).map((deed) => (
-          <button type="button" key={deed} class={deed === "acknowledge" ? "strong" : undefined} onClick={() => onAsk(deed)}>
-            {DEEDS[deed].button}
+        {availableActions(alert).map((action) => (
+          <button type="button" key={action} class={action === "acknowledge" ? "strong" : undefined} onClick={() => onAction(action)}>
+            {ALERT_ACTIONS[action].button}
           </button>
         ))}
         <button type="button" class="quiet" aria-expanded={open} onClick={() => setOpen(!open)}>
@@ -59,7 +65,7 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
       </div>
       {open && (
         <>
-          <Basis evidence={alert.evidence} />
+          <EvidenceList evidence={alert.evidence} />
           <History alert={alert} />
         </>
       )}
@@ -67,17 +73,17 @@ function Row({ alert, machine, onAsk }: { alert: Alert; machine: boolean; onAsk:
   );
 }
 
-/** What it rests on, where a diagnosis made it. */
-function Basis({ evidence }: { evidence: Partial<Evidence> }) {
-  const { moved = [], runners_up: others = [], since, runs, misalignment_force: force } = evidence;
+/** The evidence of a diagnosis; nothing for other alerts. */
+function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
+  const { moved = [], runners_up: alternatives = [], since, runs, misalignment_force: force } = evidence;
   if (moved.length === 0) return null;
   return (
     <dl class="facts">
-      <dt>Seen since</dt>
+      <dt>Observed since</dt>
       <dd>
-        <Time at={since} />, in {runs} runs in a row
+        <Time at={since} />, in {runs} consecutive runs
       </dd>
-      <dt>Moved most</dt>
+      <dt>Largest changes</dt>
       <dd>{moved.map((one) => `${one.parameter} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
       {typeof force === "number" && (
         <>
@@ -85,39 +91,35 @@ function Basis({ evidence }: { evidence: Partial<Evidence> }) {
           <dd>{quantity(force, "N")} at running speed</dd>
         </>
       )}
-      {others.length > 0 && (
+      {alternatives.length > 0 && (
         <>
-          <dt>Else it would be</dt>
-          <dd>{others.map(causeInWords).join(", or ")}; these explain it less well</dd>
+          <dt>Alternative causes</dt>
+          <dd>{alternatives.map(causeLabel).join(", or ")}; less likely</dd>
         </>
       )}
     </dl>
   );
 }
 
-function causeInWords({ kind, element }: { kind: string; element: string }): string {
-  return element.startsWith(`${kind}.`) ? `${elementName(element)} by itself` : `${kind.replaceAll("_", " ")} of ${elementName(element)}`;
-}
-
 function History({ alert }: { alert: Alert }) {
-  const answer = useResource<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MOST_EVENTS}`);
+  const result = useResource<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`);
   return (
-    <Shown answer={answer} lines={alert.events}>
+    <Loaded result={result} lines={alert.events}>
       {(events) => (
         <>
-          <Cut shown={events.length} most={MOST_EVENTS} what="oldest" />
+          <Truncated shown={events.length} limit={MAX_EVENTS} which="oldest" />
           <ol class="history">
             {events.map((event) => (
               <li key={event.id}>
-                <Time at={event.at} /> {event.kind.replaceAll("_", " ")}
+                <Time at={event.at} /> {words(event.kind)}
                 {event.by && <> by {event.by}</>}
-                {event.state !== event.state_before && <>, now {stateInWords(event.state)}</>}
+                {event.state !== event.state_before && <>, now {alertStateLabel(event.state)}</>}
                 {event.comment && <q>{event.comment}</q>}
               </li>
             ))}
           </ol>
         </>
       )}
-    </Shown>
+    </Loaded>
   );
 }

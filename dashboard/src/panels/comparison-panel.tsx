@@ -1,14 +1,17 @@
-// What changed from an earlier identification to the one that is shown.
-import type { Comparison, ComparedChange, Estimate, IdentificationSummary } from "../schemas/answers";
-import { query } from "../data/http-client";
-import { elementName, number, percent, scaleOf, when, type Scale } from "../words/format";
-import { Empty, Panel, Shown } from "../components/parts";
-import { useResource } from "../data/resource";
-import { choose, place } from "../browser/router";
+// A comparison of the identification that is shown with an earlier one.
+import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { queryString } from "../data/http-client";
+import { useResource } from "../data/resource";
+import { elementName } from "../format/names";
+import { number, percent, scaleOf, type Scale } from "../format/numbers";
+import { when } from "../format/times";
+import type { ComparedChange, Comparison, Estimate, IdentificationSummary } from "../schemas/identifications";
 
-/** A change larger than this many standard errors stands out. */
-const CLEAR = 3;
+/** Changes of more than so many standard errors are highlighted. */
+const SIGNIFICANT = 3;
 
 interface Props {
   shown: string;
@@ -18,51 +21,49 @@ interface Props {
 }
 
 export function ComparisonPanel({ shown, all, estimates }: Props) {
-  const { query: chosen } = useStore(place);
+  const { query } = useStore(route);
+  const earlier = query.get("against") ?? "";
+  const result = useResource<Comparison>(earlier ? `/identifications/compare${queryString({ first: earlier, second: shown })}` : null);
   const others = all.filter((one) => String(one.id) !== shown);
-  const earlier = chosen.get("against") ?? "";
-  const answer = useResource<Comparison>(earlier ? `/identifications/compare${query({ first: earlier, second: shown })}` : null);
   return (
-    <Panel
-      title="What changed against another identification"
-      aside={
-        <label class="switch">
-          Against{" "}
-          <select value={earlier} onChange={(event) => choose({ against: event.currentTarget.value || null })}>
-            <option value="">none</option>
-            {earlier !== "" && !others.some((one) => String(one.id) === earlier) && <option value={earlier}>{earlier}</option>}
-            {others.map((one) => (
-              <option key={one.id} value={one.id}>
-                {one.id} {one.run_kind}, {when(one.measured_at)}
-                {one.accepted ? "" : ", not accepted"}
-              </option>
-            ))}
-          </select>
-        </label>
-      }
-    >
+    <Panel title="Comparison with another identification" aside={<EarlierSelect earlier={earlier} others={others} />}>
       {earlier === "" ? (
-        <Empty>Choose one: each parameter's change is shown in per cent, and in standard errors of both fits.</Empty>
+        <Empty>Choose one to see the change of each parameter, in per cent and in standard errors of both fits.</Empty>
       ) : (
-        <Shown answer={answer} lines={12}>
+        <Loaded result={result} lines={12}>
           {(found) => <Changes found={found} estimates={estimates} />}
-        </Shown>
+        </Loaded>
       )}
     </Panel>
   );
 }
 
+function EarlierSelect({ earlier, others }: { earlier: string; others: IdentificationSummary[] }) {
+  return (
+    <label class="switch">
+      Compare with{" "}
+      <select value={earlier} onChange={(event) => replaceQuery({ against: event.currentTarget.value || null })}>
+        <option value="">none</option>
+        {earlier !== "" && !others.some((one) => String(one.id) === earlier) && <option value={earlier}>{earlier}</option>}
+        {others.map((one) => (
+          <option key={one.id} value={one.id}>
+            {one.id} {one.run_kind}, {when(one.measured_at)}
+            {one.accepted ? "" : ", not accepted"}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
 function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[] }) {
   const changes = [...found.changes].sort((a, b) => Math.abs(b.sigma ?? 0) - Math.abs(a.sigma ?? 0));
+  const elements = [...found.elements].sort((a, b) => a.probability - b.probability);
   return (
     <>
       <p>
-        From identification {found.first} to {found.second}, elements by how unlikely such a change is by the fits' errors alone:{" "}
-        {[...found.elements]
-          .sort((a, b) => a.probability - b.probability)
-          .map((one) => `${elementName(one.element)} ${chance(one.probability)}`)
-          .join(", ")}
-        .
+        From identification {found.first} to {found.second}, p-values by element, from the errors of the fits alone:{" "}
+        {elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ")}.
       </p>
       <div class="scroll">
         <table class="comparison">
@@ -88,32 +89,32 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
   );
 }
 
-/** A component of an unbalance has its unit. */
+/** A component of an unbalance has the unit of the unbalance. */
 function unitOf(parameter: string, estimates: Estimate[]): string {
   return estimates.find((one) => parameter === one.parameter || parameter.startsWith(`${one.parameter}.`))?.unit ?? "";
 }
 
-function written(value: number | null, scale: Scale): string {
+function valueText(value: number | null, scale: Scale): string {
   return value === null ? "not determined" : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
 }
 
 function Row({ one, unit }: { one: ComparedChange; unit: string }) {
   const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit);
-  const clear = Math.abs(one.sigma ?? 0) > CLEAR;
+  const isSignificant = Math.abs(one.sigma ?? 0) > SIGNIFICANT;
   return (
-    <tr class={clear ? "clear" : undefined}>
+    <tr class={isSignificant ? "significant" : undefined}>
       <td>
-        {clear && "● "}
+        {isSignificant && "● "}
         {one.parameter}
       </td>
-      <td class="number">{written(one.first, scale)}</td>
-      <td class="number">{written(one.second, scale)}</td>
+      <td class="number">{valueText(one.first, scale)}</td>
+      <td class="number">{valueText(one.second, scale)}</td>
       <td class="number">{one.per_cent === null ? "–" : percent(one.per_cent / 100)}</td>
       <td class="number">{number(one.sigma, 2)}</td>
     </tr>
   );
 }
 
-function chance(probability: number): string {
+function pValue(probability: number): string {
   return probability < 1e-6 ? "below 1 in a million" : `${number(100 * probability, 2)} %`;
 }

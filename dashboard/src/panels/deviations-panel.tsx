@@ -1,40 +1,46 @@
-// The newest identification beside the baseline, element by element.
-import type { Deviations, Document } from "../schemas/answers";
-import type { Failure } from "../data/http-client";
-import { CHANGED, inWords, largest } from "../train/marks";
-import { elementName, number } from "../words/format";
-import { Empty, Panel, Shown, Time, Trouble } from "../components/parts";
-import type { Answer } from "../data/resource";
+// The deviation of the newest identification from its baseline, by element.
 import { link } from "../browser/router";
+import { ErrorMessage, Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { Time } from "../components/time";
+import type { ApiError } from "../data/http-client";
+import type { QueryResult } from "../data/resource";
+import { elementName } from "../format/names";
+import { number } from "../format/numbers";
+import type { Document } from "../schemas/machines";
+import type { Deviations } from "../schemas/trends";
+import { CHANGED, deviationText, largestDeviation } from "../words/deviations";
+
+const TITLE = "Deviation from the baseline";
 
 interface Props {
   machine: Document;
-  answer: Answer<Deviations>;
-  /** Why the next one is not there yet. */
-  next: Failure | undefined;
+  result: QueryResult<Deviations>;
+  /** Why those of the next identification are not there yet. */
+  next: ApiError | undefined;
   /** Why there is nothing to compare, where that is known. */
   none: string | null;
 }
 
-export function DeviationsPanel({ machine, answer, next, none }: Props) {
+export function DeviationsPanel({ machine, result, next, none }: Props) {
   if (none !== null) {
     return (
-      <Panel title="Against the baseline">
+      <Panel title={TITLE}>
         <Empty>{none}</Empty>
       </Panel>
     );
   }
   return (
-    <Panel title="Against the baseline" aside={answer.data && <About found={answer.data} />}>
-      {next?.own && <Trouble failure={next} />}
-      <Shown answer={answer} lines={12}>
+    <Panel title={TITLE} aside={result.data && <Compared found={result.data} />}>
+      {next?.isLocal && <ErrorMessage failure={next} />}
+      <Loaded result={result} lines={12}>
         {(found) => (found.missing ? <Empty>{found.missing}</Empty> : <Table machine={machine.id} found={found} />)}
-      </Shown>
+      </Loaded>
     </Panel>
   );
 }
 
-function About({ found }: { found: Deviations }) {
+function Compared({ found }: { found: Deviations }) {
   const { baseline } = found;
   return (
     <p class="muted">
@@ -57,36 +63,40 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
         <thead>
           <tr>
             <th>Element</th>
-            <th>Largest of its parameters</th>
-            <th class="number" title="how far all of its parameters moved together, over what is usual">
+            <th>Largest deviation</th>
+            <th class="number" title="distance of all its parameters together from the baseline, over what is usual">
               Distance
             </th>
-            <th class="number">By chance</th>
+            <th class="number" title="probability of such a distance without any change">
+              p-value
+            </th>
           </tr>
         </thead>
         <tbody>
-          {order.map((one) => {
-            const most = largest(found, one.element);
-            return (
-              <tr key={one.element}>
-                <td>
-                  {one.probability < CHANGED && (
-                    <span class="severity changed" title="changed">
-                      ●{" "}
-                    </span>
-                  )}
-                  <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
-                </td>
-                <td>{most ? inWords(most) : "–"}</td>
-                <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
-                <td class="number">
-                  {one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}
-                </td>
-              </tr>
-            );
-          })}
+          {order.map((one) => (
+            <Row key={one.element} machine={machine} found={found} one={one} />
+          ))}
         </tbody>
       </table>
     </div>
+  );
+}
+
+function Row({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
+  const largest = largestDeviation(found, one.element);
+  return (
+    <tr>
+      <td>
+        {one.probability < CHANGED && (
+          <span class="severity changed" title="changed">
+            ●{" "}
+          </span>
+        )}
+        <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
+      </td>
+      <td>{largest ? deviationText(largest) : "–"}</td>
+      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
+      <td class="number">{one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}</td>
+    </tr>
   );
 }

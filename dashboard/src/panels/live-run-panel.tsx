@@ -1,22 +1,24 @@
 // The run that is being collected, drawn while it grows.
-import type { Document, MachineState, Phasors } from "../schemas/answers";
-import { slowRollWords } from "../data/run-identification";
-import { Aging, Panel } from "../components/parts";
-import { Plot } from "../plots/plot";
+import { Loading, StaleNotice } from "../components/loading";
+import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
-import { bySpeed } from "../data/speed-sweep";
+import { speedSweep } from "../data/speed-sweep";
+import { Plot } from "../plots/plot";
+import type { Document, MachineState } from "../schemas/machines";
+import type { Phasors } from "../schemas/runs";
+import { slowRollText } from "../words/slow-roll";
 
-const MS = 1500;
+const POLL_MS = 1500;
 
-export function LiveRun({ machine }: { machine: Document }) {
+export function LiveRunPanel({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
-  const answer = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, MS);
+  const result = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, POLL_MS);
   if (!run) return null;
-  const phasors = answer.data;
-  const sweep = phasors && bySpeed(phasors);
+  const phasors = result.data;
+  const sweep = phasors && speedSweep(phasors);
   return (
-    <Panel title={`Run ${run.id}, as it comes`} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
-      <Aging answer={answer} />
+    <Panel title={`Run ${run.id}, live`} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
+      <StaleNotice result={result} />
       {sweep ? (
         <Plot
           label={`Amplitude over speed of run ${run.id} so far`}
@@ -28,12 +30,12 @@ export function LiveRun({ machine }: { machine: Document }) {
           height={190}
         />
       ) : (
-        <div class="waiting" style={{ minHeight: "190px" }} />
+        <Loading height="190px" />
       )}
     </Panel>
   );
 }
 
 function slowRollOf({ slow_roll_version: version, slow_roll_left_out: leftOut }: Phasors): string {
-  return slowRollWords(version, Object.keys(leftOut));
+  return slowRollText(version, Object.keys(leftOut));
 }

@@ -1,14 +1,14 @@
-// What can be done with keys alone.
+// Keyboard shortcuts, and the list of them.
 import { useLayoutEffect } from "preact/hooks";
+import { navigate, route } from "../browser/router";
+import { chooseTheme, themeChoice } from "../browser/theme";
 import { Dialog } from "../dialogs/dialog";
-import { go, place } from "../browser/router";
 import { TABS } from "../pages/tabs";
-import { choice, choose } from "../browser/theme";
 
-const SAID: [string, string][] = [
+const SHORTCUTS: [string, string][] = [
   ["f", "fleet"],
   ["a", "alerts"],
-  ["w", "who is told"],
+  ["w", "notifications"],
   ["1 … 7", "tabs of a machine"],
   ["d", "dark or light"],
   ["← → in a plot", "move the read-out; with Shift ten points"],
@@ -20,36 +20,40 @@ const SAID: [string, string][] = [
   ["?", "this list"],
 ];
 
-export function useShortcuts(toggleKeys: () => void): void {
+export function useShortcuts(toggleList: () => void): void {
   useLayoutEffect(() => {
-    const pressed = (event: KeyboardEvent) => {
-      // A window that was just closed has the focus until the browser draws again.
+    const onKey = (event: KeyboardEvent) => {
+      // A window that was just closed keeps the focus until the browser draws again.
       const target = event.target as HTMLElement;
       if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog[open]")) return;
-      const tab = TABS[Number(event.key) - 1];
-      const { parts } = place.value;
-      if (event.key === "?") toggleKeys();
-      else if (event.key === "f") go([]);
-      else if (event.key === "a") go(["alerts"]);
-      else if (event.key === "w") go(["subscriptions"]);
-      else if (event.key === "d") choose(choice.value === "dark" ? "light" : "dark");
-      else if (tab && parts[0] === "machines" && parts[1]) go(["machines", parts[1], tab.id]);
+      if (event.key === "?") toggleList();
+      else follow(event.key);
     };
-    window.addEventListener("keydown", pressed);
-    return () => window.removeEventListener("keydown", pressed);
-  }, [toggleKeys]);
+    window.addEventListener("keydown", onKey);
+    return () => window.removeEventListener("keydown", onKey);
+  }, [toggleList]);
 }
 
-export function Keys({ onClose }: { onClose: () => void }) {
+function follow(key: string): void {
+  const tab = TABS[Number(key) - 1];
+  const { parts } = route.value;
+  if (key === "f") navigate([]);
+  else if (key === "a") navigate(["alerts"]);
+  else if (key === "w") navigate(["subscriptions"]);
+  else if (key === "d") chooseTheme(themeChoice.value === "dark" ? "light" : "dark");
+  else if (tab && parts[0] === "machines" && parts[1]) navigate(["machines", parts[1], tab.id]);
+}
+
+export function KeyboardShortcuts({ onClose }: { onClose: () => void }) {
   return (
-    <Dialog title="Keys" onClose={onClose}>
+    <Dialog title="Keyboard shortcuts" onClose={onClose}>
       <dl class="facts">
-        {SAID.map(([key, does]) => (
+        {SHORTCUTS.map(([key, action]) => (
           <>
             <dt>
               <kbd>{key}</kbd>
             </dt>
-            <dd>{does}</dd>
+            <dd>{action}</dd>
           </>
         ))}
       </dl>

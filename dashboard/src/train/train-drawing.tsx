@@ -1,69 +1,48 @@
 // The train drawn to scale from its document: shafts, discs, bearings, seals, couplings, probes.
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { Drawing } from "../schemas/answers";
-import { elementName } from "../words/format";
-import { layout, type Layout } from "./layout";
-
-/** How far an element is from its baseline; the words go beside it, so that colour is never alone. */
-export interface Mark {
-  level: "normal" | "changed" | "alert" | "danger" | "unknown";
-  words: string;
-}
+import { elementName } from "../format/names";
+import type { Drawing } from "../schemas/machines";
+import { trainLayout, type TrainLayout } from "./layout";
+import { MARK_SIGNS, UNKNOWN, worstElement, type Mark } from "./marks";
 
 const WIDTH = 1000;
 const MARGIN = 24;
-const GLYPHS: Record<Mark["level"], string> = { normal: "", changed: "●", alert: "▲", danger: "◆", unknown: "" };
-
-function worstOf(marks: Map<string, Mark>): string | undefined {
-  for (const level of ["danger", "alert", "changed"]) {
-    for (const [element, mark] of marks) if (mark.level === level) return element;
-  }
-  return undefined;
-}
 
 interface Props {
   name: string;
   drawing: Drawing;
   marks: Map<string, Mark>;
-  chosen: string | null;
   onChoose: (element: string) => void;
 }
 
-export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
-  const plan = layout(drawing);
-  const scale = (WIDTH - 2 * MARGIN) / plan.length;
-  // Radii are drawn to the same scale as lengths, unless the train is so slender that nothing would be seen.
-  const stretch = Math.max(1, 26 / (plan.radius * scale));
-  const tall = Math.min(120, Math.max(34, plan.radius * scale * stretch));
-  const axis = 44 + tall;
-  const height = axis + tall + 64;
-  const at = (z: number) => MARGIN + z * scale;
-  const thick = (radius: number) => Math.min(tall, radius * scale * stretch);
-  const element = (id: string, kind: string, shape: preact.ComponentChildren, x: number, y: number) => {
-    const mark = marks.get(id) ?? { level: "unknown", words: "not known: there is nothing to compare" };
-    // tabindex, not tabIndex: names of SVG's attributes are case-sensitive.
-    return (
-      <g
-        key={id}
-        class={`element ${kind} ${mark.level} ${chosen === id ? "chosen" : ""}`}
-        tabindex={0}
-        role="button"
-        aria-label={`${elementName(id)}${mark.words ? `: ${mark.words}` : ""}`}
-        data-element={id}
-        onClick={() => onChoose(id)}
-        onKeyDown={(event: KeyboardEvent) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), onChoose(id))}
-      >
-        <title>{`${elementName(id)}${mark.words ? `\n${mark.words}` : ""}`}</title>
-        {shape}
-        <text x={x} y={y} text-anchor="middle">
-          {GLYPHS[mark.level]} {id.split(".")[1]}
-        </text>
-      </g>
-    );
-  };
+/** Lengths [m] on the drawing. */
+interface Scale {
+  height: number;
+  axis: number;
+  /** Length of a distance along the train. */
+  along: (length: number) => number;
+  /** Place along the train. */
+  at: (z: number) => number;
+  thick: (radius: number) => number;
+  /** Diameters are drawn so many times larger than lengths. */
+  stretch: number;
+}
+
+interface PartProps {
+  layout: TrainLayout;
+  scale: Scale;
+  marks: Map<string, Mark>;
+  onChoose: (element: string) => void;
+}
+
+export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
+  const layout = trainLayout(drawing);
+  const scale = scaleOf(layout);
+  const parts: PartProps = { layout, scale, marks, onChoose };
   const figure = useRef<HTMLElement>(null);
-  const worst = worstOf(marks);
-  // Where the train is longer than a phone is wide, what matters most is not left outside.
+  const worst = worstElement(marks);
+  // Where the train is wider than the window, the worst element is scrolled into sight.
   useEffect(() => {
     const whole = figure.current!;
     const box = worst && whole.querySelector(`[data-element="${worst}"]`)?.getBoundingClientRect();
@@ -71,92 +50,159 @@ export function Train({ name, drawing, marks, chosen, onChoose }: Props) {
   }, [worst]);
   return (
     <figure class="train" ref={figure}>
-      <svg viewBox={`0 0 ${WIDTH} ${height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
-        <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={axis} y2={axis} />
-        {plan.sections.map((one) => (
-          <rect
-            class="section"
-            x={at(one.at)}
-            width={one.length * scale}
-            y={axis - thick(one.radius)}
-            height={2 * thick(one.radius)}
-          />
-        ))}
-        {plan.discs.map((one) => {
-          const half = thick(one.radius);
-          const wide = Math.max(7, one.width * scale);
-          return element(
-            one.element,
-            "disc",
-            <rect x={at(one.at) - wide / 2} width={wide} y={axis - half} height={2 * half} rx={1.5} />,
-            at(one.at),
-            axis - half - 6,
-          );
-        })}
-        {plan.couplings.map((one) => {
-          const half = Math.max(16, thick(one.radius) + 5);
-          return element(
-            one.element,
-            "coupling",
-            <>
-              <rect x={at(one.at) - 9} width={7} y={axis - half} height={2 * half} rx={1.5} />
-              <rect x={at(one.at) + 2} width={7} y={axis - half} height={2 * half} rx={1.5} />
-              <path d={`M${at(one.at) - 2} ${axis - half + 3}L${at(one.at) + 2} ${axis - half + 8}M${at(one.at) - 2} ${axis + half - 3}L${at(one.at) + 2} ${axis + half - 8}`} />
-            </>,
-            at(one.at),
-            axis - half - 6,
-          );
-        })}
-        {plan.bearings.map((one) => {
-          const foot = axis + thick(one.radius);
-          return element(
-            one.element,
-            "bearing",
-            <path d={`M${at(one.at)} ${foot}l-11 19h22zM${at(one.at) - 15} ${foot + 22}h30`} />,
-            at(one.at),
-            foot + 37,
-          );
-        })}
-        {plan.seals.map((one) => {
-          const foot = axis + thick(one.radius);
-          return element(
-            one.element,
-            "seal",
-            <path d={`M${at(one.at) - 8} ${foot + 2}l4 7l4 -7l4 7l4 -7`} />,
-            at(one.at),
-            foot + 24,
-          );
-        })}
-        <Probes plan={plan} marks={marks} at={at} y={axis} thick={thick} />
-        <Ruler length={plan.length} at={at} y={height - 8} />
+      <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
+        <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={scale.axis} y2={scale.axis} />
+        <Sections {...parts} />
+        <Discs {...parts} />
+        <Couplings {...parts} />
+        <Bearings {...parts} />
+        <Seals {...parts} />
+        <Probes {...parts} />
+        <Ruler length={layout.length} at={scale.at} y={scale.height - 8} />
       </svg>
-      {stretch > 1.05 && <figcaption>Lengths to scale; diameters {stretch.toFixed(1)} times larger.</figcaption>}
+      {scale.stretch > 1.05 && <figcaption>Lengths to scale; diameters {scale.stretch.toFixed(1)} times larger.</figcaption>}
     </figure>
   );
 }
 
-interface ProbesProps {
-  plan: Layout;
-  marks: Map<string, Mark>;
-  at: (z: number) => number;
-  y: number;
-  thick: (radius: number) => number;
+/** Radii have the scale of lengths, unless the train is so slender that nothing would be seen. */
+function scaleOf(layout: TrainLayout): Scale {
+  const scale = (WIDTH - 2 * MARGIN) / layout.length;
+  const stretch = Math.max(1, 26 / (layout.radius * scale));
+  const tall = Math.min(120, Math.max(34, layout.radius * scale * stretch));
+  const axis = 44 + tall;
+  return {
+    height: axis + tall + 64,
+    axis,
+    along: (length) => length * scale,
+    at: (z) => MARGIN + z * scale,
+    thick: (radius) => Math.min(tall, radius * scale * stretch),
+    stretch,
+  };
 }
 
-function Probes({ plan, marks, at, y, thick }: ProbesProps) {
+interface ElementProps {
+  id: string;
+  kind: string;
+  marks: Map<string, Mark>;
+  onChoose: (element: string) => void;
+  /** Of the name. */
+  x: number;
+  y: number;
+  children: ComponentChildren;
+}
+
+/** An element with its name and mark, which can be chosen. */
+function Element({ id, kind, marks, onChoose, x, y, children }: ElementProps) {
+  const mark = marks.get(id) ?? UNKNOWN;
+  // tabindex, not tabIndex: names of SVG's attributes are case-sensitive.
+  return (
+    <g
+      class={`element ${kind} ${mark.level}`}
+      tabindex={0}
+      role="button"
+      aria-label={`${elementName(id)}${mark.words ? `: ${mark.words}` : ""}`}
+      data-element={id}
+      onClick={() => onChoose(id)}
+      onKeyDown={(event: KeyboardEvent) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), onChoose(id))}
+    >
+      <title>{`${elementName(id)}${mark.words ? `\n${mark.words}` : ""}`}</title>
+      {children}
+      <text x={x} y={y} text-anchor="middle">
+        {MARK_SIGNS[mark.level]} {id.split(".")[1]}
+      </text>
+    </g>
+  );
+}
+
+function Sections({ layout, scale: { at, along, axis, thick } }: PartProps) {
   return (
     <>
-      {plan.probes.map((one) => {
+      {layout.sections.map((one) => (
+        <rect class="section" x={at(one.at)} width={along(one.length)} y={axis - thick(one.radius)} height={2 * thick(one.radius)} />
+      ))}
+    </>
+  );
+}
+
+function Discs({ layout, scale: { at, along, axis, thick }, marks, onChoose }: PartProps) {
+  return (
+    <>
+      {layout.discs.map((one) => {
+        const half = thick(one.radius);
+        const wide = Math.max(7, along(one.width));
+        return (
+          <Element key={one.element} id={one.element} kind="disc" marks={marks} onChoose={onChoose} x={at(one.at)} y={axis - half - 6}>
+            <rect x={at(one.at) - wide / 2} width={wide} y={axis - half} height={2 * half} rx={1.5} />
+          </Element>
+        );
+      })}
+    </>
+  );
+}
+
+function Couplings({ layout, scale: { at, axis, thick }, marks, onChoose }: PartProps) {
+  return (
+    <>
+      {layout.couplings.map((one) => {
+        const half = Math.max(16, thick(one.radius) + 5);
+        const x = at(one.at);
+        return (
+          <Element key={one.element} id={one.element} kind="coupling" marks={marks} onChoose={onChoose} x={x} y={axis - half - 6}>
+            <rect x={x - 9} width={7} y={axis - half} height={2 * half} rx={1.5} />
+            <rect x={x + 2} width={7} y={axis - half} height={2 * half} rx={1.5} />
+            <path d={`M${x - 2} ${axis - half + 3}L${x + 2} ${axis - half + 8}M${x - 2} ${axis + half - 3}L${x + 2} ${axis + half - 8}`} />
+          </Element>
+        );
+      })}
+    </>
+  );
+}
+
+function Bearings({ layout, scale: { at, axis, thick }, marks, onChoose }: PartProps) {
+  return (
+    <>
+      {layout.bearings.map((one) => {
+        const foot = axis + thick(one.radius);
+        return (
+          <Element key={one.element} id={one.element} kind="bearing" marks={marks} onChoose={onChoose} x={at(one.at)} y={foot + 37}>
+            <path d={`M${at(one.at)} ${foot}l-11 19h22zM${at(one.at) - 15} ${foot + 22}h30`} />
+          </Element>
+        );
+      })}
+    </>
+  );
+}
+
+function Seals({ layout, scale: { at, axis, thick }, marks, onChoose }: PartProps) {
+  return (
+    <>
+      {layout.seals.map((one) => {
+        const foot = axis + thick(one.radius);
+        return (
+          <Element key={one.element} id={one.element} kind="seal" marks={marks} onChoose={onChoose} x={at(one.at)} y={foot + 24}>
+            <path d={`M${at(one.at) - 8} ${foot + 2}l4 7l4 -7l4 7l4 -7`} />
+          </Element>
+        );
+      })}
+    </>
+  );
+}
+
+function Probes({ layout, scale: { at, axis, thick }, marks }: PartProps) {
+  return (
+    <>
+      {layout.probes.map((one) => {
         const found = one.channels.flatMap((channel) => marks.get(`probe.${channel}`) ?? []);
         const words = [`probes ${one.channels.join(", ")}`, ...found.map((mark) => mark.words)].join("\n");
-        const top = y - thick(one.radius) - 3;
+        const top = axis - thick(one.radius) - 3;
         return (
           <g class={`probe ${found[0]?.level ?? ""}`} role="img" aria-label={words}>
             <title>{words}</title>
             <path d={`M${at(one.at)} ${top}v-12m-3.5 0h7`} />
             {found[0] && (
               <text x={at(one.at)} y={top - 16} text-anchor="middle">
-                {GLYPHS[found[0].level]}
+                {MARK_SIGNS[found[0].level]}
               </text>
             )}
           </g>
@@ -168,16 +214,16 @@ function Probes({ plan, marks, at, y, thick }: ProbesProps) {
 
 function Ruler({ length, at, y }: { length: number; at: (z: number) => number; y: number }) {
   const step = [0.1, 0.2, 0.5, 1, 2, 5, 10].find((one) => length / one <= 12) ?? 20;
-  const marks = Array.from({ length: Math.floor(length / step + 1e-9) + 1 }, (_, index) => index * step);
+  const ticks = Array.from({ length: Math.floor(length / step + 1e-9) + 1 }, (_, index) => index * step);
   return (
     <g class="ruler">
-      {marks.map((z) => (
+      {ticks.map((z) => (
         <text x={at(z)} y={y} text-anchor="middle">
           {z === 0 ? "0" : Number(z.toFixed(1))}
-          {z === marks.at(-1) ? " m" : ""}
+          {z === ticks.at(-1) ? " m" : ""}
         </text>
       ))}
-      {marks.map((z) => (
+      {ticks.map((z) => (
         <line x1={at(z)} x2={at(z)} y1={y - 15} y2={y - 11} />
       ))}
     </g>

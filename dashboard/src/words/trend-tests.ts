@@ -1,39 +1,46 @@
-// What the trend tests say of a parameter, in sentences: of which component, where it is one of a vector.
-import type { Drift, TrendTest } from "../schemas/answers";
-import { isCrossCoupled, number, percent, when } from "./format";
+// The results of the trend tests of a parameter in words: of a vector's component where they are of one.
+import { isCrossCoupled } from "../format/names";
+import { number, percent } from "../format/numbers";
+import { when } from "../format/times";
+import type { Drift, TrendTest } from "../schemas/trends";
 
-/** A drift that chance would make less often than this is told. */
-const TOLD = 0.01;
-const PARTS: Record<string, string> = { real: "real part", imaginary: "imaginary part" };
+/** Drifts that chance would make more often than this are not stated. */
+const SIGNIFICANT = 0.01;
+const COMPONENTS: Record<string, string> = { real: "real part", imaginary: "imaginary part" };
 
-/** One sentence for each finding; none where nothing was found. */
-export function findings(parameter: string, tests: TrendTest[]): string[] {
+/** One sentence for each test that was passed over its limit. */
+export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] {
   return tests.flatMap((test) => {
-    const part = test.name.startsWith(`${parameter}.`) ? test.name.slice(parameter.length + 1) : "";
-    const of = part ? `${PARTS[part] ?? part}: ` : "";
-    return [...steps(test), ...creeps(test), ...drifts(test, part ? " of the baseline's magnitude" : isCrossCoupled(parameter) ? " of the direct terms" : "")].map((one) => of + one);
+    const component = test.name.startsWith(`${parameter}.`) ? test.name.slice(parameter.length + 1) : "";
+    const prefix = component ? `${COMPONENTS[component] ?? component}: ` : "";
+    return [...steps(test), ...slowShift(test), ...drift(test, reference(parameter, component))].map((one) => prefix + one);
   });
 }
 
+/** The quantity that per cent are of: a component is compared with its vector's length, a cross-coupled term with the direct ones. */
+function reference(parameter: string, component: string): string {
+  if (component) return " of the baseline's magnitude";
+  return isCrossCoupled(parameter) ? " of the direct terms" : "";
+}
+
 function steps(test: TrendTest): string[] {
-  const since = (began: string | null) => (began ? `, likeliest since ${when(began)}` : "");
+  const since = (began: string | null) => (began ? `, most likely since ${when(began)}` : "");
   return [
-    ...(test.step_up.passed ? [`a step up${since(test.step_up.began)}`] : []),
-    ...(test.step_down?.passed ? [`a step down${since(test.step_down.began)}`] : []),
+    ...(test.step_up.passed ? [`step up${since(test.step_up.began)}`] : []),
+    ...(test.step_down?.passed ? [`step down${since(test.step_down.began)}`] : []),
   ];
 }
 
-function creeps({ creep }: TrendTest): string[] {
-  return creep.passed ? [`the mean of its newest runs lies ${creep.value > 0 ? "above" : "below"} the baseline`] : [];
+function slowShift({ creep }: TrendTest): string[] {
+  return creep.passed ? [`mean of the newest runs ${creep.value > 0 ? "above" : "below"} the baseline`] : [];
 }
 
-/** of: a component is measured in the length that the vector has at the baseline, a cross-coupled term in the direct ones. */
-function drifts({ drift }: TrendTest, of: string): string[] {
-  if (!drift || drift.probability >= TOLD) return [];
-  return [`${percent(drift.per_week / 100)}${of} a week (${number(drift.lower, 2)} … ${number(drift.upper, 2)})${ahead(drift)}`];
+function drift({ drift: found }: TrendTest, of: string): string[] {
+  if (!found || found.probability >= SIGNIFICANT) return [];
+  return [`${percent(found.per_week / 100)}${of} per week (${number(found.lower, 2)} … ${number(found.upper, 2)})${forecast(found)}`];
 }
 
-function ahead(drift: Drift): string {
-  const next = [drift.alert, drift.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
+function forecast(found: Drift): string {
+  const next = [found.alert, found.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
   return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
 }
