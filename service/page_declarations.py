@@ -1,6 +1,6 @@
 """Declarations of findings and delivery channels for the page: TypeScript that is written from the Python declarations.
 
-`python -m service.page_declarations dashboard/src` writes the files anew; they are committed.
+`python -m service.page_declarations dashboard/src/declarations` writes the files anew; they are committed.
 """
 
 import json
@@ -11,7 +11,7 @@ from pathlib import Path
 from service.delivery.channels import CHANNEL_KINDS
 from service.finding_rules import LIMITED_RULES
 
-FINDINGS, CHANNELS = "generated-findings.ts", "generated-channels.ts"
+FINDINGS, CHANNELS = "findings.ts", "channels.ts"
 HEAD = "// Written by `python -m service.page_declarations` from {source}; not to be changed here.\n\n"
 
 

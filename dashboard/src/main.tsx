@@ -1,17 +1,17 @@
+// Start the page: theme, router, connection, then the first drawing.
 import "uplot/dist/uPlot.min.css";
-import "./style.css";
-import "./print.css";
+import "./styles/index.css";
 import { render } from "preact";
-import { connect } from "./connection";
-import { followAddress } from "./router";
-import { findOut } from "./session";
-import { Shell } from "./shell";
-import { followSystem } from "./theme";
+import { startRouter } from "./browser/router";
+import { startTheme } from "./browser/theme";
+import { connect } from "./data/connection";
+import { loadCurrentUser } from "./data/session";
+import { Shell } from "./shell/shell";
 
-followSystem();
-followAddress();
+startTheme();
+startRouter();
 connect();
-void findOut();
+void loadCurrentUser();
 const page = document.getElementById("page")!;
 page.replaceChildren();
 render(<Shell />, page);

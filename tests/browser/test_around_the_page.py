@@ -29,7 +29,7 @@ def test_nothing_is_wider_than_the_window(seen: Seen, width: int, height: int, s
     }.items():
         seen.open(place)
         expect(seen.page.locator(sign).first).to_be_attached()
-        expect(seen.page.locator(".waiting")).to_have_count(0)
+        expect(seen.page.locator(".loading")).to_have_count(0)
         assert seen.page.evaluate("document.documentElement.scrollWidth") <= width, place
         seen.picture(f"{scheme}-{width}-{place.replace('/', '-') or 'fleet'}")
     assert seen.page.evaluate("document.documentElement.dataset.theme") == scheme
@@ -67,7 +67,7 @@ def test_keys_alone_lead_through_the_page(seen: Seen) -> None:
     seen.page.keyboard.press("d")
     expect(seen.page.locator("html")).to_have_attribute("data-theme", "dark")
     seen.page.keyboard.press("?")
-    expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
+    expect(seen.page.get_by_role("dialog", name="Keyboard shortcuts")).to_be_visible()
     seen.page.keyboard.press("Escape")
     expect(seen.page.get_by_role("dialog")).to_have_count(0)
     seen.page.keyboard.press("f")
@@ -81,7 +81,7 @@ def test_what_comes_late_moves_nothing(seen: Seen) -> None:
     for place in ("", f"machines/{MACHINE}", f"machines/{MACHINE}/trends", f"machines/{MACHINE}/response"):
         seen.open(place)
         seen.page.reload()
-        expect(seen.page.locator(".waiting")).to_have_count(0)
+        expect(seen.page.locator(".loading")).to_have_count(0)
         assert seen.page.evaluate("window.moved") < SHIFT, place
 
 

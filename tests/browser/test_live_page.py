@@ -56,7 +56,7 @@ TABS = 8
 
 SIGNALS = """() => {
   window.signals = [];
-  const signal = document.querySelector(".signal");
+  const signal = document.querySelector(".connection-state");
   const note = new MutationObserver(() => signals.push(signal.textContent));
   note.observe(signal, { subtree: true, characterData: true, childList: true });
 }"""
@@ -78,30 +78,30 @@ def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Ser
             put(tab, away=True)
         tabs.append(context.new_page())
         tabs[-1].goto(f"{seen.base}/#/machines/{MACHINE}")
-        expect(tabs[-1].locator(".alarm")).to_be_visible()
-        expect(tabs[-1].locator(".signal")).to_have_text("● live")
+        expect(tabs[-1].locator(".alert-row")).to_be_visible()
+        expect(tabs[-1].locator(".connection-state")).to_have_text("● live")
     said = {"by": "otto", "comment": "while you were away"}
     service.client.post(f"/alerts/{alert['id']}/comments", json=said).raise_for_status()
-    expect(tabs[-1].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    expect(tabs[-1].locator(".alert-row")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
     tabs[0].wait_for_timeout(500)
-    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events']} event")  # a tab that nobody sees asks nothing
+    expect(tabs[0].locator(".alert-row")).to_contain_text(f"{alert['events']} event")  # a tab that nobody sees asks nothing
     put(tabs[-1], away=True)
     put(tabs[0], away=False)
-    expect(tabs[0].locator(".alarm")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
-    expect(tabs[0].locator(".signal")).to_have_text("● live")
+    expect(tabs[0].locator(".alert-row")).to_contain_text(f"{alert['events'] + 1} event", timeout=3000)
+    expect(tabs[0].locator(".connection-state")).to_have_text("● live")
 
 
 @pytest.mark.long
-def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
+def test_what_only_waits_is_not_reported_as_a_service_that_is_gone(seen: Seen) -> None:
     waiting: list[Route] = []
     seen.page.route(
         re.compile(r"/api/v1/(?!alert-events/stream)"), lambda route: waiting.append(route)
     )  # as without a free connection
     other = seen.page.context.new_page()
     other.goto(f"{seen.base}/#/machines/{MACHINE}")
-    expect(other.locator(".alarm")).to_be_visible()
+    expect(other.locator(".alert-row")).to_be_visible()
     seen.open(f"machines/{MACHINE}")
-    expect(seen.page.locator(".signal")).to_have_text("● live")
+    expect(seen.page.locator(".connection-state")).to_have_text("● live")
     seen.page.evaluate(SIGNALS)
     seen.page.wait_for_timeout(10_000)  # two beats, and the patience with each
     assert sum("alert-events" in one.request.url for one in waiting) >= 1
@@ -131,12 +131,12 @@ def test_a_live_run_is_followed(seen: Seen, service: Service) -> None:
 
 def test_a_maintenance_is_written_down(seen: Seen, service: Service) -> None:
     seen.open("machines/motor-pump")
-    seen.page.get_by_role("button", name="Write").click()
+    seen.page.get_by_role("button", name="Add").click()
     seen.page.get_by_label("Kind").select_option("maintenance")
-    seen.page.get_by_label("What", exact=True).fill("coupling re-shimmed")
+    seen.page.get_by_label("Text", exact=True).fill("coupling re-shimmed")
     seen.page.get_by_label("Your name").fill("anna")
-    seen.page.get_by_role("button", name="Write down").click()
-    expect(seen.page.locator(".marks")).to_contain_text("coupling re-shimmed")
+    seen.page.get_by_role("dialog").get_by_role("button", name="Add").click()
+    expect(seen.page.locator(".timeline")).to_contain_text("coupling re-shimmed")
     (entry,) = service.get("/machines/motor-pump/timeline")
     assert (entry["kind"], entry["by"]) == ("maintenance", "anna")
     assert seen.errors == []
@@ -160,31 +160,31 @@ window.addEventListener = (kind, then, ...rest) =>
 def test_what_is_answered_before_the_first_frame_is_shown(seen: Seen, shown_at: str) -> None:
     seen.page.add_init_script(LATE_FRAMES)
     seen.open(shown_at)
-    expect(seen.page.locator(".signal")).to_have_text("● live")
-    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".connection-state")).to_have_text("● live")
+    expect(seen.page.locator(".loading")).to_have_count(0)
     seen.page.keyboard.press("?")
-    expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
+    expect(seen.page.get_by_role("dialog", name="Keyboard shortcuts")).to_be_visible()
     assert seen.errors == []
 
 
 def test_who_has_gone_on_is_not_brought_back(seen: Seen) -> None:
     held: list[Route] = []
-    told = seen.page.get_by_role("heading", name="What the data tell")
+    panel = seen.page.get_by_role("heading", name="Identifiability")
     seen.page.add_init_script(LATE_FRAMES + LATE_NEWS_OF_THE_ADDRESS)
     seen.open(f"machines/{MACHINE}/identified")
-    expect(told).to_be_visible()
+    expect(panel).to_be_visible()
     seen.open(f"machines/{MACHINE}/settings")
-    expect(told).to_have_count(0)
+    expect(panel).to_have_count(0)
     # An answer would have it drawn again, and what waits for a frame done before.
     seen.page.route(re.compile("/identifications"), lambda route: held.append(route))
     seen.open(f"machines/{MACHINE}/identified")  # what it shows is known by now, and is put into the address
-    expect(told).to_be_visible()
+    expect(panel).to_be_visible()
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
     seen.page.wait_for_timeout(2500)
     for one in held:
         one.continue_()
     seen.page.unroute_all()
-    expect(seen.page.get_by_role("heading", name="disc D1: of single runs")).to_be_visible()
+    expect(seen.page.get_by_role("heading", name="disc D1: single runs")).to_be_visible()
     assert seen.page.url.endswith("/trends?element=disc.D1")
     assert seen.errors == []
 
@@ -193,17 +193,17 @@ def test_the_page_says_that_the_service_is_gone_and_comes_back_with_it(
     seen: Seen, service: Service, serving: subprocess.Popen[bytes]
 ) -> None:
     seen.open(f"machines/{MACHINE}")
-    expect(seen.page.locator(".alarm")).to_be_visible()
-    expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+    expect(seen.page.locator(".alert-row")).to_be_visible()
+    expect(seen.page.locator(".connection-state")).to_have_text(re.compile("live"))
     serving.send_signal(signal.SIGTERM)
     assert serving.wait(20) == 0
     expect(seen.page.locator(".banner")).to_contain_text("does not answer")
     expect(seen.page.get_by_role("alert")).to_have_count(1)  # said once, not by every panel
-    expect(seen.page.locator(".alarm")).to_be_visible()  # what was known stays
+    expect(seen.page.locator(".alert-row")).to_be_visible()  # what was known stays
     seen.picture("service-gone")
     with service.running():
         expect(seen.page.locator(".banner")).to_have_count(0)
-        expect(seen.page.locator(".signal")).to_have_text(re.compile("live"))
+        expect(seen.page.locator(".connection-state")).to_have_text(re.compile("live"))
         (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
         service.client.post(f"/alerts/{alert['id']}/comments", json={"by": "otto", "comment": "back"}).raise_for_status()
-        expect(seen.page.locator(".alarm")).to_contain_text(f"{alert['events'] + 1} events")
+        expect(seen.page.locator(".alert-row")).to_contain_text(f"{alert['events'] + 1} events")

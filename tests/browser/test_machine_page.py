@@ -17,7 +17,7 @@ def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
     seen.open()
     row = seen.page.locator(f"tr[data-machine={MACHINE}]")
     expect(row).to_contain_text(re.compile("alert|danger"))
-    expect(row).to_contain_text("1 new")
+    expect(row).to_contain_text("1 unacknowledged")
     row.get_by_role("link").click()
     expect(seen.page.get_by_role("heading", level=1)).to_have_text("Two-shaft train of the thesis, Chapter 3")
     assert seen.errors == []
@@ -45,7 +45,7 @@ def test_an_alert_is_marked_where_it_was_raised(seen: Seen, service: Service) ->
     alerts = [one for one in service.get(f"/machines/{MACHINE}/alerts") if one["element"] == "coupling.C1"]
     assert alerts
     seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
-    marks = seen.page.locator(".marks li", has_text="measured").locator("time")
+    marks = seen.page.locator(".timeline li", has_text="measured").locator("time")
     expect(marks).not_to_have_count(0)
     shown = {str(one.get_attribute("datetime"))[:19] for one in marks.all()}
     assert {one["first_measured_at"][:19] for one in alerts} <= shown
@@ -90,15 +90,15 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     seen.page.route(re.compile("/trend-tests[?]"), lambda route: route.fulfill(json=answer))
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
     wait_drawn(seen.page, 2)  # magnitude and angle
-    told = seen.page.locator(".told")
-    mean = "the mean of its newest runs lies below the baseline"
-    weekly = "−8.9 % of the baseline's magnitude a week (−12 … −5.0)"
-    expect(told).to_have_text(
-        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: a step up, likeliest since "))
+    texts = seen.page.locator(".trend-tests")
+    mean = "mean of the newest runs below the baseline"
+    weekly = "−8.9 % of the baseline's magnitude per week (−12 … −5.0)"
+    expect(texts).to_have_text(
+        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: step up, most likely since "))
     )
-    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    assert texts.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
     seen.page.set_viewport_size({"width": 390, "height": 844})
-    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    assert texts.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
     plot = seen.page.get_by_role("group", name=re.compile(f"Angle of {name} over time"))
     angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
     plot.press("ArrowLeft")
@@ -123,15 +123,15 @@ def test_an_element_that_nothing_is_known_of_looks_unlike_a_normal_one(seen: See
     panel = seen.page.locator(".panel").first.evaluate("panel => getComputedStyle(panel).backgroundColor")
     assert ((fill != panel), (dashes == "none")) == (known, known)
     if not known:
-        expect(disc).to_have_attribute("aria-label", "disc D1: not known: there is nothing to compare")
-    expect(seen.page.locator(".legend")).to_contain_text("▢ not known")
+        expect(disc).to_have_attribute("aria-label", "disc D1: unknown: nothing to compare with")
+    expect(seen.page.locator(".legend")).to_contain_text("▢ unknown")
     assert seen.errors == []
 
 
 def test_bode_and_polar_show_measurement_fit_and_another_run(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}/response")
     wait_drawn(seen.page, 3)  # amplitude, phase, residuals
-    seen.page.get_by_role("button", name="Over the oldest of its kind").click()
+    seen.page.get_by_role("button", name="Overlay the oldest of its kind").click()
     expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
     for path in seen.page.locator(".polar .curve:not(.faint) path:not(.dots)").all():
         assert path.evaluate("path => path.getTotalLength()") > 100
@@ -209,7 +209,7 @@ def test_a_change_of_an_unbalance_is_what_was_added(seen: Seen) -> None:
 
     seen.page.route(re.compile("/deviations[?]"), balanced)
     seen.open(f"machines/{MACHINE}")
-    table = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    table = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Deviation from the baseline"))
     for element, words in (
         ("disc.D1", "unbalance: 1837 g·mm added at 94° (89 % of the baseline's, 40 σ)"),
         ("bearing.B1", "kxy −12 % of the direct terms (−8.0 σ)"),
@@ -232,10 +232,10 @@ def test_angles_of_unbalances_say_how_they_count(seen: Seen, rotation: str, coun
     seen.page.route(re.compile("/balancing$"), of_the_runs)
     words = f"from the mark, +x towards +y, {counted}"
     seen.open(f"machines/{MACHINE}/model")
-    expect(seen.page.get_by_role("columnheader", name=f"At, {words}")).to_be_visible()
+    expect(seen.page.get_by_role("columnheader", name=f"Angle, {words}")).to_be_visible()
     for tab, heading in (
         ("identified", "Parameters, with 95 % intervals"),
-        ("trends?element=disc.D1", "disc D1: of single runs"),
+        ("trends?element=disc.D1", "disc D1: single runs"),
     ):
         seen.open(f"machines/{MACHINE}/{tab}")
         panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name=heading))
@@ -274,7 +274,7 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     seen.open(f"machines/{MACHINE}/shapes?run={newest['id']}&reference={other['id']}&rpm=1500")
     said = seen.page.locator(".orbits figure").first.locator("p")
     own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
-    expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; the other run at 987 rpm$"))
+    expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
     assert seen.errors == []
 
 
@@ -289,7 +289,7 @@ def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None
     zoomed = seen.page.locator(".uplot[data-zoomed='1']")
     held: list[Route] = []
     expect(seen.page.get_by_role("alert")).to_have_text("too much to do")
-    expect(seen.page.get_by_text("Whether this run was identified is not known")).to_be_visible()
+    expect(seen.page.get_by_text("Whether this run was identified is unknown")).to_be_visible()
     expect(none).to_have_count(0)
     answers[0] = {"json": []}
     expect(none).to_be_visible()
@@ -319,7 +319,7 @@ def test_a_probe_that_an_identification_does_not_know_is_said(seen: Seen) -> Non
 
     seen.page.route(re.compile(r"/bode\?"), without)
     seen.open(f"machines/{MACHINE}/response?channels=B1X,B1Y")
-    expect(seen.page.get_by_text("does not know B1Y: there is no curve")).to_be_visible()
+    expect(seen.page.get_by_text("does not include B1Y: there is no curve")).to_be_visible()
     wait_drawn(seen.page, 3)
     assert seen.errors == []
 
@@ -331,7 +331,7 @@ def test_a_view_that_fails_says_so_in_its_place_and_can_be_tried_again(seen: See
     expect(failed).to_contain_text("This view cannot be shown")
     expect(seen.page.get_by_role("heading", level=1)).to_be_visible()
     seen.page.get_by_role("link", name="Parameters").click()
-    expect(seen.page.get_by_role("heading", name="What the data tell")).to_be_visible()
+    expect(seen.page.get_by_role("heading", name="Identifiability")).to_be_visible()
     seen.page.go_back()
     expect(failed).to_be_visible()
     seen.page.unroute_all()
@@ -353,7 +353,7 @@ def test_an_accepted_identification_is_looked_for_behind_many_that_were_not(
 
     seen.page.route(re.compile(r"/identifications\?limit="), answer)
     seen.open(f"machines/{MACHINE}")
-    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Deviation from the baseline"))
     if accepted_before:
         expect(panel.get_by_role("row")).not_to_have_count(0)
     else:
@@ -368,7 +368,7 @@ def test_the_baseline_stays_until_the_next_identification_is_compared(seen: Seen
     held: list[Route] = []
     seen.page.add_init_script(SEEN)
     seen.open(f"machines/{MACHINE}")
-    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Deviation from the baseline"))
     expect(panel.get_by_role("table")).to_be_visible()
     seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(json=[real | {"id": 9001}, *listed]))
     seen.page.route(re.compile("identification=9001"), lambda route: held.append(route))
@@ -403,14 +403,16 @@ def test_lists_say_where_they_are_cut(seen: Seen, service: Service) -> None:
     seen.page.route(re.compile(r"/runs\?limit="), lambda route: route.fulfill(json=runs))
     seen.page.route(re.compile("/model/modes"), many_modes)
     seen.open(f"machines/{MACHINE}")
-    expect(seen.page.locator(".panel", has=seen.page.locator(".alarm")).locator(".cut")).to_contain_text("The newest 200 ")
-    expect(seen.page.locator(".computing")).to_contain_text("Identifying run 61, 29 waiting")
+    expect(seen.page.locator(".panel", has=seen.page.locator(".alert-row")).locator(".truncated")).to_contain_text(
+        "The newest 200 "
+    )
+    expect(seen.page.locator(".computing")).to_contain_text("Identifying run 61, 29 queued")
     jobs[:] = [job | {"id": 2000 - at, "runs": [2000 - at], "state": "queued"} for at in range(1000)]
-    expect(seen.page.locator(".computing")).to_contain_text("Identification waits, 1000 or more waiting")
+    expect(seen.page.locator(".computing")).to_contain_text("Identification: 1000 or more queued")
     seen.open(f"machines/{MACHINE}/shapes?run={run['id']}")
     expect(seen.page.get_by_text("The newest 200 runs are shown; there may be more.")).to_be_visible()
     expect(seen.page.get_by_text("The lowest 8 of 11 modes are shown")).to_be_visible()
-    expect(seen.page.get_by_text("1 that is damped by 90 % or more is left out")).to_be_visible()
+    expect(seen.page.get_by_text("1 mode damped by 90 % or more is omitted")).to_be_visible()
     assert seen.errors == []
 
 
@@ -418,5 +420,5 @@ def test_that_identifications_cannot_be_had_is_said_beside_the_baseline(seen: Se
     refused = {"title": "Forbidden", "status": 403, "detail": "this key may not see identifications"}
     seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(status=403, json=refused))
     seen.open(f"machines/{MACHINE}")
-    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Against the baseline"))
+    panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Deviation from the baseline"))
     expect(panel.get_by_role("alert")).to_have_text("this key may not see identifications")

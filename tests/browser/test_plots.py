@@ -50,7 +50,7 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     expect(plot.locator(".readout")).not_to_have_text(before)
     expect(plot.locator(".readout")).to_contain_text("kN/m")
     seen.page.keyboard.press("?")
-    expect(seen.page.get_by_role("dialog", name="Keys")).to_be_visible()
+    expect(seen.page.get_by_role("dialog", name="Keyboard shortcuts")).to_be_visible()
     assert seen.errors == []
 
 
@@ -227,7 +227,7 @@ def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole
     phone.open(f"machines/{MACHINE}/{tab}")
     plots = phone.page.locator(".plot:has(canvas)")
     until(lambda: plots.count() > 2, within_s=15, what="they are drawn")
-    expect(phone.page.locator(".waiting")).to_have_count(0)
+    expect(phone.page.locator(".loading")).to_have_count(0)
     most = 0
     for plot in plots.all():
         said, canvas = plot.locator(".readout"), plot.locator("canvas")
@@ -347,7 +347,7 @@ def test_axes_of_speed_carry_their_unit(seen: Seen, tab: str, plots: int) -> Non
 
 
 def test_a_thinned_trend_and_its_angle_say_so(seen: Seen) -> None:
-    said = seen.page.get_by_text("lowest and highest of each stretch, of 4321 points")
+    said = seen.page.get_by_text("lowest and highest in each interval, of 4321 points")
 
     def thinned(route: Route) -> None:  # as of a machine with more runs than a plot has room for
         answer = route.fetch().json()
@@ -361,7 +361,7 @@ def test_a_thinned_trend_and_its_angle_say_so(seen: Seen) -> None:
     seen.page.reload()
     wait_drawn(seen.page, 2)
     expect(said).to_have_count(2)
-    expect(seen.page.get_by_text("at the lowest and highest of each stretch, of 4321 points")).to_be_visible()
+    expect(seen.page.get_by_text("where the magnitude is lowest and highest in each interval, of 4321 points")).to_be_visible()
     assert seen.errors == []
 
 
@@ -401,7 +401,7 @@ def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, serv
     seen.open(f"machines/{MACHINE}/{tab}")
     canvas = seen.page.locator(".plot canvas").first
     until(lambda: canvas.count() == 1 and canvas.evaluate(COUNT) > 20, within_s=15, what="drawn")
-    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".loading")).to_have_count(0)
     seen.page.get_by_role("button", name="Zoom in").first.click()
     expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
     seen.page.route(re.compile(r"/alerts\?limit="), lambda route: route.fulfill(json=[alert, *alerts]))
@@ -418,7 +418,7 @@ def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, serv
         expect(seen.page.get_by_text(f"The model of identification {NEXT}, ")).to_be_visible()
     else:
         expect(seen.page.get_by_role("button", name="disc D1")).to_contain_text("▲")
-        expect(seen.page.get_by_role("heading", name="coupling C1: of single runs")).to_be_visible()
+        expect(seen.page.get_by_role("heading", name="coupling C1: single runs")).to_be_visible()
     expect(seen.page.locator(".uplot[data-zoomed='1']")).to_have_count(plots)
     if tab == "trends":  # what one chooses is shown whole
         period = seen.page.get_by_role("button", pressed=False).filter(has_text="year").first

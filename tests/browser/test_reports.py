@@ -56,17 +56,17 @@ def test_trends_of_an_old_period_are_marked_by_what_was_done_then(seen: Seen) ->
 
     seen.page.route(re.compile(r"/timeline\?"), timeline)
     seen.open(f"reports/{MACHINE}?from={first}&to={last}")
-    expect(seen.page.locator(".marks").first).to_contain_text("coupling re-shimmed")
+    expect(seen.page.locator(".timeline").first).to_contain_text("coupling re-shimmed")
     assert seen.errors == []
 
 
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        ("from=x&to=y", ["first day is no date: “x”.", "last day is no date: “y”."]),
-        ("from=2026-01-01T00:00:00Z&to=2026-02-01", ["first day is no date: “2026-01-01T00:00:00Z”."]),
-        ("from=2026-01-01&to=2026-02-31", ["last day is no date: “2026-02-31”."]),
-        ("from=2026-02-02&to=2026-02-01", ["first day lies behind its last."]),
+        ("from=x&to=y", ["first day is not a date: “x”.", "last day is not a date: “y”."]),
+        ("from=2026-01-01T00:00:00Z&to=2026-02-01", ["first day is not a date: “2026-01-01T00:00:00Z”."]),
+        ("from=2026-01-01&to=2026-02-31", ["last day is not a date: “2026-02-31”."]),
+        ("from=2026-02-02&to=2026-02-01", ["first day is after its last."]),
     ],
 )
 def test_report_says_what_is_wrong_with_a_period(seen: Seen, asked: str, said: list[str]) -> None:
@@ -108,7 +108,9 @@ def test_report_marks_the_train_as_it_was_at_the_end_of_the_period(seen: Seen, s
 
 
 @pytest.mark.parametrize(
-    ("days", "word", "opened", "marked"), [(0, "closed", 0, "changed"), (9, "new", 1, "alert|danger")], ids=["closed", "open"]
+    ("days", "word", "opened", "marked"),
+    [(0, "closed", 0, "changed"), (9, "unacknowledged", 1, "alert|danger")],
+    ids=["closed", "open"],
 )
 def test_report_says_an_alert_s_state_at_the_end_of_the_period(
     seen: Seen, service: Service, days: int, word: str, opened: int, marked: str
@@ -116,7 +118,7 @@ def test_report_says_an_alert_s_state_at_the_end_of_the_period(
     at = (datetime.now(UTC) + timedelta(days=days)).isoformat()
     (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
     then = service.get(f"/alerts/{alert['id']}/events")[-1]
-    assert then["state"] == "unacknowledged"  # in words: new
+    assert then["state"] == "unacknowledged"  # the label is the same
     gone = "it is as at the baseline again"
     today = {**alert, "state": "normal", "message": gone, "closed_at": at, "updated_at": at}  # as if it had been closed
     seen.page.route(re.compile(rf"/machines/{MACHINE}/alerts\?limit=1000"), lambda route: route.fulfill(json=[today]))
@@ -182,10 +184,10 @@ def test_words_on_trends_are_those_of_the_period(seen: Seen, service: Service) -
     asked: list[str] = []
     seen.page.on("request", lambda request: asked.append(request.url) if "/trend-tests" in request.url else None)
     seen.open(f"reports/{MACHINE}?to={last}")
-    expect(seen.page.locator(".history-plot .told").first).to_be_attached()
-    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".history-plot .trend-tests").first).to_be_attached()
+    expect(seen.page.locator(".loading")).to_have_count(0)
     assert {*asked_identifications(asked)} == {str(before["id"])}
-    expect(seen.page.locator(".told", has_text="step up")).to_have_count(0)
+    expect(seen.page.locator(".trend-tests", has_text="step up")).to_have_count(0)
     assert seen.errors == []
 
 
@@ -204,7 +206,7 @@ def test_a_period_without_an_accepted_identification_has_no_words_on_trends(seen
     seen.page.on("request", lambda request: asked.append(request.url) if "/trend-tests" in request.url else None)
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.locator(".history-plot canvas").first).to_be_visible()
-    expect(seen.page.locator(".told")).to_have_count(0)
+    expect(seen.page.locator(".trend-tests")).to_have_count(0)
     assert (asked, seen.errors) == ([], [])
 
 
@@ -224,7 +226,7 @@ def test_a_period_ends_with_its_last_day_however_long_that_is(
     seen.open(f"reports/{MACHINE}?from={first}&to={last}")
     expect(seen.page.locator("article.report > header")).to_contain_text(shown)
     expect(seen.page.locator("article.report > header")).to_contain_text("Times are local time of Europe/Berlin.")
-    expect(seen.page.get_by_text("Nothing is on the machine's timeline")).to_be_visible()
+    expect(seen.page.get_by_text("No notes or maintenance in this period")).to_be_visible()
     periods = {(one["from"][0], one["to"][0]) for one in asked if "from" in one}
     assert periods == {(begins, ends)}
     assert seen.errors == []
@@ -236,13 +238,13 @@ def test_a_report_that_is_printed_too_early_says_so(seen: Seen, late: str) -> No
     said = "getComputedStyle(document.querySelector('main'), '::before').content"
     seen.page.route(re.compile(late), lambda route: held.append(route))
     seen.open(f"reports/{MACHINE}")
-    expect(seen.page.get_by_role("heading", name="What the data tell")).to_be_visible()
+    expect(seen.page.get_by_role("heading", name="Identifiability")).to_be_visible()
     assert seen.page.evaluate(said) == "none"
     seen.page.emulate_media(media="print")
     assert "parts are missing" in seen.page.evaluate(said)
     for route in held:
         route.continue_()
-    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".loading")).to_have_count(0)
     assert seen.page.evaluate(said) == "none"
     assert seen.errors == []
 
@@ -252,4 +254,4 @@ def test_a_report_says_why_its_identification_is_not_there(seen: Seen) -> None:
     seen.page.route(re.compile(r"/identifications/\d+$"), lambda route: route.fulfill(status=403, json=refused))
     seen.open(f"reports/{MACHINE}")
     expect(seen.page.get_by_role("alert")).to_have_text("this key may not see identifications")
-    expect(seen.page.locator(".waiting")).to_have_count(0)
+    expect(seen.page.locator(".loading")).to_have_count(0)

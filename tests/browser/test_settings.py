@@ -24,7 +24,7 @@ def test_limits_are_seen_and_changed(seen: Seen, service: Service) -> None:
     dialog.get_by_role("group", name="alert").get_by_label("change").fill("7.5")
     dialog.get_by_label("Comment").fill("its oil is warm in summer")
     dialog.get_by_label("Your name").fill("anna")
-    dialog.get_by_role("button", name="Put in force").click()
+    dialog.get_by_role("button", name="Apply").click()
     expect(dialog).to_have_count(0)
     expect(rule).to_contain_text("4 σ, 7.5 %")
     expect(seen.page.get_by_text("its oil is warm in summer")).to_be_visible()
@@ -42,14 +42,14 @@ def test_limits_that_make_no_sense_are_refused_with_words(seen: Seen, service: S
     dialog.get_by_role("group", name="danger").get_by_label("change").fill("1")
     dialog.get_by_label("Comment").fill("x")
     dialog.get_by_label("Your name").fill("anna")
-    dialog.get_by_role("button", name="Put in force").click()
+    dialog.get_by_role("button", name="Apply").click()
     expect(dialog.get_by_role("alert")).to_contain_text("must lie above")
     assert service.get(f"/machines/{MACHINE}/limits") == before
 
 
 def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
     seen.open(SETTINGS)
-    expect(seen.page.get_by_text("every alert calls")).to_be_visible()
+    expect(seen.page.get_by_text("No alert is suppressed or shelved")).to_be_visible()
     seen.page.get_by_role("button", name="Suppress").click()
     dialog = seen.page.get_by_role("dialog")
     dialog.get_by_label("Element").select_option("bearing.B1")
@@ -62,7 +62,7 @@ def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
     assert (one["element"], one["rule"], one["until"], one["by"]) == ("bearing.B1", None, None, "anna")
     table.get_by_role("button", name="End").click()
     seen.page.get_by_role("dialog").get_by_role("button", name="End").click()
-    expect(seen.page.get_by_text("every alert calls")).to_be_visible()
+    expect(seen.page.get_by_text("No alert is suppressed or shelved")).to_be_visible()
     assert service.get(f"/machines/{MACHINE}/suppressions") == []
     assert service.get(f"/suppressions/{one['id']}")["ended_by"] == "anna"
     assert seen.errors == []
@@ -70,10 +70,10 @@ def test_a_suppression_begins_and_ends(seen: Seen, service: Service) -> None:
 
 def test_a_subscription_is_added_tried_and_turned_off(seen: Seen, service: Service) -> None:
     seen.open("subscriptions")
-    expect(seen.page.get_by_text("Nobody is told")).to_be_visible()
+    expect(seen.page.get_by_text("nobody is notified")).to_be_visible()
     seen.page.get_by_role("button", name="Add").click()
     dialog = seen.page.get_by_role("dialog")
-    dialog.get_by_label("How").select_option("zenoh")
+    dialog.get_by_label("Channel").select_option("zenoh")
     dialog.get_by_label("Name").fill("control room")
     dialog.get_by_role("button", name="Add").click()
     one = seen.page.locator(".subscription")
@@ -81,7 +81,7 @@ def test_a_subscription_is_added_tried_and_turned_off(seen: Seen, service: Servi
     one.get_by_role("button", name="Send a test").click()
     expect(one.get_by_role("status")).to_contain_text("test message delivered")
     one.get_by_role("button", name="deliveries").click()
-    expect(one).to_contain_text("Nothing was delivered yet")
+    expect(one).to_contain_text("No deliveries yet")
     one.get_by_role("button", name="Disable").click()
     expect(one).to_contain_text("disabled")
     (found,) = service.get("/subscriptions")
@@ -111,7 +111,7 @@ def test_two_identifications_are_compared(seen: Seen, service: Service) -> None:
     found = [one for one in service.get(f"/machines/{MACHINE}/identifications") if one["scope"] == "run"]
     newest, oldest = found[0]["id"], found[-1]["id"]
     seen.open(f"machines/{MACHINE}/identified?identification={newest}")
-    seen.page.get_by_label("Against").select_option(str(oldest))
+    seen.page.get_by_label("Compare with").select_option(str(oldest))
     expected = service.get("/identifications/compare", first=oldest, second=newest)
     rows = seen.page.locator("table.comparison tbody tr")
     expect(rows).to_have_count(len(expected["changes"]))
@@ -235,14 +235,14 @@ def test_what_is_asked_again_after_no_answer_came_is_done_once(seen: Seen, servi
 
     seen.page.route(re.compile("/timeline"), unanswered)
     seen.open(f"machines/{MACHINE}")
-    seen.page.get_by_role("button", name="Write").click()
+    seen.page.get_by_role("button", name="Add").click()
     dialog = seen.page.get_by_role("dialog")
-    dialog.get_by_label("What", exact=True).fill("oil changed")
+    dialog.get_by_label("Text", exact=True).fill("oil changed")
     dialog.get_by_label("Your name").fill("anna")
     seen.page.clock.set_fixed_time(datetime.now(UTC) + timedelta(minutes=5))  # what nobody chose stays as it was
-    dialog.get_by_role("button", name="Write down").click()
+    dialog.get_by_role("button", name="Add").click()
     expect(dialog.get_by_role("alert")).to_be_visible()
-    dialog.get_by_role("button", name="Write down").click()
+    dialog.get_by_role("button", name="Add").click()
     expect(dialog).to_have_count(0)
     assert asked[0] is not None
     assert asked == [asked[0]] * 2

@@ -1,0 +1,53 @@
+// Data of the API in every state: loaded, stale, being loaded, failed.
+import type { ComponentChildren } from "preact";
+import { useStore } from "../browser/store";
+import { connection } from "../data/connection";
+import type { ApiError } from "../data/http-client";
+import type { QueryResult } from "../data/resource";
+import { clock } from "../format/times";
+
+export function ErrorMessage({ failure }: { failure: ApiError }) {
+  return (
+    <p class="error" role="alert">
+      {messageOf(failure)}
+    </p>
+  );
+}
+
+function messageOf({ message, pending }: ApiError): string {
+  return pending ? `${message} Retrying.` : message;
+}
+
+/** Beside stale data: when they were received, and why there are no newer ones. */
+export function StaleNotice({ result: { data, failure, asOf } }: { result: QueryResult<unknown> }) {
+  const { state } = useStore(connection);
+  if (data === undefined || asOf === undefined || !failure) return null;
+  // A fault of the whole service is stated once, above everything.
+  if (state === "degraded" && failure.status >= 500) return null;
+  return (
+    <p class="error stale-notice" role="status">
+      As of {clock(asOf)}, nothing newer: {messageOf(failure)}
+    </p>
+  );
+}
+
+/** Keep the place of what is being loaded. */
+export function Loading({ height }: { height: string }) {
+  return <div class="loading" aria-busy="true" aria-label="loading" style={{ minHeight: height }} />;
+}
+
+/** The data of a result, with a notice if they are stale; else a placeholder of so many lines, or the error. */
+export function Loaded<T>(props: { result: QueryResult<T>; lines?: number; children: (data: T) => ComponentChildren }) {
+  const { data, failure } = props.result;
+  if (data !== undefined) {
+    return (
+      <>
+        <StaleNotice result={props.result} />
+        {props.children(data)}
+      </>
+    );
+  }
+  // That the service does not answer is stated once, above everything; the request is repeated as soon as it does.
+  if (failure?.isLocal) return <ErrorMessage failure={failure} />;
+  return <Loading height={`${(props.lines ?? 3) * 1.6}em`} />;
+}

@@ -1,0 +1,30 @@
+// The states of a view of the newest identification: being loaded, stale, none.
+import type { ApiError } from "../data/http-client";
+import { isComparable, MAX_SEARCH, type NewestIdentification, type NewestSummary } from "../data/newest-identification";
+import { ErrorMessage, Loading, StaleNotice } from "./loading";
+import { Empty, Panel } from "./panel";
+
+/** In the place of a view whose identification is not loaded yet. */
+export function PendingPanel({ title, failure }: { title: string; failure: ApiError | undefined }) {
+  return <Panel title={title}>{failure?.isLocal ? <ErrorMessage failure={failure} /> : <Loading height="420px" />}</Panel>;
+}
+
+/** Above a view: why it does not show the next identification, or that the list is stale. */
+export function NewestNotice({ failure, list }: Pick<NewestIdentification, "failure" | "list">) {
+  return failure?.isLocal ? <ErrorMessage failure={failure} /> : <StaleNotice result={list} />;
+}
+
+export function NoIdentification() {
+  return (
+    <Panel title="Nothing to show yet">
+      <Empty>No run of this machine was identified yet. The first one that covers enough of the speed range will be.</Empty>
+    </Panel>
+  );
+}
+
+/** State that no identification can be compared with a baseline; null where one can, or nothing is known yet. */
+export function notComparableText({ data, searched }: NewestSummary): string | null {
+  if (data === undefined || isComparable(data)) return null;
+  if (searched === MAX_SEARCH) return `Of the newest ${MAX_SEARCH} identifications none of a single run was accepted.`;
+  return "No identification of a single run was accepted yet.";
+}

@@ -1,0 +1,115 @@
+// Requests to the API, and their errors.
+import { connection, isTimeout, noteNoResponse, noteResponse } from "./connection";
+import { problemText } from "./problem";
+import { csrfHeaders, redirectToLogin } from "./session";
+
+export const API_PREFIX = "/api/v1";
+const TIMEOUT_MS = 20_000;
+
+/** An error response (RFC 9457), or none at all; then the status is 0. */
+export class ApiError extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+    /** The service is up, but has not answered this request yet. */
+    readonly pending = false,
+  ) {
+    super(message);
+  }
+
+  /** Whether the service refused the request for good: any other may be carried out, or answered, yet. */
+  get rejected(): boolean {
+    return this.status >= 400 && this.status < 500 && this.status !== 429 && !this.pending;
+  }
+
+  /** Whether it concerns this request alone: that the service does not answer at all is stated once, above everything. */
+  get isLocal(): boolean {
+    return this.status > 0 || this.pending;
+  }
+}
+
+function noResponse(sentAt: number, error: unknown): ApiError {
+  noteNoResponse(sentAt, error);
+  return isTimeout(error) && connection.value.state !== "lost" ? pending() : new ApiError(0, "The service does not answer.");
+}
+
+function pending(): ApiError {
+  return new ApiError(0, `The service is up, but did not answer this request within ${TIMEOUT_MS / 1000} s.`, true);
+}
+
+async function request(path: string, options: RequestInit): Promise<Response> {
+  let response: Response;
+  const sentAt = Date.now();
+  try {
+    response = await fetch(API_PREFIX + path, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
+  } catch (error) {
+    throw noResponse(sentAt, error);
+  }
+  noteResponse(); // even if it is an error: the heartbeat finds out whether the service can read its data
+  if (response.ok) return response;
+  if (response.status === 401) redirectToLogin();
+  const inProgress = response.status === 409 && response.headers.has("retry-after");
+  throw new ApiError(response.status, await problemText(response), inProgress);
+}
+
+async function parse<T>(response: Response): Promise<T> {
+  try {
+    return (await response.json()) as T;
+  } catch (error) {
+    if (isTimeout(error)) throw pending();
+    throw new ApiError(response.status, error instanceof SyntaxError ? "The service's response is not JSON." : "The service's response was cut off.");
+  }
+}
+
+export async function get<T>(path: string): Promise<T> {
+  return parse<T>(await request(path, { headers: { accept: "application/json" } }));
+}
+
+/** The resource, and the ETag that a change of it must name. */
+export async function getWithEtag<T>(path: string): Promise<[T, string | null]> {
+  const response = await request(path, { headers: { accept: "application/json" }, cache: "no-store" });
+  return [await parse<T>(response), response.headers.get("etag")];
+}
+
+/** Idempotency keys by request, of posts that may have been carried out though no response came. */
+export type IdempotencyKeys = Map<string, string>;
+
+function newKey(): string {
+  return [...crypto.getRandomValues(new Uint32Array(4))].map((one) => one.toString(16)).join("-");
+}
+
+/** Post. With the same keys a request that is repeated because no response came is carried out once. */
+export async function post<T>(path: string, body: unknown, etag: string | null = null, keys: IdempotencyKeys = new Map()): Promise<T> {
+  const request = path + JSON.stringify(body);
+  const key = keys.get(request) ?? newKey();
+  keys.set(request, key);
+  try {
+    return await send<T>("POST", path, body, etag, { "idempotency-key": key });
+  } catch (error) {
+    if (error instanceof ApiError && error.rejected) keys.delete(request);
+    throw error;
+  }
+}
+
+export function put<T>(path: string, body: unknown, etag: string | null): Promise<T> {
+  return send<T>("PUT", path, body, etag);
+}
+
+/** body: null for none. etag: of the resource that is to be changed. */
+async function send<T>(method: string, path: string, body: unknown, etag: string | null, more: Record<string, string> = {}): Promise<T> {
+  const headers: Record<string, string> = { accept: "application/json", ...csrfHeaders(), ...more };
+  if (body !== null) headers["content-type"] = "application/json";
+  if (etag) headers["if-match"] = etag;
+  return parse<T>(await request(path, { method, headers, body: body === null ? null : JSON.stringify(body) }));
+}
+
+export function queryString(parameters: Record<string, string | number | boolean | null | undefined | string[]>): string {
+  const search = new URLSearchParams();
+  for (const [name, value] of Object.entries(parameters)) {
+    for (const one of Array.isArray(value) ? value : [value]) {
+      if (one !== null && one !== undefined) search.append(name, String(one));
+    }
+  }
+  const text = search.toString();
+  return text ? `?${text}` : "";
+}

@@ -1,0 +1,22 @@
+// A run's phasors in ascending order of speed, as plots need them.
+import type { Phasors } from "../schemas/runs";
+
+export interface SpeedSweep {
+  channels: string[];
+  rpm: number[];
+  /** Per channel [µm pp]. */
+  amplitude: (number | null)[][];
+  /** Per channel, lag [°], 0 to 360. */
+  lag: (number | null)[][];
+}
+
+export function speedSweep(phasors: Phasors): SpeedSweep {
+  const order = phasors.speed_rpm.map((_, index) => index).sort((a, b) => phasors.speed_rpm[a]! - phasors.speed_rpm[b]!);
+  const sorted = <T>(values: T[]): T[] => order.map((index) => values[index]!);
+  return {
+    channels: phasors.channels,
+    rpm: sorted(phasors.speed_rpm),
+    amplitude: phasors.amplitude_um_pp.map(sorted),
+    lag: phasors.phase_lag_deg.map(sorted),
+  };
+}

@@ -1,0 +1,61 @@
+// Acknowledge, reset, shelve, unshelve or comment on an alert.
+import { MAX_EVENTS } from "../data/alerts-at-time";
+import { ApiError, get, getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
+import { refetch } from "../data/resource";
+import type { Alert, AlertEvent } from "../schemas/alerts";
+import { ALERT_ACTIONS, alertStateLabel, type AlertAction } from "../words/alert-states";
+import { author, CommentField, FormDialog } from "./form-dialog";
+
+const SHIFT = 8;
+const HOURS: [number, string][] = [
+  [1, "1 hour"],
+  [SHIFT, "8 hours (one shift)"],
+  [24, "1 day"],
+  [168, "1 week"],
+  [719, "30 days (the maximum)"],
+];
+
+async function carryOut(alert: Alert, action: AlertAction, body: Record<string, string>, keys: IdempotencyKeys): Promise<void> {
+  // The ETag is that of the alert as it is now: if it is no longer as shown, the error says what it has become.
+  const [now, etag] = await getWithEtag<Alert>(`/alerts/${alert.id}`);
+  if (action !== "comments" && now.state !== alert.state) {
+    const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`)).at(-1);
+    throw new ApiError(409, `The alert has changed: it is now ${alertStateLabel(now.state)}, by ${last?.by ?? "somebody else"}. Check it again.`);
+  }
+  if (action !== "comments" && now.severity !== alert.severity) {
+    throw new ApiError(409, `The alert has changed: its severity is now ${now.severity}, no longer ${alert.severity}. Check it again.`);
+  }
+  // An action can be undone and then taken anew, so it needs a new key: only a comment must not be there twice.
+  await post(`/alerts/${alert.id}/${action}`, body, etag, action === "comments" ? keys : undefined);
+}
+
+export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; action: AlertAction; onClose: () => void }) {
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const body: Record<string, string> = { by: author(form), comment: String(form.get("comment") ?? "") };
+    if (action === "shelve") body.until = new Date(Date.now() + Number(form.get("hours")) * 3_600_000).toISOString();
+    try {
+      await carryOut(alert, action, body, keys);
+    } finally {
+      refetch("/alerts");
+      refetch("/fleet");
+    }
+  };
+  return (
+    <FormDialog title={ALERT_ACTIONS[action].title} button={ALERT_ACTIONS[action].button.replace(" …", "")} onSubmit={submit} onClose={onClose}>
+      <p class="subject">{alert.message}</p>
+      {action === "shelve" && (
+        <label>
+          For
+          <select name="hours">
+            {HOURS.map(([hours, words]) => (
+              <option key={hours} value={hours} selected={hours === SHIFT}>
+                {words}
+              </option>
+            ))}
+          </select>
+        </label>
+      )}
+      <CommentField required={action === "comments"} />
+    </FormDialog>
+  );
+}

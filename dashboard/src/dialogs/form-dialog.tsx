@@ -1,0 +1,78 @@
+// A form in a modal window: its fields, the author's name, and the error when it could not be submitted.
+import type { ComponentChildren } from "preact";
+import { useRef, useState } from "preact/hooks";
+import { saveAuthorName, savedAuthorName } from "../data/author-name";
+import { ApiError, type IdempotencyKeys } from "../data/http-client";
+import { Dialog } from "./dialog";
+
+interface Props {
+  title: string;
+  button: string;
+  /** Whether the change is recorded under its author's name. */
+  named?: boolean;
+  /** Carry it out; an error that it throws is shown, and the window stays. */
+  onSubmit: (form: FormData, keys: IdempotencyKeys) => Promise<void>;
+  onClose: () => void;
+  children?: ComponentChildren;
+}
+
+export function FormDialog({ title, button, named = true, onSubmit, onClose, children }: Props) {
+  const [failure, setFailure] = useState<string | null>(null);
+  const [busy, setBusy] = useState(false);
+  const keys = useRef<IdempotencyKeys>(new Map());
+  const submit = async (event: SubmitEvent) => {
+    event.preventDefault();
+    const form = new FormData(event.currentTarget as HTMLFormElement);
+    if (named) saveAuthorName(author(form));
+    setBusy(true);
+    setFailure(null);
+    try {
+      await onSubmit(form, keys.current);
+      onClose();
+    } catch (error) {
+      setFailure(error instanceof ApiError ? error.message : String(error));
+    } finally {
+      setBusy(false);
+    }
+  };
+  return (
+    <Dialog title={title} onClose={onClose}>
+      <form onSubmit={submit}>
+        {children}
+        {named && (
+          <label>
+            Your name
+            <input name="by" required maxLength={120} autoComplete="name" defaultValue={savedAuthorName()} />
+          </label>
+        )}
+        {failure && (
+          <p class="error" role="alert">
+            {failure}
+          </p>
+        )}
+        <p class="buttons">
+          <button type="submit" class="strong" disabled={busy}>
+            {busy ? "…" : button}
+          </button>
+          <button type="button" onClick={onClose}>
+            Cancel
+          </button>
+        </p>
+      </form>
+    </Dialog>
+  );
+}
+
+/** The name entered in a form. */
+export function author(form: FormData): string {
+  return String(form.get("by")).trim();
+}
+
+export function CommentField({ required = false }: { required?: boolean }) {
+  return (
+    <label>
+      Comment
+      <textarea name="comment" rows={3} maxLength={2000} required={required} />
+    </label>
+  );
+}

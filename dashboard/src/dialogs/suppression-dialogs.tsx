@@ -1,0 +1,85 @@
+// Begin and end a suppression of alerts.
+import { getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
+import { refetch } from "../data/resource";
+import { FINDING_KINDS, findingLabel } from "../findings/findings";
+import { elementName, words } from "../format/names";
+import type { Suppression } from "../schemas/alerts";
+import type { Document } from "../schemas/machines";
+import { suppressionScope } from "../words/alert-states";
+import { elementsOfMachine } from "../words/elements";
+import { author, CommentField, FormDialog } from "./form-dialog";
+
+export function SuppressDialog({ machine, onClose }: { machine: Document; onClose: () => void }) {
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const until = String(form.get("until"));
+    const body = {
+      kind: form.get("kind"),
+      rule: form.get("rule") || null,
+      element: form.get("element") || null,
+      until: until ? new Date(until).toISOString() : null,
+      by: author(form),
+      comment: form.get("comment"),
+    };
+    await post(`/machines/${machine.id}/suppressions`, body, null, keys);
+    refetchAlerts(machine.id);
+  };
+  return (
+    <FormDialog title="Suppress alerts" button="Suppress" onSubmit={submit} onClose={onClose}>
+      <label>
+        Kind
+        <select name="kind">
+          <option value="out_of_service">out of service: a probe or a machine under maintenance</option>
+          <option value="suppressed_by_design">suppressed by design: known and intended</option>
+        </select>
+      </label>
+      <label>
+        Finding
+        <select name="rule">
+          <option value="">all</option>
+          {FINDING_KINDS.map((one) => (
+            <option key={one} value={one}>
+              {findingLabel(one)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Element
+        <select name="element">
+          <option value="">all</option>
+          {elementsOfMachine(machine).map((one) => (
+            <option key={one} value={one}>
+              {elementName(one)}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Until; empty: until it is ended here
+        <input type="datetime-local" name="until" />
+      </label>
+      <CommentField />
+    </FormDialog>
+  );
+}
+
+export function EndSuppressionDialog({ suppression, onClose }: { suppression: Suppression; onClose: () => void }) {
+  const path = `/suppressions/${suppression.id}`;
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const [, etag] = await getWithEtag<Suppression>(path);
+    await post(`${path}/end`, { by: author(form), comment: form.get("comment") }, etag, keys);
+    refetchAlerts(suppression.machine);
+  };
+  return (
+    <FormDialog title={`End: ${words(suppression.kind)}, ${suppressionScope(suppression)}`} button="End" onSubmit={submit} onClose={onClose}>
+      <p class="muted">Alerts whose cause is still there become unacknowledged again.</p>
+      <CommentField />
+    </FormDialog>
+  );
+}
+
+function refetchAlerts(machine: string): void {
+  refetch(`/machines/${machine}/`);
+  refetch("/alerts");
+  refetch("/fleet");
+}

@@ -1,0 +1,44 @@
+// Add a note or a maintenance to a machine's timeline.
+import { useState } from "preact/hooks";
+import { post, type IdempotencyKeys } from "../data/http-client";
+import { refetch } from "../data/resource";
+import { author, FormDialog } from "./form-dialog";
+
+export function TimelineDialog({ machine, onClose }: { machine: string; onClose: () => void }) {
+  const [opened] = useState(localMinute);
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const at = new Date(String(form.get("at"))).toISOString();
+    const body = { at, kind: form.get("kind"), text: form.get("text"), by: author(form) };
+    try {
+      await post(`/machines/${machine}/timeline`, body, null, keys);
+    } finally {
+      refetch(`/machines/${machine}/`);
+    }
+  };
+  return (
+    <FormDialog title="Add a note or a maintenance" button="Add" onSubmit={submit} onClose={onClose}>
+      <label>
+        Kind
+        <select name="kind">
+          <option value="note">note</option>
+          <option value="maintenance">maintenance: a new baseline begins</option>
+          <option value="marker">marker</option>
+        </select>
+      </label>
+      <label>
+        Time
+        <input type="datetime-local" name="at" required defaultValue={opened} />
+      </label>
+      <label>
+        Text
+        <textarea name="text" rows={3} required maxLength={2000} />
+      </label>
+    </FormDialog>
+  );
+}
+
+/** The current minute of local time, as its field takes it. */
+function localMinute(): string {
+  const now = new Date();
+  return new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
+}

@@ -1,0 +1,47 @@
+// Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
+import { QUANTITIES, RULES, type RuleName } from "../declarations/findings";
+import { elementName, words } from "../format/names";
+
+export const FINDING_KINDS = RULES;
+
+export type FindingKind = RuleName;
+
+/** A kind's label: `run out` of `run_out`. Also for kinds without limits, such as `misfit`. */
+export function findingLabel(kind: string): string {
+  return words(kind);
+}
+
+/** A hypothesis in words: `misalignment of coupling C1`. */
+export function causeLabel({ kind, element }: { kind: string; element: string }): string {
+  return element.startsWith(`${kind}.`) ? `${elementName(element)} itself` : `${findingLabel(kind)} of ${elementName(element)}`;
+}
+
+export const LEVELS = ["alert", "danger"] as const;
+
+export type LimitName = "sigma" | "per_cent" | "force" | "rate_per_cent_per_week";
+
+export interface LimitQuantity {
+  name: LimitName;
+  label: string;
+  unit: string;
+}
+
+const LIMIT_QUANTITIES: LimitQuantity[] = [
+  { name: "sigma", label: "significance", unit: "σ" },
+  { name: "per_cent", label: "change", unit: "%" },
+  { name: "force", label: "force in the coupling", unit: "N" },
+  { name: "rate_per_cent_per_week", label: "rate", unit: "% per week" },
+];
+
+/** The quantities that may be limited for a kind. */
+export function limitQuantities(kind: FindingKind): LimitQuantity[] {
+  return LIMIT_QUANTITIES.filter(({ name }) => QUANTITIES[kind].includes(name));
+}
+
+/** A level's limits in words: `4 σ, 5 %`; `never` without a level. */
+export function levelText(level: Record<LimitName, number | null> | null): string {
+  if (level === null) return "never";
+  return LIMIT_QUANTITIES.filter(({ name }) => level[name] !== null)
+    .map(({ name, unit }) => `${level[name]} ${unit}`)
+    .join(", ");
+}

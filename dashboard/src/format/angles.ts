@@ -1,0 +1,25 @@
+// Directions and angles: how unbalances count, how a shaft whirls.
+import { number } from "./numbers";
+
+/** State how angles of unbalances count; a lag, as of all measured phases, counts against the rotation. */
+export function angleConvention(rotation: "positive" | "negative" = "positive"): string {
+  return `from the mark, +x towards +y, ${rotation === "positive" ? "with" : "against"} rotation`;
+}
+
+/** Half an interval that leaves every angle open [°]. */
+export const ANY_ANGLE = 180;
+
+/** An angle from the keyphasor mark with its 95 % interval; empty for what is no vector or not known. */
+export function angleText(angle: number | null, halfWidth: number | null): string {
+  if (angle === null || halfWidth === null) return "";
+  return halfWidth < ANY_ANGLE ? ` at ${angle.toFixed(1)}° ± ${number(halfWidth, 2)}°` : " at any angle";
+}
+
+/** A whirl of a smaller size is planar, as in estimator/whirl.py. */
+const PLANAR = 0.05;
+
+/** Name a whirl between -1, circular against the rotation, and 1, circular with it. */
+export function whirlName(whirl: number): string {
+  if (Math.abs(whirl) < PLANAR) return "planar";
+  return whirl > 0 ? "forward" : "backward";
+}

@@ -1,0 +1,31 @@
+// The alerts of all machines.
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { Panel, Truncated } from "../components/panel";
+import { queryString } from "../data/http-client";
+import { useResource } from "../data/resource";
+import { AlertList } from "../panels/alert-list";
+import type { Alert } from "../schemas/alerts";
+
+const LIMIT = 200;
+
+export function AlertsPage() {
+  const all = useStore(route).query.get("all") === "1";
+  const result = useResource<Alert[]>(`/alerts${queryString({ open: !all, limit: LIMIT })}`, 30_000);
+  return (
+    <>
+      <h1>Alerts</h1>
+      <Panel
+        title={all ? "All, newest first" : "Open, newest first"}
+        aside={
+          <label class="switch">
+            <input type="checkbox" checked={all} onChange={() => replaceQuery({ all: all ? null : "1" })} /> include closed
+          </label>
+        }
+      >
+        <AlertList result={result} machines none={all ? "No alerts." : "No open alerts."} />
+        <Truncated shown={result.data?.length ?? 0} limit={LIMIT} />
+      </Panel>
+    </>
+  );
+}

@@ -1,0 +1,35 @@
+// Predictions of the newest identified model: Campbell diagram, critical speeds, coupling loads, balancing.
+import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
+import { Time } from "../components/time";
+import { useNewestIdentification } from "../data/newest-identification";
+import { BalancingPanel } from "../panels/balancing-panel";
+import { CampbellPanel } from "../panels/campbell-panel";
+import { CouplingLoadsPanel } from "../panels/coupling-loads-panel";
+import { CriticalSpeedsPanel } from "../panels/critical-speeds-panel";
+import type { Document } from "../schemas/machines";
+
+function pathsOf(id: number) {
+  const model = `/identifications/${id}/model`;
+  return { campbell: `${model}/campbell`, criticals: `${model}/critical-speeds`, forces: `${model}/misalignment-force`, balancing: `${model}/balancing` };
+}
+
+export function ModelTab({ machine }: { machine: Document }) {
+  const { newest, none, failure, list } = useNewestIdentification(machine.id, (id) => Object.values(pathsOf(id)));
+  if (none) return <NoIdentification />;
+  if (!newest) return <PendingPanel title="Model" failure={failure} />;
+  const paths = pathsOf(newest.id);
+  return (
+    <>
+      <NewestNotice failure={failure} list={list} />
+      <p class="muted">
+        The model of identification {newest.id}, measured <Time at={newest.measured_at} /> in a {newest.run_kind}.
+      </p>
+      <div class="columns">
+        <CampbellPanel machine={machine} path={paths.campbell} />
+        <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
+      </div>
+      <CouplingLoadsPanel path={paths.forces} />
+      <BalancingPanel path={paths.balancing} />
+    </>
+  );
+}

@@ -1,0 +1,55 @@
+// A machine at a glance: the train with what has changed, open alerts, deviations, notes, the newest runs.
+import { navigate } from "../browser/router";
+import { Loaded } from "../components/loading";
+import { notComparableText } from "../components/newest-identification";
+import { Panel, Truncated } from "../components/panel";
+import { useDeviations } from "../data/machine-deviations";
+import { useNewestSummary } from "../data/newest-identification";
+import { MAX_OPEN_ALERTS, useOpenAlerts } from "../data/open-alerts";
+import { useResource } from "../data/resource";
+import { AlertList } from "../panels/alert-list";
+import { DeviationsPanel } from "../panels/deviations-panel";
+import { LiveRunPanel } from "../panels/live-run-panel";
+import { NewestRunsPanel } from "../panels/newest-runs-panel";
+import { TimelinePanel } from "../panels/timeline-panel";
+import type { Document, Drawing } from "../schemas/machines";
+import { elementMarks } from "../train/marks";
+import { TrainDrawing } from "../train/train-drawing";
+import { TrainLegend } from "../train/train-legend";
+
+export function OverviewTab({ machine }: { machine: Document }) {
+  const alerts = useOpenAlerts(machine.id);
+  const summary = useNewestSummary(machine.id);
+  const { deviations, next } = useDeviations(machine.id, summary);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  return (
+    <>
+      <Panel title="Train" aside={<TrainLegend />}>
+        <Loaded result={drawing} lines={15}>
+          {(found) => (
+            <TrainDrawing
+              name={machine.name}
+              drawing={found}
+              marks={elementMarks(alerts.data ?? [], deviations.data)}
+              onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
+            />
+          )}
+        </Loaded>
+      </Panel>
+      <div class="columns">
+        <div>
+          <Panel title="Open alerts">
+            <AlertList result={alerts} none="No open alerts." />
+            <Truncated shown={alerts.data?.length ?? 0} limit={MAX_OPEN_ALERTS} />
+          </Panel>
+          <LiveRunPanel machine={machine} />
+        </div>
+        <div>
+          <DeviationsPanel machine={machine} result={deviations} next={next} none={notComparableText(summary)} />
+          <TimelinePanel machine={machine} />
+        </div>
+      </div>
+      <NewestRunsPanel machine={machine.id} />
+    </>
+  );
+}

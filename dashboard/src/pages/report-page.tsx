@@ -1,0 +1,89 @@
+// A report of one machine and period, to be printed or saved: what happened, how the parameters developed, what is open.
+import { useLayoutEffect } from "preact/hooks";
+import { link, replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { setPrintColours } from "../browser/theme";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { dayOf, daysLater, isDay, midnight } from "../format/days";
+import { ReportBody } from "../reports/report-body";
+import type { Document, MachineRevision } from "../schemas/machines";
+
+const PERIOD_DAYS = 90;
+/** Without an offset, which may change within a period. */
+const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
+
+/** The errors of a period; empty for a valid one. */
+function periodErrors(first: string, last: string): string[] {
+  const ends = [["first", "from", first], ["last", "to", last]] as const;
+  const invalid = ends.filter(([, , text]) => !isDay(text));
+  if (invalid.length === 0 && first > last) return ["The period's first day is after its last."];
+  return invalid.map(([which, name, text]) => `The period's ${which} day is not a date: “${text}”. Choose one, or write ${name}=2026-01-31 in the address, without a time.`);
+}
+
+export function ReportPage({ id }: { id: string }) {
+  useLayoutEffect(() => {
+    setPrintColours(true);
+    return () => setPrintColours(false);
+  }, []);
+  const result = useResource<MachineRevision>(`/machines/${id}`);
+  return (
+    <Loaded result={result} lines={20}>
+      {({ document, revision }) => <Report machine={document} revision={revision} />}
+    </Loaded>
+  );
+}
+
+function Report({ machine, revision }: { machine: Document; revision: number }) {
+  const { query } = useStore(route);
+  const first = query.get("from") ?? dayOf(daysLater(new Date(), -PERIOD_DAYS));
+  const last = query.get("to") ?? dayOf(new Date());
+  const errors = periodErrors(first, last);
+  if (errors.length > 0) {
+    return (
+      <Panel title="Report">
+        <PeriodFields first={first} last={last} />
+        {errors.map((one) => (
+          <Empty key={one}>{one}</Empty>
+        ))}
+      </Panel>
+    );
+  }
+  const from = midnight(first);
+  const to = new Date(daysLater(midnight(last), 1).getTime() - 1);
+  return (
+    <article class="report">
+      <header>
+        <p class="buttons screen">
+          <a href={link(["machines", machine.id])}>Back to the machine</a>
+        </p>
+        <h1>{machine.name}</h1>
+        <p>
+          {machine.plant} / {machine.id}, document revision {revision}. {from.toLocaleDateString()} to {to.toLocaleDateString()}. Created{" "}
+          {new Date().toLocaleString()}. Times are local time of {ZONE}.
+        </p>
+        <PeriodFields first={first} last={last} />
+      </header>
+      <ReportBody machine={machine} from={from.toISOString()} to={to.toISOString()} />
+    </article>
+  );
+}
+
+function PeriodFields({ first, last }: { first: string; last: string }) {
+  return (
+    <div class="choices">
+      <label>
+        From
+        <input type="date" value={first} onChange={(event) => replaceQuery({ from: event.currentTarget.value })} />
+      </label>
+      <label>
+        To
+        <input type="date" value={last} onChange={(event) => replaceQuery({ to: event.currentTarget.value })} />
+      </label>
+      <button type="button" class="strong" onClick={() => window.print()}>
+        Print, or save as PDF
+      </button>
+    </div>
+  );
+}

@@ -1,0 +1,13 @@
+// The shaft's motion: orbits of a run, and mode shapes of the newest identified model.
+import { ModeShapesPanel } from "../panels/mode-shapes-panel";
+import { OrbitsPanel } from "../panels/orbits-panel";
+import type { Document } from "../schemas/machines";
+
+export function ShapesTab({ machine }: { machine: Document }) {
+  return (
+    <>
+      <OrbitsPanel machine={machine} />
+      <ModeShapesPanel machine={machine} />
+    </>
+  );
+}

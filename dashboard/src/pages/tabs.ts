@@ -1,0 +1,11 @@
+// The tabs of a machine's page, in the order of the keys 1 to 7.
+
+export const TABS = [
+  { id: "overview", name: "Overview" },
+  { id: "trends", name: "Trends" },
+  { id: "response", name: "Bode and polar" },
+  { id: "shapes", name: "Orbits and modes" },
+  { id: "model", name: "Model" },
+  { id: "identified", name: "Parameters" },
+  { id: "settings", name: "Limits and suppressions" },
+] as const;

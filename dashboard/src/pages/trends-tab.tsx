@@ -1,0 +1,123 @@
+// The trends of a machine: the histories of one element at a time.
+import { useEffect } from "preact/hooks";
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
+import { Panel, Truncated } from "../components/panel";
+import { Severity, worstSeverity } from "../components/severity";
+import { useNewestIdentification } from "../data/newest-identification";
+import { useResource } from "../data/resource";
+import { elementName } from "../format/names";
+import { DERIVED, ElementHistories } from "../panels/element-histories";
+import type { Alert } from "../schemas/alerts";
+import type { Identification } from "../schemas/identifications";
+import type { Document } from "../schemas/machines";
+import { elementsOfEstimates } from "../words/elements";
+
+const RANGES: [string, string, number][] = [
+  ["month", "1 month", 31],
+  ["quarter", "3 months", 92],
+  ["year", "1 year", 366],
+  ["all", "all", Infinity],
+];
+/** Alerts that are marked in the trends. */
+const MAX_ALERTS = 200;
+/** The API's scope of identifications pooled over several runs. */
+const POOLED = "gathered";
+
+export function TrendsTab({ machine }: { machine: Document }) {
+  const { query } = useStore(route);
+  const { newest, none, failure, list } = useNewestIdentification(machine.id);
+  const loaded = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MAX_ALERTS}`, 30_000);
+  const alerts = loaded.data ?? [];
+  const elements = newest ? elementsOf(newest) : [];
+  const element = chosenElement(machine, elements, alerts, query.get("element"));
+  const settled = loaded.data || loaded.failure ? element : undefined;
+  useEffect(() => {
+    // A later alert does not change what is being looked at.
+    if (settled && !query.get("element")) replaceQuery({ element: settled });
+  }, [settled, query]);
+  if (none) return <NoIdentification />;
+  if (!newest || !element) return <PendingPanel title="Trends" failure={failure} />;
+  const range = query.get("range") ?? "all";
+  return (
+    <>
+      <NewestNotice failure={failure} list={list} />
+      <Panel title="Selection">
+        <div class="choices">
+          <ElementButtons elements={elements} chosen={element} alerts={alerts} />
+          <RangeButtons chosen={range} />
+          <PooledSwitch checked={query.get("scope") === POOLED} />
+        </div>
+        <Truncated shown={alerts.length} limit={MAX_ALERTS} of="alerts of the machine" />
+      </Panel>
+      <ElementHistories
+        key={[element, range, query.get("scope")].join()}
+        machine={machine.id}
+        rotation={machine.rotation}
+        element={element}
+        names={namesOf(newest, element)}
+        newest={newest}
+        shownDays={RANGES.find(([id]) => id === range)?.[2] ?? Infinity}
+        scope={query.get("scope") ?? "run"}
+        alerts={alerts}
+      />
+    </>
+  );
+}
+
+function elementsOf(newest: Identification): string[] {
+  return [...elementsOfEstimates(newest.estimates), ...(newest.derived.length > 0 ? [DERIVED] : [])];
+}
+
+/** The element that the address names, else one with an open alert, else the first coupling, else the first of all. */
+function chosenElement(machine: Document, elements: string[], alerts: Alert[], named: string | null): string | undefined {
+  const alerted = alerts.find((one) => !one.closed_at)?.element;
+  const coupling = machine.couplings[0] && `coupling.${machine.couplings[0].id}`;
+  return [named, alerted, coupling, elements[0]].find((one) => one && elements.includes(one)) ?? undefined;
+}
+
+function namesOf(newest: Identification, element: string): string[] {
+  if (element === DERIVED) return newest.derived.map((one) => one.name);
+  return newest.estimates.filter((one) => one.element === element).map((one) => one.parameter);
+}
+
+function ElementButtons({ elements, chosen, alerts }: { elements: string[]; chosen: string; alerts: Alert[] }) {
+  const open = alerts.filter((one) => !one.closed_at);
+  return (
+    <span class="buttons" role="group" aria-label="Element">
+      {elements.map((one) => (
+        <button key={one} type="button" aria-pressed={one === chosen} onClick={() => replaceQuery({ element: one })}>
+          <WorstOf alerts={open.filter((alert) => alert.element === one)} />
+          {elementName(one)}
+        </button>
+      ))}
+    </span>
+  );
+}
+
+function WorstOf({ alerts }: { alerts: Alert[] }) {
+  const severity = worstSeverity(alerts.map((one) => one.severity));
+  return severity ? <><Severity severity={severity} word={false} /> </> : null;
+}
+
+function RangeButtons({ chosen }: { chosen: string }) {
+  return (
+    <span class="buttons" role="group" aria-label="Time range">
+      {RANGES.map(([id, label]) => (
+        <button key={id} type="button" aria-pressed={id === chosen} onClick={() => replaceQuery({ range: id })}>
+          {label}
+        </button>
+      ))}
+    </span>
+  );
+}
+
+function PooledSwitch({ checked }: { checked: boolean }) {
+  return (
+    <label class="switch">
+      <input type="checkbox" checked={checked} onChange={(event) => replaceQuery({ scope: event.currentTarget.checked ? POOLED : null })} />
+      newest runs pooled
+    </label>
+  );
+}

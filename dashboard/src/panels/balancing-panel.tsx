@@ -1,0 +1,77 @@
+// A balancing proposal from an identified model.
+import { Loaded } from "../components/loading";
+import { Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { angleConvention } from "../format/angles";
+import { number } from "../format/numbers";
+import type { Balancing } from "../schemas/model";
+
+export function BalancingPanel({ path }: { path: string }) {
+  const result = useResource<Balancing>(path);
+  return (
+    <Panel title="Balancing proposal" aside={<p class="muted">Unbalance to add, from the identified model, without trial weights; the residual vibration is the model's uncertainty</p>}>
+      <Loaded result={result} lines={8}>
+        {(found) => (
+          <div class="columns">
+            <Corrections found={found} />
+            <Amplitudes found={found} />
+          </div>
+        )}
+      </Loaded>
+    </Panel>
+  );
+}
+
+function Corrections({ found }: { found: Balancing }) {
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Plane</th>
+            <th class="number">Correction</th>
+            <th class="number">Angle, {angleConvention(found.direction)}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {found.corrections.map((one) => (
+            <tr key={one.plane}>
+              <td>{one.plane}</td>
+              <td class="number">{number(one.unbalance_g_mm)} g·mm</td>
+              <td class="number">{Math.round(one.angle_deg)}°</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Amplitudes({ found }: { found: Balancing }) {
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Channel</th>
+            <th class="number">Largest before</th>
+            <th class="number">Largest after, 95 %</th>
+          </tr>
+        </thead>
+        <tbody>
+          {found.before.map((one, at) => (
+            <tr key={one.channel}>
+              <td>{one.channel}</td>
+              <td class="number">{number(largest(one.amplitude))} µm pp</td>
+              <td class="number">below {number(largest(found.after[at]?.upper ?? []))} µm pp</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function largest(column: (number | null)[]): number {
+  return Math.max(0, ...column.map((one) => one ?? 0));
+}

@@ -1,0 +1,56 @@
+// The Campbell diagram of an identified model.
+import { Loaded } from "../components/loading";
+import { Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { whirlName } from "../format/angles";
+import { number, rpm } from "../format/numbers";
+import { Plot } from "../plots/plot";
+import type { Curve } from "../plots/plot-props";
+import type { Document } from "../schemas/machines";
+import type { Campbell } from "../schemas/model";
+
+/** Modes with a higher damping ratio have no noticeable resonance, and are omitted. */
+const HEAVILY_DAMPED = 0.5;
+
+export function CampbellPanel({ machine, path }: { machine: Document; path: string }) {
+  const result = useResource<Campbell>(path);
+  return (
+    <Panel title="Campbell diagram" aside={<p class="muted">Natural frequencies over speed; dotted: 1×</p>}>
+      <Loaded result={result} lines={24}>
+        {(found) => (
+          <Plot
+            label={`Campbell diagram with ${found.curves.length} modes`}
+            x={found.speed}
+            xUnit="rpm"
+            yUnit="Hz"
+            height={380}
+            curves={curvesOf(found)}
+            markers={found.critical_speeds.map((one) => ({ x: one.speed, kind: "speed" as const, words: "critical speed" }))}
+            readOut={(index) => pointText(found, index)}
+          />
+        )}
+      </Loaded>
+      <p class="muted">
+        Solid: forward whirl or planar, dashed: backward. Vertical lines: critical speeds. The machine runs to {rpm(machine.speed_range.maximum_rpm)}.
+      </p>
+    </Panel>
+  );
+}
+
+function curvesOf(found: Campbell): Curve[] {
+  const modes = found.curves.flatMap((one, at): Curve[] => {
+    const y = one.frequency_hz.map((value, index) => ((one.damping_ratio[index] ?? 1) < HEAVILY_DAMPED ? value : null));
+    if (y.every((value) => value === null)) return [];
+    const whirl = one.whirl.reduce<number>((sum, value) => sum + (value ?? 0), 0) / one.whirl.length;
+    return [{ name: `mode ${at + 1}`, style: whirlName(whirl) === "backward" ? 1 : 0, y, unlisted: true }];
+  });
+  return [{ name: "1×", style: 2, y: found.synchronous_hz, unlisted: true }, ...modes];
+}
+
+function pointText(found: Campbell, index: number): string {
+  const frequencies = found.curves
+    .map((one) => ({ hz: one.frequency_hz[index], damping: one.damping_ratio[index] }))
+    .filter((one) => one.hz !== null && one.hz !== undefined && (one.damping ?? 1) < HEAVILY_DAMPED)
+    .map((one) => `${number(one.hz)}`);
+  return `${rpm(found.speed[index])}: ${frequencies.join(", ")} Hz`;
+}

@@ -1,0 +1,120 @@
+// A comparison of the identification that is shown with an earlier one.
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { queryString } from "../data/http-client";
+import { useResource } from "../data/resource";
+import { elementName } from "../format/names";
+import { number, percent, scaleOf, type Scale } from "../format/numbers";
+import { when } from "../format/times";
+import type { ComparedChange, Comparison, Estimate, IdentificationSummary } from "../schemas/identifications";
+
+/** Changes of more than so many standard errors are highlighted. */
+const SIGNIFICANT = 3;
+
+interface Props {
+  shown: string;
+  all: IdentificationSummary[];
+  /** Of the identification that is shown: they tell the units. */
+  estimates: Estimate[];
+}
+
+export function ComparisonPanel({ shown, all, estimates }: Props) {
+  const { query } = useStore(route);
+  const earlier = query.get("against") ?? "";
+  const result = useResource<Comparison>(earlier ? `/identifications/compare${queryString({ first: earlier, second: shown })}` : null);
+  const others = all.filter((one) => String(one.id) !== shown);
+  return (
+    <Panel title="Comparison with another identification" aside={<EarlierSelect earlier={earlier} others={others} />}>
+      {earlier === "" ? (
+        <Empty>Choose one to see the change of each parameter, in per cent and in standard errors of both fits.</Empty>
+      ) : (
+        <Loaded result={result} lines={12}>
+          {(found) => <Changes found={found} estimates={estimates} />}
+        </Loaded>
+      )}
+    </Panel>
+  );
+}
+
+function EarlierSelect({ earlier, others }: { earlier: string; others: IdentificationSummary[] }) {
+  return (
+    <label class="switch">
+      Compare with{" "}
+      <select value={earlier} onChange={(event) => replaceQuery({ against: event.currentTarget.value || null })}>
+        <option value="">none</option>
+        {earlier !== "" && !others.some((one) => String(one.id) === earlier) && <option value={earlier}>{earlier}</option>}
+        {others.map((one) => (
+          <option key={one.id} value={one.id}>
+            {one.id} {one.run_kind}, {when(one.measured_at)}
+            {one.accepted ? "" : ", not accepted"}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[] }) {
+  const changes = [...found.changes].sort((a, b) => Math.abs(b.sigma ?? 0) - Math.abs(a.sigma ?? 0));
+  const elements = [...found.elements].sort((a, b) => a.probability - b.probability);
+  return (
+    <>
+      <p>
+        From identification {found.first} to {found.second}, p-values by element, from the errors of the fits alone:{" "}
+        {elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ")}.
+      </p>
+      <div class="scroll">
+        <table class="comparison">
+          <thead>
+            <tr>
+              <th>Parameter</th>
+              <th class="number">{found.first}</th>
+              <th class="number">{found.second}</th>
+              <th class="number">Change</th>
+              <th class="number">σ</th>
+            </tr>
+          </thead>
+          <tbody>
+            {changes.map((one) => (
+              <Row key={one.parameter} one={one} unit={unitOf(one.parameter, estimates)} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+      {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.join(", ")}.</p>}
+      {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.join(", ")}.</p>}
+    </>
+  );
+}
+
+/** A component of an unbalance has the unit of the unbalance. */
+function unitOf(parameter: string, estimates: Estimate[]): string {
+  return estimates.find((one) => parameter === one.parameter || parameter.startsWith(`${one.parameter}.`))?.unit ?? "";
+}
+
+function valueText(value: number | null, scale: Scale): string {
+  return value === null ? "not determined" : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
+}
+
+function Row({ one, unit }: { one: ComparedChange; unit: string }) {
+  const scale = scaleOf(Math.max(Math.abs(one.first ?? 0), Math.abs(one.second ?? 0)), unit);
+  const isSignificant = Math.abs(one.sigma ?? 0) > SIGNIFICANT;
+  return (
+    <tr class={isSignificant ? "significant" : undefined}>
+      <td>
+        {isSignificant && "● "}
+        {one.parameter}
+      </td>
+      <td class="number">{valueText(one.first, scale)}</td>
+      <td class="number">{valueText(one.second, scale)}</td>
+      <td class="number">{one.per_cent === null ? "–" : percent(one.per_cent / 100)}</td>
+      <td class="number">{number(one.sigma, 2)}</td>
+    </tr>
+  );
+}
+
+function pValue(probability: number): string {
+  return probability < 1e-6 ? "below 1 in a million" : `${number(100 * probability, 2)} %`;
+}

@@ -1,0 +1,43 @@
+// The correlation of an identification's estimates: the matrix, and the pairs that the data hardly distinguish.
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { number } from "../format/numbers";
+import { CorrelationMatrix } from "../plots/correlation-matrix";
+import type { Correlation } from "../schemas/identifications";
+
+/** Pairs that are listed. */
+const MAX_PAIRS = 12;
+
+export function CorrelationPanel({ identification }: { identification: string }) {
+  const result = useResource<Correlation>(`/identifications/${identification}/correlation`);
+  return (
+    <Panel title="Correlation of the estimates">
+      <Loaded result={result} lines={20}>
+        {(found) => (
+          <div class="columns">
+            <CorrelationMatrix key={identification} found={found} />
+            <Pairs found={found} />
+          </div>
+        )}
+      </Loaded>
+    </Panel>
+  );
+}
+
+function Pairs({ found }: { found: Correlation }) {
+  if (found.strongest.length === 0) return <Empty>No two estimates are correlated beyond ±0.9: the data distinguish all of them.</Empty>;
+  return (
+    <div>
+      <p>The data hardly distinguish these pairs; a change of one may be attributed to the other:</p>
+      <ul class="reasons">
+        {found.strongest.slice(0, MAX_PAIRS).map((one) => (
+          <li key={`${one.one} ${one.other}`}>
+            {one.one} and {one.other}: {number(one.correlation, 3)}
+          </li>
+        ))}
+      </ul>
+      {found.strongest.length > MAX_PAIRS && <p class="muted">The strongest {MAX_PAIRS} of {found.strongest.length} are shown.</p>}
+    </div>
+  );
+}

@@ -1,0 +1,63 @@
+// The forces and moments that the couplings carry at 1×, over speed.
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { scaleOf } from "../format/numbers";
+import { Plot } from "../plots/plot";
+import type { MisalignmentForce } from "../schemas/model";
+
+const LOADS = [
+  ["force_x", "Force along x", "N"],
+  ["force_y", "Force along y", "N"],
+  ["moment_x", "Moment about x", "N m"],
+  ["moment_y", "Moment about y", "N m"],
+] as const;
+
+export function CouplingLoadsPanel({ path }: { path: string }) {
+  const result = useResource<MisalignmentForce>(path);
+  return (
+    <Panel title="Coupling loads at 1× over speed" aside={<p class="muted">0-to-peak, bands are 95 % intervals</p>}>
+      <Loaded result={result} lines={16}>
+        {(found) =>
+          found.couplings.length === 0 ? (
+            <Empty>The train has no coupling.</Empty>
+          ) : (
+            <div class="plots">
+              {found.couplings.flatMap((coupling) =>
+                LOADS.map((load) => <LoadPlot key={coupling.coupling + load[0]} speed={found.speed} coupling={coupling} load={load} />),
+              )}
+            </div>
+          )
+        }
+      </Loaded>
+    </Panel>
+  );
+}
+
+interface LoadPlotProps {
+  speed: number[];
+  coupling: MisalignmentForce["couplings"][number];
+  load: (typeof LOADS)[number];
+}
+
+function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps) {
+  const load = coupling[field];
+  const scale = scaleOf(Math.max(0, ...load.amplitude.map((one) => one ?? 0)), unit);
+  const scaled = (column: (number | null)[]) => column.map((one) => (one === null ? null : one * scale.factor));
+  return (
+    <figure>
+      <figcaption>
+        <strong>{coupling.coupling}</strong> {label} [{scale.unit}]
+      </figcaption>
+      <Plot
+        label={`${label} in coupling ${coupling.coupling} over speed`}
+        x={speed}
+        xUnit="rpm"
+        yUnit={scale.unit}
+        height={170}
+        syncGroup="forces"
+        curves={[{ name: label, style: field.endsWith("x") ? 0 : 1, y: scaled(load.amplitude), lower: scaled(load.lower), upper: scaled(load.upper) }]}
+      />
+    </figure>
+  );
+}

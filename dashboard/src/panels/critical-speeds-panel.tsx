@@ -1,0 +1,59 @@
+// The critical speeds of an identified model.
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { useResource } from "../data/resource";
+import { whirlName } from "../format/angles";
+import { number, rpm } from "../format/numbers";
+import type { Document } from "../schemas/machines";
+import type { CriticalSpeed, CriticalSpeeds } from "../schemas/model";
+
+export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path: string }) {
+  const result = useResource<CriticalSpeeds>(path);
+  return (
+    <Panel title="Critical speeds" aside={<p class="muted">with 95 % intervals</p>}>
+      <Loaded result={result} lines={10}>
+        {(found) =>
+          found.critical_speeds.length === 0 ? (
+            <Empty>None up to {rpm(found.highest)}.</Empty>
+          ) : (
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th class="number">Speed</th>
+                    <th class="number">Interval</th>
+                    <th class="number">Damping ratio</th>
+                    <th class="number">Log. decrement</th>
+                    <th>Whirl</th>
+                    <th>Position</th>
+                  </tr>
+                </thead>
+                <tbody>
+                  {found.critical_speeds.map((one) => (
+                    <Row key={one.speed} one={one} machine={machine} />
+                  ))}
+                </tbody>
+              </table>
+            </div>
+          )
+        }
+      </Loaded>
+    </Panel>
+  );
+}
+
+function Row({ one, machine }: { one: CriticalSpeed; machine: Document }) {
+  const { minimum_rpm: low, maximum_rpm: high } = machine.speed_range;
+  return (
+    <tr>
+      <td class="number">{rpm(one.speed)}</td>
+      <td class="number muted">
+        {one.lower === null ? "–" : Math.round(one.lower)} … {one.upper === null ? "–" : Math.round(one.upper)}
+      </td>
+      <td class="number">{number(100 * one.damping_ratio)} %</td>
+      <td class="number">{number(one.log_decrement)}</td>
+      <td>{whirlName(one.whirl)}</td>
+      <td>{one.speed < low ? "below the range" : one.speed > high ? "above the range" : "in the range"}</td>
+    </tr>
+  );
+}

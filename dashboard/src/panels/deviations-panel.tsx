@@ -1,0 +1,102 @@
+// The deviation of the newest identification from its baseline, by element.
+import { link } from "../browser/router";
+import { ErrorMessage, Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { Time } from "../components/time";
+import type { ApiError } from "../data/http-client";
+import type { QueryResult } from "../data/resource";
+import { elementName } from "../format/names";
+import { number } from "../format/numbers";
+import type { Document } from "../schemas/machines";
+import type { Deviations } from "../schemas/trends";
+import { CHANGED, deviationText, largestDeviation } from "../words/deviations";
+
+const TITLE = "Deviation from the baseline";
+
+interface Props {
+  machine: Document;
+  result: QueryResult<Deviations>;
+  /** Why those of the next identification are not there yet. */
+  next: ApiError | undefined;
+  /** Why there is nothing to compare, where that is known. */
+  none: string | null;
+}
+
+export function DeviationsPanel({ machine, result, next, none }: Props) {
+  if (none !== null) {
+    return (
+      <Panel title={TITLE}>
+        <Empty>{none}</Empty>
+      </Panel>
+    );
+  }
+  return (
+    <Panel title={TITLE} aside={result.data && <Compared found={result.data} />}>
+      {next?.isLocal && <ErrorMessage failure={next} />}
+      <Loaded result={result} lines={12}>
+        {(found) => (found.missing ? <Empty>{found.missing}</Empty> : <Table machine={machine.id} found={found} />)}
+      </Loaded>
+    </Panel>
+  );
+}
+
+function Compared({ found }: { found: Deviations }) {
+  const { baseline } = found;
+  return (
+    <p class="muted">
+      <Time at={found.measured_at} /> {found.run_kind}, against {baseline.identifications.length} runs
+      {baseline.since && (
+        <>
+          {" "}
+          since <Time at={baseline.since} />
+        </>
+      )}
+    </p>
+  );
+}
+
+function Table({ machine, found }: { machine: string; found: Deviations }) {
+  const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>Element</th>
+            <th>Largest deviation</th>
+            <th class="number" title="distance of all its parameters together from the baseline, over what is usual">
+              Distance
+            </th>
+            <th class="number" title="probability of such a distance without any change">
+              p-value
+            </th>
+          </tr>
+        </thead>
+        <tbody>
+          {order.map((one) => (
+            <Row key={one.element} machine={machine} found={found} one={one} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Row({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
+  const largest = largestDeviation(found, one.element);
+  return (
+    <tr>
+      <td>
+        {one.probability < CHANGED && (
+          <span class="severity changed" title="changed">
+            ●{" "}
+          </span>
+        )}
+        <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
+      </td>
+      <td>{largest ? deviationText(largest) : "–"}</td>
+      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
+      <td class="number">{one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}</td>
+    </tr>
+  );
+}

@@ -1,0 +1,159 @@
+// The histories of an element's parameters, with alerts and maintenance marked in them.
+import { Loaded } from "../components/loading";
+import { Panel, Truncated } from "../components/panel";
+import { Time } from "../components/time";
+import { API_PREFIX, queryString } from "../data/http-client";
+import { isComparable } from "../data/newest-identification";
+import { useResource } from "../data/resource";
+import { angleConvention } from "../format/angles";
+import { elementName, isUnbalance, termName } from "../format/names";
+import { when } from "../format/times";
+import { CurveLegend } from "../plots/curve-legend";
+import { MARKER_SIGNS } from "../plots/curve-style";
+import type { Marker } from "../plots/plot-props";
+import type { Alert } from "../schemas/alerts";
+import type { IdentificationSummary } from "../schemas/identifications";
+import type { Sense, TimelineEntry } from "../schemas/machines";
+import type { Series, Trends, TrendTest, TrendTests } from "../schemas/trends";
+import { ParameterHistory } from "./parameter-history";
+
+const POLL_MS = 30_000;
+const DAY_MS = 86_400_000;
+/** The API's limit for a page of the timeline. */
+const MAX_TIMELINE = 1000;
+const MAX_POINTS = 2000;
+/** A downloaded file is not thinned out before the API's limit. */
+const MAX_FILE_POINTS = 20_000;
+/** Stands for an element: the quantities derived from the parameters. */
+export const DERIVED = "derived quantities";
+
+interface Props {
+  machine: string;
+  rotation: Sense | undefined;
+  element: string;
+  names: string[];
+  /** The newest identification, within the period if there is one. */
+  newest: IdentificationSummary;
+  from?: string | null;
+  /** The end of a period that may be past: the results of trend tests are those of that time. */
+  to?: string | null;
+  /** Only the newest days are shown, of all that is loaded. */
+  shownDays?: number;
+  scope: string;
+  alerts: Alert[];
+  height?: number;
+}
+
+export function ElementHistories(props: Props) {
+  const { machine, element, names, from = null, to = null, scope, alerts } = props;
+  const query = { parameter: names, from, to, scope };
+  const result = useResource<Trends>(`/machines/${machine}/trends${queryString({ ...query, max_points: MAX_POINTS })}`, POLL_MS);
+  const { tests, isPending } = useTrendTests(props);
+  const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline${queryString({ from, to, limit: MAX_TIMELINE })}`, 60_000).data ?? [];
+  const markers = markersOf(alerts.filter((one) => one.element === element), timeline).filter((one) => isWithin(one, from, to));
+  const file = `${API_PREFIX}/machines/${machine}/trends${queryString({ ...query, max_points: MAX_FILE_POINTS, format: "csv" })}`;
+  return (
+    <Panel
+      title={`${elementName(element)}: ${scope === "run" ? "single runs" : "pooled runs"}, bands are 95 % intervals`}
+      aside={
+        <a class="screen" href={file} download={`${machine}-${element}.csv`}>
+          CSV
+        </a>
+      }
+    >
+      {/* Results of tests that came later than the plots would move these. */}
+      <Loaded result={isPending ? { data: undefined, failure: result.failure } : result} lines={30}>
+        {({ series }) => (
+          <>
+            <Explanation series={series} names={names} rotation={props.rotation} />
+            <Plots {...props} series={series} markers={markers} tests={tests} />
+            <MarkerList markers={markers} />
+            {to === null && <Truncated shown={timeline.length} limit={MAX_TIMELINE} of="entries of the timeline" />}
+          </>
+        )}
+      </Loaded>
+    </Panel>
+  );
+}
+
+/** The trend tests up to the newest identification; null where nothing is tested. */
+function useTrendTests({ machine, element, names, newest, to = null, scope }: Props): { tests: TrendTest[] | null; isPending: boolean } {
+  const isTested = scope === "run" && element !== DERIVED && isComparable(newest);
+  // Without an identification the tests are up to the newest of all.
+  const identification = to === null ? null : newest.id;
+  const path = `/machines/${machine}/trend-tests${queryString({ parameter: names, identification })}`;
+  const { data, failure } = useResource<TrendTests>(isTested ? path : null, to === null ? POLL_MS : 0);
+  return { tests: isTested ? (data?.tests ?? []) : null, isPending: isTested && !data && !failure };
+}
+
+function Explanation({ series, names, rotation }: { series: Series[]; names: string[]; rotation: Sense | undefined }) {
+  return (
+    <p class="muted">
+      <CurveLegend curves={kindsOf(series).map((name) => ({ name }))} />
+      {series.some((one) => one.baselines.length > 0) && " · Grey: where 95 % of the estimates lie while the machine is at its baseline; per cent are relative to the band's centre."}
+      {names.some(isUnbalance) && ` · Angles of unbalances: ${angleConvention(rotation)}.`}
+    </p>
+  );
+}
+
+function Plots(props: Props & { series: Series[]; markers: Marker[]; tests: TrendTest[] | null }) {
+  const { series, element, tests } = props;
+  const xRange = newestDays(series, props.shownDays ?? Infinity);
+  return (
+    <div class="plots">
+      {series.map((one) => (
+        <ParameterHistory
+          key={one.parameter}
+          name={element === DERIVED ? one.parameter : termName(one.parameter)}
+          series={one}
+          kinds={kindsOf(series)}
+          markers={props.markers}
+          tests={tests && tests.filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`))}
+          xRange={xRange}
+          height={props.height ?? 190}
+        />
+      ))}
+    </div>
+  );
+}
+
+function markersOf(alerts: Alert[], timeline: TimelineEntry[]): Marker[] {
+  const raised = alerts.map<Marker>((one) => ({
+    // At the run that raised it: it was opened when that was computed, which may be much later.
+    x: Date.parse(one.first_measured_at) / 1000,
+    kind: one.severity === "danger" ? "danger" : "alert",
+    words: `${one.message} (first measured ${when(one.first_measured_at)}, last ${when(one.measured_at)}, opened ${when(one.opened_at)})`,
+  }));
+  const entered = timeline.map<Marker>((one) => ({
+    x: Date.parse(one.at) / 1000,
+    kind: one.kind === "maintenance" ? "maintenance" : "note",
+    words: `${one.kind}: ${one.text}`,
+  }));
+  return [...raised, ...entered];
+}
+
+function isWithin({ x }: Marker, from: string | null, to: string | null): boolean {
+  return (from === null || x >= Date.parse(from) / 1000) && (to === null || x <= Date.parse(to) / 1000);
+}
+
+function kindsOf(series: Series[]): string[] {
+  return [...new Set(series.flatMap((one) => one.run_kind))].sort();
+}
+
+function MarkerList({ markers }: { markers: Marker[] }) {
+  return (
+    <ul class="timeline muted">
+      {markers.map((one) => (
+        <li>
+          {MARKER_SIGNS[one.kind]} <Time at={new Date(one.x * 1000).toISOString()} /> {one.words}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** The range of the newest days; undefined: all. */
+function newestDays(series: Series[], days: number): [number, number] | undefined {
+  const newest = Math.max(0, ...series.map((one) => Date.parse(one.measured_at.at(-1) ?? "") / 1000 || 0));
+  return Number.isFinite(days) && newest > 0 ? [newest - (days * DAY_MS) / 1000, newest + (0.02 * days * DAY_MS) / 1000] : undefined;
+}

@@ -1,0 +1,114 @@
+// The machines of the fleet: their states, open alerts, last runs and identifications, and recent changes.
+import { link } from "../browser/router";
+import { OperatingState } from "../components/operating-state";
+import { Severity } from "../components/severity";
+import { Time } from "../components/time";
+import { rpm } from "../format/numbers";
+import { when } from "../format/times";
+import type { FleetMachine } from "../schemas/machines";
+
+const SEVERITIES = ["danger", "alert"];
+
+/** since: from when on changes are counted. */
+export function FleetTable({ machines, since }: { machines: FleetMachine[]; since: string }) {
+  return (
+    <div class="scroll">
+      <table class="fleet">
+        <thead>
+          <tr>
+            <th>Open alerts</th>
+            <th>Machine</th>
+            <th>State</th>
+            <th class="number">Speed</th>
+            <th>Last run</th>
+            <th>Last identification</th>
+            <th title={`since ${when(since)}`}>Since yesterday</th>
+          </tr>
+        </thead>
+        <tbody>
+          {machines.map((one) => (
+            <Row key={one.id} one={one} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Row({ one }: { one: FleetMachine }) {
+  return (
+    <tr data-machine={one.id}>
+      <td class="open">
+        <OpenAlerts one={one} />
+      </td>
+      <td>
+        <a href={link(["machines", one.id])}>{one.name}</a>
+        <div class="muted">
+          {one.plant} / {one.id}
+        </div>
+      </td>
+      <td>
+        <OperatingState state={one.state} />
+        <div class="muted">
+          <Time at={one.state_since} />
+        </div>
+      </td>
+      <td class="number">{rpm(one.speed_rpm)}</td>
+      <td>
+        <LastRun one={one} />
+      </td>
+      <td title={one.last_identification?.verdict}>
+        {one.last_identification ? (one.last_identification.accepted ? "accepted" : "✕ not accepted") : <span class="muted">none</span>}
+        <div class="muted">{one.last_identification && <Time at={one.last_identification.measured_at} />}</div>
+      </td>
+      <td>{changesOf(one)}</td>
+    </tr>
+  );
+}
+
+function OpenAlerts({ one }: { one: FleetMachine }) {
+  const open = SEVERITIES.filter((severity) => one.open_alerts[severity]);
+  return (
+    <>
+      {open.length === 0 && <span class="muted">none</span>}
+      {open.map((severity) => (
+        <span key={severity}>
+          <Severity severity={severity} acknowledged={one.unacknowledged === 0} /> {one.open_alerts[severity]}
+        </span>
+      ))}
+      {one.unacknowledged > 0 && <span class="pill">{one.unacknowledged} unacknowledged</span>}
+    </>
+  );
+}
+
+function LastRun({ one }: { one: FleetMachine }) {
+  if (one.open_run) {
+    return (
+      <label class="collecting">
+        {one.open_run.kind} <progress max={1} value={one.open_run.progress} aria-label={`run ${one.open_run.id} is being collected`} />
+      </label>
+    );
+  }
+  if (!one.last_run) return <span class="muted">none</span>;
+  return (
+    <>
+      {one.last_run.kind}
+      <div class="muted">
+        <Time at={one.last_run.started_at} />
+      </div>
+    </>
+  );
+}
+
+const CHANGES: [keyof FleetMachine["happened"], string, string][] = [
+  ["alert_events", "alert event", "alert events"],
+  ["runs", "run", "runs"],
+  ["identifications", "identification", "identifications"],
+  ["timeline", "note", "notes"],
+  ["revisions", "revision of the document", "revisions of the document"],
+];
+
+function changesOf({ happened }: FleetMachine) {
+  const changes = CHANGES.filter(([what]) => happened[what] > 0).map(([what, one, many]) => `${happened[what]} ${happened[what] === 1 ? one : many}`);
+  return changes.length > 0 ? changes.join(", ") : <span class="muted">nothing</span>;
+}

@@ -1,0 +1,177 @@
+// One identification in numbers and words: how well it fits, each parameter, and what the data do not determine and why.
+import type { ComponentChildren } from "preact";
+import { link } from "../browser/router";
+import { Empty, Panel } from "../components/panel";
+import { Time } from "../components/time";
+import { angleConvention, angleText } from "../format/angles";
+import { elementName, isCrossCoupled, isUnbalance, termName } from "../format/names";
+import { number, quantity, rpm, scaleOf } from "../format/numbers";
+import type { Estimate, Identification } from "../schemas/identifications";
+import type { Document } from "../schemas/machines";
+import { elementsOfEstimates } from "../words/elements";
+
+/** Half an interval over the value: up to the first a parameter is known well, beyond the second poorly. */
+const GOOD = 0.1;
+const POOR = 0.5;
+
+export function IdentificationPanels({ machine, found }: { machine: Document; found: Identification }) {
+  const hasUnbalance = found.estimates.some((one) => isUnbalance(one.parameter));
+  return (
+    <>
+      <div class="columns">
+        <FitPanel machine={machine} found={found} />
+        <IdentifiabilityPanel found={found} />
+      </div>
+      <Panel
+        title="Parameters, with 95 % intervals"
+        aside={hasUnbalance && <p class="muted">Angles of unbalances: {angleConvention(machine.rotation)}</p>}
+      >
+        <div class="elements">
+          {elementsOfEstimates(found.estimates).map((element) => (
+            <ElementTable key={element} machine={machine.id} element={element} estimates={found.estimates.filter((one) => one.element === element)} />
+          ))}
+        </div>
+      </Panel>
+    </>
+  );
+}
+
+function FitPanel({ machine, found }: { machine: Document; found: Identification }) {
+  return (
+    <Panel title="Fit">
+      <p class={found.accepted ? undefined : "error"}>{found.verdict}</p>
+      <dl class="facts">
+        <Fact name="Measured">
+          <Time at={found.measured_at} />, {found.run_kind},{" "}
+          {found.runs.map((run) => (
+            <a key={run} href={link(["machines", machine.id, "response"], { run: String(run) })}>
+              run {run}{" "}
+            </a>
+          ))}
+        </Fact>
+        <Fact name="Data">
+          {found.samples} samples, {rpm(found.speed_minimum_rpm)} to {rpm(found.speed_maximum_rpm)}
+        </Fact>
+        <Fact name="χ² over degrees of freedom">
+          {number(found.chi_square / found.degrees_of_freedom)} ({number(found.chi_square, 5)} / {found.degrees_of_freedom})
+        </Fact>
+        <Fact name="Condition number">{number(found.condition_number)}</Fact>
+        <Fact name="Computed">
+          <Time at={found.computed_at} /> by version {found.code_version}
+        </Fact>
+      </dl>
+    </Panel>
+  );
+}
+
+function Fact({ name, children }: { name: string; children: ComponentChildren }) {
+  return (
+    <>
+      <dt>{name}</dt>
+      <dd>{children}</dd>
+    </>
+  );
+}
+
+/** Half the interval over the value; null where there is none. */
+function relativeHalfWidth(one: Estimate): number | null {
+  if (one.value === null || one.lower === null || one.upper === null) return null;
+  const size = one.imaginary === null ? Math.abs(one.value) : Math.hypot(one.value, one.imaginary);
+  return size > 0 ? (one.upper - one.lower) / 2 / size : null;
+}
+
+/** Cross-coupled terms may be near zero: the relative width of their intervals says nothing against them. */
+function isDirect(one: Estimate): boolean {
+  return one.imaginary !== null || !isCrossCoupled(one.parameter);
+}
+
+function IdentifiabilityPanel({ found }: { found: Identification }) {
+  const known = found.estimates.filter((one) => one.value !== null);
+  const direct = known.filter(isDirect);
+  const good = direct.filter((one) => (relativeHalfWidth(one) ?? Infinity) <= GOOD);
+  const poor = direct.filter((one) => (relativeHalfWidth(one) ?? 0) > POOR);
+  const missing = found.estimates.filter((one) => one.value === null);
+  return (
+    <Panel title="Identifiability">
+      <p>
+        {known.length} of {found.estimates.length} parameters are determined. Of the {direct.length} direct terms and unbalances among them,{" "}
+        {good.length} are known to ± {100 * GOOD} % or better
+        {poor.length > 0 ? `, and of ${poor.length} the 95 % interval is wider than ± ${100 * POOR} %: ${poor.map((one) => one.parameter).join(", ")}.` : "."}
+      </p>
+      {missing.length === 0 ? (
+        <Empty>All parameters are determined.</Empty>
+      ) : (
+        <>
+          <p>Not estimable from this run:</p>
+          <ul class="reasons">
+            {missing.map((one) => (
+              <li key={one.parameter}>
+                <strong>{one.parameter}</strong>: {one.reason}
+              </li>
+            ))}
+          </ul>
+        </>
+      )}
+    </Panel>
+  );
+}
+
+function ElementTable({ machine, element, estimates }: { machine: string; element: string; estimates: Estimate[] }) {
+  return (
+    <section>
+      <h3>
+        <a href={link(["machines", machine, "trends"], { element })}>{elementName(element)}</a>
+      </h3>
+      <div class="scroll">
+        <table>
+          <tbody>
+            {estimates.map((one) => (
+              <Row key={one.parameter} one={one} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </section>
+  );
+}
+
+function Row({ one }: { one: Estimate }) {
+  if (one.value === null) {
+    return (
+      <tr>
+        <td>{termName(one.parameter)}</td>
+        <td colSpan={3} class="muted" title={one.reason ?? undefined}>
+          not estimable
+        </td>
+      </tr>
+    );
+  }
+  const size = one.imaginary === null ? one.value : Math.hypot(one.value, one.imaginary);
+  const scale = scaleOf(size, one.unit);
+  const angle = angleText(one.angle_deg, one.angle_half_width_deg);
+  return (
+    <tr title={`standard error ${quantity(one.standard_error, one.unit)}`}>
+      <td>{termName(one.parameter)}</td>
+      <td class="number">
+        {number(size * scale.factor)} {scale.unit}
+        {angle && <small>{angle.trim()}</small>}
+      </td>
+      <td class="number muted">
+        {one.lower === null ? "–" : number(one.lower * scale.factor)} … {one.upper === null ? "–" : number(one.upper * scale.factor)}
+      </td>
+      <td>
+        <WidthBar part={relativeHalfWidth(one)} />
+      </td>
+    </tr>
+  );
+}
+
+/** The width of an interval as a bar: full at 100 % of the value. */
+function WidthBar({ part }: { part: number | null }) {
+  if (part === null) return null;
+  return (
+    <span class="bar-of" role="img" aria-label={`interval ± ${number(100 * part, 2)} %`} title={`± ${number(100 * part, 2)} %`}>
+      <span style={{ width: `${Math.min(100, 100 * part)}%` }} />
+    </span>
+  );
+}

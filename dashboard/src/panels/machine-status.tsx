@@ -1,0 +1,77 @@
+// The present state of a machine: its operation, the run being collected, the identification being computed.
+import { StaleNotice } from "../components/loading";
+import { OperatingState } from "../components/operating-state";
+import { Time } from "../components/time";
+import { isOpen, MAX_JOBS, useJobs } from "../data/jobs";
+import { useResource } from "../data/resource";
+import { rpm } from "../format/numbers";
+import type { Job } from "../schemas/identifications";
+import type { Document, MachineState } from "../schemas/machines";
+
+const POLL_MS = 1000;
+
+export function MachineStatus({ machine, revision }: { machine: Document; revision: number }) {
+  const state = useResource<MachineState>(`/machines/${machine.id}/state`, POLL_MS);
+  const jobs = useJobs(machine.id);
+  const now = state.data;
+  return (
+    <section class="now">
+      <div>
+        <h1>{machine.name}</h1>
+        <p class="muted">
+          {machine.plant} / {machine.id}, document revision {revision}
+        </p>
+      </div>
+      <dl>
+        <dt>State</dt>
+        <dd>{now ? <OperatingState state={now.state} /> : "…"}</dd>
+        <dt>Speed</dt>
+        <dd class="figure">{rpm(now?.speed_rpm)}</dd>
+        <dt>Since</dt>
+        <dd>
+          <Time at={now?.since} />
+        </dd>
+        <dt>Newest sample</dt>
+        <dd>
+          <Time at={now?.newest_sample_at} />
+        </dd>
+      </dl>
+      {/* The place is kept while there is neither run nor job. */}
+      <div class="progress" aria-live="polite">
+        <RunProgress state={now} />
+        <JobProgress jobs={jobs.data} />
+      </div>
+      <StaleNotice result={state.asOf === undefined ? jobs : state} />
+    </section>
+  );
+}
+
+function RunProgress({ state }: { state: MachineState | undefined }) {
+  const run = state?.run;
+  if (!run) return <span class="muted">No run is being collected.</span>;
+  return (
+    <label class="collecting">
+      Collecting run {run.id}, {run.kind}: {Math.round(100 * run.progress)} %
+      <progress max={1} value={run.progress} />
+    </label>
+  );
+}
+
+function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
+  const running = jobs?.filter((job) => job.state === "running") ?? [];
+  const queued = jobs?.filter((job) => job.state === "queued").length ?? 0;
+  const isTruncated = jobs?.length === MAX_JOBS && isOpen(jobs.at(-1)!);
+  const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
+  if (running.length + queued > 0) {
+    const waiting = queued > 0 ? `${queued}${isTruncated ? " or more" : ""} queued` : "";
+    const computing = running.length > 0 ? `Identifying run ${running.map((job) => job.runs.join(" + ")).join(", ")}` : "";
+    return (
+      <label class="computing">
+        {computing ? [computing, waiting].filter(Boolean).join(", ") : `Identification: ${waiting}`}
+        <progress />
+      </label>
+    );
+  }
+  if (failed) return <span class="error">Identification of run {failed.runs.join(" + ")} failed: {failed.error}</span>;
+  return <span class="muted">No identification is being computed.</span>;
+}

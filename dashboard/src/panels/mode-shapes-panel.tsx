@@ -1,0 +1,63 @@
+// The mode shapes of the newest identified model.
+import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { useNewestIdentification } from "../data/newest-identification";
+import { useResource } from "../data/resource";
+import { rpm } from "../format/numbers";
+import { ModeShapePlot } from "../plots/mode-shape-plot";
+import type { Document, Drawing } from "../schemas/machines";
+import type { Modes, ModeShape } from "../schemas/model";
+
+const MAX_MODES = 8;
+/** Modes with a higher damping ratio have no visible shape. */
+const OVERDAMPED = 0.9;
+
+function modesPath(id: number): string {
+  return `/identifications/${id}/model/modes`;
+}
+
+export function ModeShapesPanel({ machine }: { machine: Document }) {
+  const { newest, none, failure, list } = useNewestIdentification(machine.id, (id) => [modesPath(id)]);
+  const result = useResource<Modes>(newest ? modesPath(newest.id) : null);
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
+  if (none) return <NoIdentification />;
+  if (!newest) return <PendingPanel title="Mode shapes" failure={failure} />;
+  return (
+    <Panel title={`Mode shapes of identification ${newest.id}`} aside={<p class="muted">solid: x, dashed: y, shaded: the orbits' semi-major axis</p>}>
+      <NewestNotice failure={failure} list={list} />
+      <Loaded result={result} lines={20}>
+        {(found) => (
+          <>
+            <p class="muted">At {rpm(found.speed)}. The largest semi-major axis is 1; couplings are dotted lines, bearings triangles.</p>
+            {found.modes.length === 0 && <Empty>No mode up to twice the highest speed.</Empty>}
+            <Omitted modes={found.modes} />
+            <div class="modes shapes">
+              {drawing &&
+                found.modes
+                  .filter(isVisible)
+                  .slice(0, MAX_MODES)
+                  .map((mode) => <ModeShapePlot key={mode.frequency_hz} mode={mode} drawing={drawing} />)}
+            </div>
+          </>
+        )}
+      </Loaded>
+    </Panel>
+  );
+}
+
+function isVisible(mode: ModeShape): boolean {
+  return mode.damping_ratio < OVERDAMPED;
+}
+
+/** State which modes are not shown. */
+function Omitted({ modes }: { modes: ModeShape[] }) {
+  const visible = modes.filter(isVisible).length;
+  const overdamped = modes.length - visible;
+  return (
+    <>
+      {visible > MAX_MODES && <p class="muted truncated">The lowest {MAX_MODES} of {visible} modes are shown.</p>}
+      {overdamped > 0 && <p class="muted truncated">{overdamped} {overdamped === 1 ? "mode" : "modes"} damped by {100 * OVERDAMPED} % or more {overdamped === 1 ? "is" : "are"} omitted.</p>}
+    </>
+  );
+}

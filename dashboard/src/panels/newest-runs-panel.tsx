@@ -1,0 +1,64 @@
+// The newest runs of a machine.
+import { link } from "../browser/router";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { Time } from "../components/time";
+import { useResource } from "../data/resource";
+import { number, rpm } from "../format/numbers";
+import type { Run } from "../schemas/runs";
+
+export function NewestRunsPanel({ machine }: { machine: string }) {
+  const result = useResource<Run[]>(`/machines/${machine}/runs?limit=12`, 5000);
+  return (
+    <Panel title="Newest runs">
+      <Loaded result={result} lines={12}>
+        {(runs) =>
+          runs.length === 0 ? (
+            <Empty>No run yet. A run begins when the speed sweeps through the machine's range.</Empty>
+          ) : (
+            <div class="scroll">
+              <table>
+                <thead>
+                  <tr>
+                    <th>Run</th>
+                    <th>Started</th>
+                    <th>Kind</th>
+                    <th class="number">Speeds</th>
+                    <th class="number">Samples</th>
+                    <th class="number">Usable</th>
+                    <th>State</th>
+                  </tr>
+                </thead>
+                <tbody>
+                  {runs.map((run) => (
+                    <Row key={run.id} machine={machine} run={run} />
+                  ))}
+                </tbody>
+              </table>
+            </div>
+          )
+        }
+      </Loaded>
+    </Panel>
+  );
+}
+
+function Row({ machine, run }: { machine: string; run: Run }) {
+  return (
+    <tr>
+      <td>
+        <a href={link(["machines", machine, "response"], { run: String(run.id) })}>{run.id}</a>
+      </td>
+      <td>
+        <Time at={run.started_at} />
+      </td>
+      <td>{run.kind}</td>
+      <td class="number">
+        {rpm(run.speed_minimum_rpm).replace(" rpm", "")} … {rpm(run.speed_maximum_rpm)}
+      </td>
+      <td class="number">{run.samples ?? "–"}</td>
+      <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>
+      <td title={run.reason ?? undefined}>{run.state}</td>
+    </tr>
+  );
+}

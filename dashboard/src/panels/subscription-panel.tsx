@@ -1,0 +1,115 @@
+// One subscription to alerts: enabled, disabled and tested; the log of its deliveries.
+import { useState } from "preact/hooks";
+import { Loaded } from "../components/loading";
+import { Empty, Truncated } from "../components/panel";
+import { Time } from "../components/time";
+import { ApiError, getWithEtag, post } from "../data/http-client";
+import { refetch, useResource } from "../data/resource";
+import { words } from "../format/names";
+import type { Delivery, Subscription, TestOutcome } from "../schemas/subscriptions";
+
+const LOG_LIMIT = 20;
+
+export function SubscriptionPanel({ subscription }: { subscription: Subscription }) {
+  const [open, setOpen] = useState(false);
+  const { name, kind, target, state, reason, created_at: added } = subscription;
+  return (
+    <section class="subscription" data-subscription={subscription.id}>
+      <h3>
+        {name} <span class="muted">{kind}</span> {target}
+      </h3>
+      <p>
+        {state === "active" ? "active" : `✕ disabled: ${reason ?? "no reason is known"}`}; added <Time at={added} />
+      </p>
+      <Actions subscription={subscription} open={open} onToggle={() => setOpen(!open)} />
+      {open && <DeliveryLog subscription={subscription.id} />}
+    </section>
+  );
+}
+
+function Actions({ subscription, open, onToggle }: { subscription: Subscription; open: boolean; onToggle: () => void }) {
+  const [outcome, setOutcome] = useState<string | null>(null);
+  const path = `/subscriptions/${subscription.id}`;
+  const run = async (action: () => Promise<string>) => {
+    try {
+      setOutcome(await action());
+    } catch (error) {
+      setOutcome(error instanceof ApiError ? error.message : String(error));
+    }
+    refetch("/subscriptions");
+  };
+  const setEnabled = (operation: "enable" | "disable") =>
+    run(async () => {
+      const [, etag] = await getWithEtag<Subscription>(path);
+      await post(`${path}/${operation}`, null, etag);
+      return `${operation}d`;
+    });
+  const sendTest = () =>
+    run(async () => {
+      const { result, answer } = await post<TestOutcome>(`${path}/test`, null);
+      return `test message ${result}: ${answer}`;
+    });
+  return (
+    <p class="buttons">
+      {subscription.state === "active" ? (
+        <button type="button" onClick={() => setEnabled("disable")}>
+          Disable
+        </button>
+      ) : (
+        <button type="button" onClick={() => setEnabled("enable")}>
+          Enable
+        </button>
+      )}
+      <button type="button" onClick={sendTest}>
+        Send a test
+      </button>
+      <button type="button" class="quiet" aria-expanded={open} onClick={onToggle}>
+        {open ? "▾" : "▸"} deliveries
+      </button>
+      <span role="status">{outcome}</span>
+    </p>
+  );
+}
+
+function DeliveryLog({ subscription }: { subscription: number }) {
+  const result = useResource<Delivery[]>(`/subscriptions/${subscription}/deliveries?limit=${LOG_LIMIT}`, 5000);
+  return (
+    <Loaded result={result} lines={LOG_LIMIT}>
+      {(all) =>
+        all.length === 0 ? (
+          <Empty>No deliveries yet.</Empty>
+        ) : (
+          <div class="scroll">
+            <table>
+              <thead>
+                <tr>
+                  <th>Event</th>
+                  <th>Alert</th>
+                  <th>State</th>
+                  <th class="number">Attempts</th>
+                  <th>Last attempt</th>
+                  <th>Response</th>
+                </tr>
+              </thead>
+              <tbody>
+                {all.map((one) => (
+                  <tr key={one.id}>
+                    <td>{one.event}</td>
+                    <td>{one.alert}</td>
+                    <td>{words(one.state)}</td>
+                    <td class="number">{one.attempts}</td>
+                    <td>
+                      <Time at={one.last_try_at} />
+                    </td>
+                    <td>{one.answer ?? "–"}</td>
+                  </tr>
+                ))}
+              </tbody>
+            </table>
+            <Truncated shown={all.length} limit={LOG_LIMIT} />
+          </div>
+        )
+      }
+    </Loaded>
+  );
+}

@@ -1,0 +1,54 @@
+// A correlation matrix as a picture, read out by pointer and keys.
+import { useState } from "preact/hooks";
+import { number } from "../format/numbers";
+import type { Correlation } from "../schemas/identifications";
+import { arrowStep, clampIndex } from "./arrow-keys";
+
+const CELL = 9;
+/** Smaller signs would not be seen. */
+const SMALLEST = 0.6;
+
+export function CorrelationMatrix({ found }: { found: Correlation }) {
+  const [at, setAt] = useState<[number, number] | null>(null);
+  const count = found.coordinates.length;
+  const size = count * CELL;
+  const onPointer = (event: PointerEvent) => {
+    const box = (event.currentTarget as SVGElement).getBoundingClientRect();
+    const index = (part: number) => clampIndex(Math.floor(part * count), count);
+    setAt([index((event.clientY - box.top) / box.height), index((event.clientX - box.left) / box.width)]);
+  };
+  const onKey = (event: KeyboardEvent) => {
+    const step = arrowStep(event);
+    if (!step && event.key !== "Escape") return;
+    event.preventDefault();
+    setAt(step && (at ? [clampIndex(at[0] + step[1], count), clampIndex(at[1] + step[0], count)] : [0, 0]));
+  };
+  return (
+    <figure class="correlation">
+      <svg
+        viewBox={`0 0 ${size} ${size}`}
+        role="group"
+        tabindex={0}
+        aria-label={`Correlation of ${count} estimates; the strongest pairs are listed beside. Arrow keys move the read-out.`}
+        onKeyDown={onKey}
+        onPointerDown={onPointer}
+        onPointerMove={onPointer}
+        onPointerLeave={(event) => event.pointerType !== "touch" && setAt(null)}
+      >
+        {found.correlation.flatMap((row, i) => row.map((value, j) => <Cell value={value} x={(j + 0.5) * CELL} y={(i + 0.5) * CELL} />))}
+        {at && <rect class="chosen" x={at[1] * CELL} y={at[0] * CELL} width={CELL} height={CELL} />}
+      </svg>
+      <figcaption class="muted" aria-live="polite">
+        {at ? `${found.coordinates[at[0]]} and ${found.coordinates[at[1]]}: ${number(found.correlation[at[0]]![at[1]], 2)}` : "■ positive, ◆ negative; the area is the size"}
+      </figcaption>
+    </figure>
+  );
+}
+
+/** A square for a positive correlation, a diamond for a negative one. */
+function Cell({ value, x, y }: { value: number; x: number; y: number }) {
+  const half = (CELL / 2) * Math.sqrt(Math.abs(value));
+  if (half < SMALLEST) return null;
+  if (value > 0) return <rect x={x - half} y={y - half} width={2 * half} height={2 * half} class="positive" />;
+  return <path d={`M${x} ${y - half}L${x + half} ${y}L${x} ${y + half}L${x - half} ${y}Z`} class="negative" />;
+}

@@ -1,0 +1,39 @@
+// What is drawn on a plot's canvas besides its curves: baseline bands and markers.
+import type uPlot from "uplot";
+import { cssColour } from "../browser/theme";
+import { MARKER_SIGNS } from "./curve-style";
+import type { PlotProps } from "./plot-props";
+
+export function drawBands(plot: uPlot, { bands }: PlotProps): void {
+  const { ctx, bbox } = plot;
+  const inside = (x: number) => Math.min(bbox.left + bbox.width, Math.max(bbox.left, x));
+  ctx.save();
+  ctx.fillStyle = cssColour("baseline");
+  for (const one of bands ?? []) {
+    const left = inside(plot.valToPos(one.from, "x", true));
+    const right = one.to === null ? bbox.left + bbox.width : inside(plot.valToPos(one.to, "x", true));
+    const top = Math.max(bbox.top, plot.valToPos(one.high, "y", true));
+    const bottom = Math.min(bbox.top + bbox.height, plot.valToPos(one.low, "y", true));
+    ctx.fillRect(left, top, right - left, bottom - top);
+  }
+  ctx.restore();
+}
+
+export function drawMarkers(plot: uPlot, { markers }: PlotProps): void {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "center";
+  for (const one of markers ?? []) {
+    const x = plot.valToPos(one.x, "x", true);
+    if (x < bbox.left || x > bbox.left + bbox.width) continue;
+    ctx.strokeStyle = ctx.fillStyle = cssColour(one.kind === "alert" || one.kind === "danger" ? one.kind : "muted");
+    ctx.setLineDash([3 * devicePixelRatio, 3 * devicePixelRatio]);
+    ctx.beginPath();
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+    ctx.stroke();
+    ctx.fillText(MARKER_SIGNS[one.kind], x, bbox.top + 10 * devicePixelRatio);
+  }
+  ctx.restore();
+}

@@ -1,0 +1,143 @@
+// The parts of a report: summary with the train as it was, alerts and timeline of the period.
+import { ErrorMessage, Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { Severity } from "../components/severity";
+import { Time } from "../components/time";
+import { isComparable } from "../data/newest-identification";
+import { useResource, type QueryResult } from "../data/resource";
+import { elementName } from "../format/names";
+import { rpm } from "../format/numbers";
+import type { Alert } from "../schemas/alerts";
+import type { Identification, IdentificationSummary } from "../schemas/identifications";
+import type { Document, Drawing, TimelineEntry } from "../schemas/machines";
+import type { Run } from "../schemas/runs";
+import type { Deviations } from "../schemas/trends";
+import { elementMarks } from "../train/marks";
+import { TrainDrawing } from "../train/train-drawing";
+import { TrainLegend } from "../train/train-legend";
+import { alertStateLabel, wasOpenAt } from "../words/alert-states";
+
+interface SummaryProps {
+  runs: Run[] | undefined;
+  identifications: IdentificationSummary[] | undefined;
+  alerts: Alert[] | undefined;
+  to: string;
+}
+
+export function Summary({ runs, identifications, alerts, to }: SummaryProps) {
+  const accepted = identifications?.filter((one) => one.accepted).length;
+  const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
+  return (
+    <p>
+      {counted(runs?.length, "run")}
+      {speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {counted(identifications?.length, "identification")}, of which {accepted ?? "…"}{" "}
+      accepted; {counted(alerts?.length, "alert")}, of which {alerts?.filter((one) => wasOpenAt(one, to)).length ?? "…"} open
+      at the end of the period.
+    </p>
+  );
+}
+
+function counted(count: number | undefined, what: string): string {
+  return `${count ?? "…"} ${what}${count === 1 ? "" : "s"}`;
+}
+
+/** The train as it was at the end of the period. */
+export function MarkedTrain({ machine, newest, open }: { machine: Document; newest: Identification | undefined; open: Alert[] }) {
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  const deviations = useResource<Deviations>(isComparable(newest) ? `/machines/${machine.id}/deviations?identification=${newest.id}` : null);
+  const isPending = isComparable(newest) && !deviations.data && !deviations.failure?.isLocal;
+  return (
+    <Loaded result={isPending ? { data: undefined, failure: drawing.failure } : drawing} lines={15}>
+      {(found) => (
+        <>
+          <TrainLegend />
+          <TrainDrawing name={machine.name} drawing={found} marks={elementMarks(open, deviations.data)} onChoose={() => undefined} />
+          {!deviations.data && deviations.failure && <ErrorMessage failure={deviations.failure} />}
+          <MarksNote deviations={deviations.data} />
+        </>
+      )}
+    </Loaded>
+  );
+}
+
+function MarksNote({ deviations }: { deviations: Deviations | undefined }) {
+  return (
+    <p class="muted">
+      {deviations && !deviations.missing && (
+        <>
+          Changes are those of identification {deviations.identification} (<Time at={deviations.measured_at} />) against its baseline.{" "}
+        </>
+      )}
+      {deviations?.missing && `No changes are marked: ${deviations.missing}. `}
+      Alerts are those open at the end of the period.
+    </p>
+  );
+}
+
+export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]>; alerts: Alert[] }) {
+  return (
+    <Panel title="Alerts of the period">
+      <Loaded result={result}>{() => <AlertTable alerts={alerts} />}</Loaded>
+    </Panel>
+  );
+}
+
+function AlertTable({ alerts }: { alerts: Alert[] }) {
+  if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th title="at the end of the period">Severity</th>
+            <th>Element</th>
+            <th title="at the end of the period">State</th>
+            <th>Opened</th>
+            <th>Closed</th>
+            <th title="at the end of the period">Message</th>
+          </tr>
+        </thead>
+        <tbody>
+          {alerts.map((one) => (
+            <tr key={one.id}>
+              <td>
+                <Severity severity={one.severity} />
+              </td>
+              <td>{elementName(one.element)}</td>
+              <td>{alertStateLabel(one.state)}</td>
+              <td>
+                <Time at={one.opened_at} />
+              </td>
+              <td>
+                <Time at={one.closed_at} />
+              </td>
+              <td>{one.message}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+export function TimelineOfPeriod({ result }: { result: QueryResult<TimelineEntry[]> }) {
+  return (
+    <Panel title="Notes and maintenance">
+      <Loaded result={result}>
+        {(entries) =>
+          entries.length === 0 ? (
+            <Empty>No notes or maintenance in this period.</Empty>
+          ) : (
+            <ul>
+              {entries.map((one) => (
+                <li key={one.id}>
+                  <Time at={one.at} /> {one.kind}, {one.by}: {one.text}
+                </li>
+              ))}
+            </ul>
+          )
+        }
+      </Loaded>
+    </Panel>
+  );
+}

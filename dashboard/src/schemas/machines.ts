@@ -1,0 +1,79 @@
+// Machines: documents, states, the drawing of the train, the fleet, the timeline.
+
+/** Positive turns +x towards +y. */
+export type Sense = "positive" | "negative";
+
+export interface Document {
+  id: string;
+  plant: string;
+  name: string;
+  rotation?: Sense;
+  speed_range: { minimum_rpm: number; maximum_rpm: number };
+  couplings: { id: string }[];
+  bearings: { id: string }[];
+  discs: { id: string }[];
+  probes: { id: string }[];
+}
+
+export interface MachineRevision {
+  id: string;
+  revision: number;
+  created_at: string;
+  document: Document;
+}
+
+export interface OpenRun {
+  id: number;
+  kind: string;
+  started_at: string;
+  progress: number;
+}
+
+export interface MachineState {
+  machine: string;
+  state: string;
+  since: string | null;
+  speed_rpm: number | null;
+  direction: "positive" | "negative" | null;
+  newest_sample_at: string | null;
+  run: OpenRun | null;
+}
+
+export interface TimelineEntry {
+  id: number;
+  at: string;
+  kind: string;
+  text: string;
+  by: string;
+}
+
+export interface Drawing {
+  length: number;
+  sections: { shaft: string; begin: number; end: number; outer_diameter: number; inner_diameter: number }[];
+  discs: { element: string; at: number; radius: number | null; width: number | null }[];
+  bearings: { element: string; at: number }[];
+  seals: { element: string; at: number }[];
+  couplings: { element: string; at: number }[];
+  probes: { channel: string; at: number; angle_deg: number }[];
+}
+
+export interface FleetMachine {
+  id: string;
+  plant: string;
+  name: string;
+  state: string;
+  state_since: string | null;
+  speed_rpm: number | null;
+  newest_sample_at: string | null;
+  open_run: OpenRun | null;
+  last_run: { id: number; kind: string; state: string; started_at: string } | null;
+  last_identification: { id: number; measured_at: string; accepted: boolean; verdict: string } | null;
+  open_alerts: Record<string, number>;
+  unacknowledged: number;
+  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline", number>;
+}
+
+export interface Fleet {
+  since: string;
+  machines: FleetMachine[];
+}

@@ -1,0 +1,77 @@
+// Predictions of an identified model: response, critical speeds, modes, coupling loads, balancing.
+import type { Sense } from "./machines";
+
+type Column = (number | null)[];
+
+export interface Bode {
+  fitted: { speed: number[]; channels: { channel: string; amplitude: Column; phase: Column; lower: Column; upper: Column }[] };
+  measured: MeasuredRun[];
+}
+
+export interface MeasuredRun {
+  run: number;
+  speed: number[];
+  channels: { channel: string; amplitude: Column; phase: Column; used: boolean[]; residual: Column; residual_sigma: Column }[];
+}
+
+export interface CriticalSpeed {
+  speed: number;
+  standard_error: number | null;
+  lower: number | null;
+  upper: number | null;
+  damping_ratio: number;
+  log_decrement: number;
+  whirl: number;
+}
+
+export interface CriticalSpeeds {
+  highest: number;
+  critical_speeds: CriticalSpeed[];
+}
+
+export interface Campbell {
+  speed: number[];
+  synchronous_hz: Column;
+  curves: { frequency_hz: Column; damping_ratio: Column; whirl: Column }[];
+  critical_speeds: CriticalSpeed[];
+}
+
+export interface Displacement {
+  real: number[];
+  imaginary: number[];
+}
+
+export interface ModeShape {
+  frequency_hz: number;
+  standard_error_hz: number | null;
+  damping_ratio: number;
+  log_decrement: number;
+  whirl: number;
+  shafts: { shaft: string; at: number[]; x: Displacement; y: Displacement; semi_major: number[]; semi_minor: number[] }[];
+}
+
+export interface Modes {
+  speed: number;
+  modes: ModeShape[];
+}
+
+export interface Load {
+  amplitude: Column;
+  lower: Column;
+  upper: Column;
+  phase: Column;
+}
+
+export interface MisalignmentForce {
+  speed: number[];
+  couplings: { coupling: string; force_x: Load; force_y: Load; moment_x: Load; moment_y: Load }[];
+}
+
+export interface Balancing {
+  direction: Sense;
+  speed: number[];
+  corrections: { plane: string; unbalance_g_mm: number; angle_deg: number }[];
+  before: { channel: string; amplitude: Column; lower: Column; upper: Column }[];
+  after: { channel: string; amplitude: Column; lower: Column; upper: Column }[];
+  condition_number: number;
+}

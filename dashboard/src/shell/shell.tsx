@@ -1,0 +1,97 @@
+// The frame around every page: navigation, the page itself, keyboard shortcuts.
+import { useEffect, useState } from "preact/hooks";
+import { link, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { ErrorBoundary } from "../components/error-boundary";
+import { connection } from "../data/connection";
+import { AlertsPage } from "../pages/alerts-page";
+import { FleetPage } from "../pages/fleet-page";
+import { MachinePage } from "../pages/machine-page";
+import { NotificationsPage } from "../pages/notifications-page";
+import { ReportPage } from "../pages/report-page";
+import { ConnectionBanner, ConnectionState } from "./connection-state";
+import { KeyboardShortcuts, useShortcuts } from "./keyboard-shortcuts";
+import { ThemeButton } from "./theme-button";
+import { UserName } from "./user-name";
+
+/** Identifiers that a machine may have. */
+const MACHINE = /^[A-Za-z0-9_-]{1,64}$/;
+
+export function Shell() {
+  const { parts } = useStore(route);
+  const { state } = useStore(connection);
+  const isStale = state === "lost" || state === "degraded";
+  const [shortcuts, setShortcuts] = useState(false);
+  useShortcuts(() => setShortcuts((open) => !open));
+  useEffect(() => {
+    document.title = ["Rundown", parts[1], parts[2]].filter(Boolean).join(" · ");
+  }, [parts.join("/")]);
+  return (
+    <>
+      <a class="skip" href="#main" onClick={skip}>
+        Skip to the content
+      </a>
+      <header class="bar">
+        <a class="brand" href="#/">
+          Rundown
+        </a>
+        <Navigation first={parts[0]} />
+        <span class="space" />
+        <UserName />
+        <ConnectionState />
+        <ThemeButton />
+        <button type="button" class="quiet" onClick={() => setShortcuts(true)} aria-label="Keyboard shortcuts" title="Keyboard shortcuts (?)">
+          ?
+        </button>
+      </header>
+      <ConnectionBanner />
+      <main id="main" tabIndex={-1} class={isStale ? "stale" : undefined}>
+        <ErrorBoundary key={parts.slice(0, 2).join("/")}>
+          <Page parts={parts} />
+        </ErrorBoundary>
+      </main>
+      {shortcuts && <KeyboardShortcuts onClose={() => setShortcuts(false)} />}
+    </>
+  );
+}
+
+function skip(event: Event): void {
+  event.preventDefault();
+  document.getElementById("main")?.focus();
+}
+
+function Navigation({ first }: { first: string | undefined }) {
+  const current = (part: string | undefined) => (first === part ? "page" : undefined);
+  return (
+    <nav aria-label="Pages">
+      <a href="#/" aria-current={current(undefined)}>
+        Fleet
+      </a>
+      <a href={link(["alerts"])} aria-current={current("alerts")}>
+        Alerts
+      </a>
+      <a href={link(["subscriptions"])} aria-current={current("subscriptions")} title="Who is notified of alerts">
+        Notifications
+      </a>
+      <a href="/api/v1/docs">API</a>
+    </nav>
+  );
+}
+
+function Page({ parts }: { parts: string[] }) {
+  const [first, machine, tab] = parts;
+  if (first === undefined) return <FleetPage />;
+  if (first === "alerts") return <AlertsPage />;
+  if (first === "subscriptions") return <NotificationsPage />;
+  if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
+  if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
+  if (first === "reports" && machine) return <ReportPage key={machine} id={machine} />;
+  return (
+    <section class="panel">
+      <h1>No such page</h1>
+      <p>
+        <a href="#/">To the fleet</a>
+      </p>
+    </section>
+  );
+}

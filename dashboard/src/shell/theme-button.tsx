@@ -1,0 +1,21 @@
+// Choose the colours: those of the system, light, dark.
+import { useStore } from "../browser/store";
+import { chooseTheme, themeChoice, type ThemeChoice } from "../browser/theme";
+
+const NEXT: Record<ThemeChoice, ThemeChoice> = { system: "light", light: "dark", dark: "system" };
+const SIGNS: Record<ThemeChoice, string> = { system: "◐", light: "☼", dark: "☾" };
+
+export function ThemeButton() {
+  const now = useStore(themeChoice);
+  return (
+    <button
+      type="button"
+      class="quiet theme"
+      onClick={() => chooseTheme(NEXT[now])}
+      aria-label={`Colours: ${now}; change to ${NEXT[now]}`}
+      title={`Colours: ${now} (d)`}
+    >
+      {SIGNS[now]}
+    </button>
+  );
+}

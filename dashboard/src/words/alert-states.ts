@@ -1,0 +1,56 @@
+// An alert's states (ISA-18.2) in words, and the actions that each allows.
+import { findingLabel } from "../findings/findings";
+import { elementName } from "../format/names";
+import type { Alert } from "../schemas/alerts";
+
+export type AlertAction = "acknowledge" | "reset" | "shelve" | "unshelve" | "comments";
+
+const STATES: Record<string, string> = {
+  unacknowledged: "unacknowledged",
+  acknowledged: "acknowledged",
+  returned: "returned to normal, unacknowledged",
+  latched_unacknowledged: "latched, unacknowledged",
+  latched_acknowledged: "latched, acknowledged: to be reset",
+  shelved: "shelved",
+  suppressed_by_design: "suppressed by design",
+  out_of_service: "out of service",
+  normal: "closed",
+};
+const UNACKNOWLEDGED = ["unacknowledged", "returned", "latched_unacknowledged"];
+
+export function alertStateLabel(state: string): string {
+  return STATES[state] ?? state;
+}
+
+export function wasOpenAt(alert: Alert, at: string): boolean {
+  return Date.parse(alert.opened_at) <= Date.parse(at) && (!alert.closed_at || Date.parse(alert.closed_at) > Date.parse(at));
+}
+
+/** Whether it waits for somebody to acknowledge it: not while it is shelved or suppressed. */
+export function isUnacknowledged(alert: Alert): boolean {
+  return UNACKNOWLEDGED.includes(alert.state);
+}
+
+export const ALERT_ACTIONS: Record<AlertAction, { button: string; title: string }> = {
+  acknowledge: { button: "Acknowledge", title: "Acknowledge" },
+  reset: { button: "Reset", title: "Reset" },
+  shelve: { button: "Shelve …", title: "Shelve: no notifications until then" },
+  unshelve: { button: "Unshelve", title: "Unshelve" },
+  comments: { button: "Comment …", title: "Comment" },
+};
+
+export function availableActions(alert: Alert): AlertAction[] {
+  const actions: AlertAction[] = [];
+  if (UNACKNOWLEDGED.includes(alert.condition)) actions.push("acknowledge");
+  if (alert.condition === "latched_acknowledged") actions.push("reset");
+  if (alert.suppressions.includes("shelved")) actions.push("unshelve");
+  else if (!alert.closed_at) actions.push("shelve");
+  actions.push("comments");
+  return actions;
+}
+
+/** The findings and elements that a suppression holds for. */
+export function suppressionScope({ rule, element }: { rule: string | null; element: string | null }): string {
+  if (!rule && !element) return "the whole machine";
+  return [rule && findingLabel(rule), element && elementName(element)].filter(Boolean).join(", ");
+}

@@ -1,0 +1,25 @@
+// How far an element is from its baseline, in words.
+import { isCrossCoupled, isUnbalance, termName } from "../format/names";
+import { number, percent, quantity } from "../format/numbers";
+import type { Deviations, ParameterDeviation } from "../schemas/trends";
+
+/** Elements less probable than this in the baseline state have changed. */
+export const CHANGED = 1e-3;
+
+/** A parameter's deviation in words: kxx +54 % (10.5 σ). */
+export function deviationText(one: ParameterDeviation): string {
+  const term = termName(one.parameter);
+  const sigma = `${number(one.sigma, 2)} σ`;
+  if (one.added !== null) {
+    // A vector's change has a direction instead of a sign: balancing reduces an unbalance by adding one.
+    const part = `${number(one.per_cent, 2)} % of the baseline's`;
+    if (!isUnbalance(one.parameter)) return `${term}: changed by ${part}, as a vector (${sigma})`;
+    return `${term}: ${quantity(one.added, "kg m")} added at ${Math.round(one.added_angle_deg ?? 0) % 360}° (${part}, ${sigma})`;
+  }
+  return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? " of the direct terms" : ""} (${sigma})`;
+}
+
+export function largestDeviation(deviations: Deviations, element: string): ParameterDeviation | undefined {
+  const own = deviations.parameters.filter((one) => one.element === element);
+  return own.sort((a, b) => Math.abs(b.sigma) - Math.abs(a.sigma))[0];
+}

@@ -1,0 +1,46 @@
+// The results of the trend tests of a parameter in words: of a vector's component where they are of one.
+import { isCrossCoupled } from "../format/names";
+import { number, percent } from "../format/numbers";
+import { when } from "../format/times";
+import type { Drift, TrendTest } from "../schemas/trends";
+
+/** Drifts that chance would make more often than this are not stated. */
+const SIGNIFICANT = 0.01;
+const COMPONENTS: Record<string, string> = { real: "real part", imaginary: "imaginary part" };
+
+/** One sentence for each test that was passed over its limit. */
+export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] {
+  return tests.flatMap((test) => {
+    const component = test.name.startsWith(`${parameter}.`) ? test.name.slice(parameter.length + 1) : "";
+    const prefix = component ? `${COMPONENTS[component] ?? component}: ` : "";
+    return [...steps(test), ...slowShift(test), ...drift(test, reference(parameter, component))].map((one) => prefix + one);
+  });
+}
+
+/** The quantity that per cent are of: a component is compared with its vector's length, a cross-coupled term with the direct ones. */
+function reference(parameter: string, component: string): string {
+  if (component) return " of the baseline's magnitude";
+  return isCrossCoupled(parameter) ? " of the direct terms" : "";
+}
+
+function steps(test: TrendTest): string[] {
+  const since = (began: string | null) => (began ? `, most likely since ${when(began)}` : "");
+  return [
+    ...(test.step_up.passed ? [`step up${since(test.step_up.began)}`] : []),
+    ...(test.step_down?.passed ? [`step down${since(test.step_down.began)}`] : []),
+  ];
+}
+
+function slowShift({ creep }: TrendTest): string[] {
+  return creep.passed ? [`mean of the newest runs ${creep.value > 0 ? "above" : "below"} the baseline`] : [];
+}
+
+function drift({ drift: found }: TrendTest, of: string): string[] {
+  if (!found || found.probability >= SIGNIFICANT) return [];
+  return [`${percent(found.per_week / 100)}${of} per week (${number(found.lower, 2)} … ${number(found.upper, 2)})${forecast(found)}`];
+}
+
+function forecast(found: Drift): string {
+  const next = [found.alert, found.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
+  return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
+}
