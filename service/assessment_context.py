@@ -10,7 +10,7 @@ from estimator.point import Point
 from service.alert_life import Severity
 from service.comparing import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
 from service.diagnosis_rules import RULES
-from service.judgement import AssessedRun, AssessmentContext, BaselineHistory, AssessmentBasis, Conditions
+from service.judgement import AssessedRun, AssessmentBasis, AssessmentContext, BaselineHistory, Conditions
 from service.limits import RATE_OF_CHANGE
 from service.setting_limits import limits_of
 from storage import alerts, baselines, identifications, jobs, limits, machines
