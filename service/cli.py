@@ -160,9 +160,10 @@ def worker(
 ) -> None:
     """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
     from service.cluster_worker import work
+    from service.job_tasks import TASKS
 
     _log_as_set()
-    work(scheduler, processes=processes, memory_bytes=memory_mb * 2**20, stop=_stop_on_signal())
+    work(scheduler, processes=processes, memory_bytes=memory_mb * 2**20, tasks=TASKS, stop=_stop_on_signal())
 
 
 @app.command()

@@ -3,6 +3,8 @@
 import asyncio
 import logging
 import threading
+from collections.abc import Callable, Collection
+from functools import partial
 
 from distributed import Worker
 
@@ -14,14 +16,21 @@ logger = logging.getLogger(__name__)
 RETRY_S = 2.0
 
 
-def work(scheduler: str, *, processes: int, memory_bytes: int, stop: threading.Event) -> None:
-    """Work for a scheduler until told to stop; where it is away, it is waited for."""
-    asyncio.run(_work(scheduler, processes, memory_bytes, stop))
+def work(
+    scheduler: str,
+    *,
+    processes: int,
+    memory_bytes: int,
+    tasks: Collection[Callable[..., object]],
+    stop: threading.Event,
+) -> None:
+    """Work for a scheduler until told to stop; where it is away, it is waited for. tasks: functions that it may ask for."""
+    asyncio.run(_work(scheduler, processes, partial(ProcessPool, processes, memory_bytes=memory_bytes, tasks=tasks), stop))
 
 
-async def _work(scheduler: str, processes: int, memory_bytes: int, stop: threading.Event) -> None:
+async def _work(scheduler: str, processes: int, new_pool: Callable[[], ProcessPool], stop: threading.Event) -> None:
     while not stop.is_set():
-        computing = ProcessPool(processes, memory_bytes=memory_bytes)
+        computing = new_pool()
         cluster_task.compute_in(computing)
         try:
             # The memory limit is each process's own; this process only passes tasks on, each in a thread that waits.

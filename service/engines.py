@@ -1,6 +1,6 @@
 """The choice of executor: worker processes of this machine, or a Dask cluster."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Future
 from typing import TypeVar
 
@@ -13,20 +13,20 @@ A = TypeVar("A")
 R = TypeVar("R")
 
 
-def executor_of(settings: Settings) -> Executor:
-    """Return the executor that the settings ask for."""
+def executor_of(settings: Settings, tasks: Collection[Callable[..., object]]) -> Executor:
+    """Return the executor that the settings ask for. tasks: functions that it will compute."""
     if settings.dask_scheduler:
         return DaskExecutor(settings.dask_scheduler)
-    return LocalExecutor(settings.workers, memory_bytes=settings.identification_memory_mb * 2**20)
+    return LocalExecutor(settings.workers, memory_bytes=settings.identification_memory_mb * 2**20, tasks=tasks)
 
 
 class LocalExecutor:
     """Computes in processes of this machine, which watch their own time."""
 
-    def __init__(self, workers: int, *, memory_bytes: int) -> None:
-        """Begin no process yet. memory_bytes: what each may hold of its own."""
+    def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]]) -> None:
+        """Begin no process yet. memory_bytes: what each may hold of its own. tasks: functions that they will compute."""
         self._workers = workers
-        self._processes = ProcessPool(workers, memory_bytes=memory_bytes)
+        self._processes = ProcessPool(workers, memory_bytes=memory_bytes, tasks=tasks)
 
     def capacity(self) -> int:
         """Return one task for each process."""

@@ -12,6 +12,7 @@ from service.engines import executor_of
 from service.executor import ExecutorUnavailable
 from service.held_jobs import HeldJobs
 from service.job_submission import JobSubmission
+from service.job_tasks import TASKS
 from service.judgements import AssessmentQueue
 from service.pooled_jobs import queue_pooled_jobs
 from service.result_filing import ResultFiling
@@ -33,7 +34,7 @@ class JobScheduler:
         self._database = database
         self._settings = settings
         self._share = share or Whole()
-        self._executor = executor_of(settings)
+        self._executor = executor_of(settings, TASKS)
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
         self._stop = threading.Event()

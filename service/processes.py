@@ -11,7 +11,7 @@ import multiprocessing
 import pickle
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
@@ -57,6 +57,14 @@ class _WorkItem:
     future: Future[Any]
 
 
+@dataclass(frozen=True)
+class _Setup:
+    """Travels to each process that starts; that its tasks are unpickled there imports their modules."""
+
+    memory_bytes: int
+    tasks: tuple[Callable[..., object], ...]
+
+
 class ProcessPool:
     """A number of processes, begun with the first task, and the queue of tasks that wait for them.
 
@@ -64,10 +72,14 @@ class ProcessPool:
     Interrupted by `shutdown`.
     """
 
-    def __init__(self, workers: int, *, memory_bytes: int) -> None:
-        """memory_bytes: what each process may hold of its own; more raises MemoryError in it."""
+    def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]] = ()) -> None:
+        """Begin no process yet.
+
+        memory_bytes: what each process may hold of its own; more raises MemoryError in it. tasks: functions whose modules a
+        process imports when it starts, so that this does not count as time of its first task.
+        """
         self._workers = workers
-        self._memory = memory_bytes
+        self._setup = _Setup(memory_bytes, tuple(tasks))
         self._waiting: SimpleQueue[_WorkItem | None] = SimpleQueue()
         self._lock = threading.Lock()
         self._slots: list[_Slot] = []
@@ -82,7 +94,7 @@ class ProcessPool:
             if self._stop.is_set():
                 raise Interrupted("these processes are shut down")
             if not self._slots:
-                self._slots = [_Slot(self._waiting, self._memory) for _ in range(self._workers)]
+                self._slots = [_Slot(self._waiting, self._setup) for _ in range(self._workers)]
                 self._watching.start()
         self._waiting.put(_WorkItem(payload, limit_s, future))
         return future
@@ -121,16 +133,16 @@ class ProcessPool:
     def _look_at(self, number: int, slot: "_Slot") -> None:
         if (silent := slot.silent_s()) is not None:
             logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
-            self._slots[number] = _Slot(self._waiting, self._memory)
+            self._slots[number] = _Slot(self._waiting, self._setup)
             slot.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
 class _Slot:
     """A process and the thread that talks with it."""
 
-    def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", memory_bytes: int) -> None:
+    def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", setup: "_Setup") -> None:
         self._waiting = waiting
-        self._memory = memory_bytes
+        self._setup = setup
         self._lock = threading.Lock()
         self._item: _WorkItem | None = None
         self._given_up: Exception | None = None
@@ -199,7 +211,7 @@ class _Slot:
         context = multiprocessing.get_context("spawn")
         self._allow(START_S)
         self._pipe, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs, self._memory), daemon=True)
+        process = context.Process(target=_serve, args=(theirs, self._setup), daemon=True)
         with theirs:
             process.start()
         with self._lock:
@@ -236,9 +248,9 @@ class _Slot:
             process.join(DEATH_S)
 
 
-def _serve(pipe: Connection, memory_bytes: int) -> None:
+def _serve(pipe: Connection, setup: _Setup) -> None:
     """Compute one task after the other in the process, until the parent closes the pipe."""
-    process_setup.set_up(memory_bytes)
+    process_setup.set_up(setup.memory_bytes)
     pipe.send_bytes(HERE)
     while True:
         try:

@@ -47,7 +47,7 @@ class ModelProcess:
         """Return or raise what a function of a module does. Raises HTTPException 503 where it needs more time or memory."""
         with self._lock:
             if self._processes is None:
-                self._processes = ProcessPool(1, memory_bytes=self._memory)
+                self._processes = ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time])
             future: Future[T] = self._processes.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
         try:
             return future.result()

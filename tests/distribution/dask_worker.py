@@ -23,6 +23,7 @@ def main() -> None:
         return
     from service import cluster_task, processes
     from service.cluster_worker import work
+    from service.job_tasks import TASKS
 
     if "pretends" in changed:
         name = cluster_task.worker_name()
@@ -30,7 +31,7 @@ def main() -> None:
         cluster_task.RELEASE = changed["pretends"]
     cluster_task.RELEASE = changed.get("release", cluster_task.RELEASE)
     processes.HAND_OVER_S = float(changed.get("hand_over", processes.HAND_OVER_S))
-    work(scheduler, processes=1, memory_bytes=2**31, stop=threading.Event())
+    work(scheduler, processes=1, memory_bytes=2**31, tasks=TASKS, stop=threading.Event())
 
 
 if __name__ == "__main__":

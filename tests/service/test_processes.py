@@ -5,7 +5,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 
@@ -14,6 +14,7 @@ import pytest
 
 from service import processes
 from service.processes import Interrupted, ProcessPool, Stuck
+from service.worker import compute
 from tests.plant import wait_until
 
 MEMORY = 2**31
@@ -41,6 +42,17 @@ class Unreadable(Exception):
 
 def unreadable() -> None:
     raise Unreadable("half and ", "half")
+
+
+@pytest.mark.parametrize("tasks", [[], [compute]])
+def test_modules_of_the_tasks_are_imported_before_the_first(tasks: list[Callable[..., object]]) -> None:
+    made = ProcessPool(1, memory_bytes=MEMORY, tasks=tasks)
+    try:
+        # A function of this module would import what is looked for.
+        found = made.submit(10.0, eval, "'estimator.gate' in __import__('sys').modules").result(SOON_S)
+        assert found == bool(tasks)
+    finally:
+        made.shutdown()
 
 
 def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> None:
