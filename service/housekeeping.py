@@ -1,7 +1,6 @@
 """Housekeeping: lets go of samples that are old enough, gives disk and memory back, and warns well before the disk is full."""
 
 import logging
-import threading
 import time
 from collections.abc import Callable
 
@@ -12,6 +11,7 @@ from service.cut_offs import CutOff, advanced
 from service.memory import give_back
 from service.settings import Settings
 from service.sharing import RETENTION, Share, Whole
+from service.supervised_thread import SupervisedThread
 from service.tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
 from storage import disk, machines, retention
 from storage.clock import now, to_datetime
@@ -33,20 +33,20 @@ TIGHT, FULL = 0.80, 0.95
 """Parts of the room from which on it is warned of, and urgently."""
 
 
-class Housekeeping:
+class Housekeeping(SupervisedThread):
     """The thread that keeps the store in bounds."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
+        super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
         self._share = Whole() if share is None else share
         self._database = database
         self._settings = settings
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="housekeeping", daemon=True)
         self._use: DiskUse | None = None
         self._said = ""
         self._level = 0
         self._looked_at = time.monotonic()
-        self.trouble: str | None = None
+        self._next_round = 0.0
+        self.unfinished: str | None = None
         """Why the last round was not finished; it stands until one is."""
         self.unseen: str | None = None
         """Why the last look did not show how much room is left."""
@@ -61,25 +61,10 @@ class Housekeeping:
         self._waiting = 0
         self._said_of_waiting = ""
 
-    def start(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """End between two transactions."""
-        self._stop.set()
-        if self._thread.is_alive():
-            self._thread.join()
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
-
     @property
     def warnings(self) -> list[str]:
         """What is to be said of the room, and why the store is not kept in bounds."""
-        hindered = [f"old samples are not let go of: {self.trouble}"] if self.trouble else []
+        hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
         return [words for words in (self._said, self._said_of_waiting) if words] + hindered + blind
 
@@ -90,7 +75,7 @@ class Housekeeping:
             "rundown_released_sample_blocks": self.released[Blocks.name],
             "rundown_released_runs": self.released[Runs.name],
             "rundown_retention_waiting": self._waiting,
-            "rundown_housekeeping_working": int(self.trouble is None and self.unseen is None),
+            "rundown_housekeeping_working": int(self.unfinished is None and self.unseen is None),
         }
         use = self._use
         if use is not None:
@@ -140,22 +125,24 @@ class Housekeeping:
         give_back()
         self.unseen = _tried(self._look)
 
-    def _run(self) -> None:
-        next_round, pause = time.monotonic(), 0.0
-        while not self._stop.wait(pause):
-            pause = LOOK_S
-            self._look_at_all()
-            if not self._share.leads(RETENTION):
-                self._leave_to_another()
-            elif time.monotonic() >= next_round:
-                next_round = time.monotonic() + INTERVAL_S
-                self.trouble = _tried(self.round)
-        if self._counts and self.trouble is None and self._share.leads(RETENTION):
-            _tried(lambda: self._move_cut_offs([], now()))  # what was served since the last round counts after a restart, too
+    def turn(self) -> float:
+        """Look at disk and memory, and do a round where one is due. A stop ends it between two transactions."""
+        self._look_at_all()
+        if not self._share.leads(RETENTION):
+            self._leave_to_another()
+        elif time.monotonic() >= self._next_round:
+            self._next_round = time.monotonic() + INTERVAL_S
+            self.unfinished = _tried(self.round)
+        return LOOK_S
+
+    def finish(self) -> None:
+        """Keep the time served since the last round, so that it counts after a restart, too."""
+        if self._counts and self.unfinished is None and self._share.leads(RETENTION):
+            _tried(lambda: self._move_cut_offs([], now()))
 
     def _leave_to_another(self) -> None:
         """It is another replica's; nothing of it is known here, nor is the time served counted twice."""
-        self.trouble, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
+        self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:

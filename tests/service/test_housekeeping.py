@@ -359,8 +359,8 @@ def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: 
     feed(journal, 0, DAYS)
     one = Housekeeping(plant, confirmed(plant, raw_days=30))
     one.start()
-    wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.trouble is not None, seconds=30)
-    assert one.trouble is None
+    wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.unfinished is not None, seconds=30)
+    assert one.unfinished is None
     assert one.alive
     one.stop()
     assert not one.alive
@@ -375,7 +375,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
     one.start()
-    wait_until(lambda: one.trouble is not None, seconds=30)
+    wait_until(lambda: one.unfinished is not None, seconds=30)
     began = time.monotonic()
     while time.monotonic() < began + 0.5:
         assert one.gauges["rundown_housekeeping_working"] == 0
@@ -384,7 +384,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
     assert any(words.startswith("old samples are not let go of") for words in api.value("/health")["warnings"])
-    wait_until(lambda: one.trouble is None, seconds=30)
+    wait_until(lambda: one.unfinished is None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 1
     one.stop()
 
@@ -406,9 +406,9 @@ def test_what_hindered_it_is_forgotten_where_another_replica_does_it(plant: Data
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
     one.start()
-    wait_until(lambda: one.trouble is not None, seconds=30)
+    wait_until(lambda: one.unfinished is not None, seconds=30)
     share.leading = False
-    wait_until(lambda: one.trouble is None, seconds=30)
+    wait_until(lambda: one.unfinished is None, seconds=30)
     one.stop()
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
