@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from service.bounded import Bounded
+from service.bounded import BoundedDict
 from service.wire import SampleBatch
 from storage.clock import FUTURE_TOLERANCE, now, to_datetime
 
@@ -67,7 +67,7 @@ class OwnClock:
     def __init__(self, newest_receipt: Callable[[], int]) -> None:
         self._look_up = newest_receipt
         self._newest_receipt: int | None = None
-        self._sources: Bounded[tuple[str, str], _Source] = Bounded()
+        self._sources: BoundedDict[tuple[str, str], _Source] = BoundedDict()
         self._looked_at = 0
         self.doubt: str | None = None
         """Why it is doubted, and what is to be done; None while it is not."""

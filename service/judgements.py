@@ -16,7 +16,7 @@ from sqlalchemy.orm import Session
 from service import watching
 from service.engines import Refused
 from service.judgement import Judgement, Question
-from service.own_faults import unexpected
+from service.own_faults import unexpected_error
 from service.processes import Interrupted, Stuck
 from service.worker import OutOfTime
 from storage import identifications, jobs, machines, quarantine
@@ -174,4 +174,4 @@ def _tell(session: Session, due: Due, error: Exception) -> None:
         exc_info=error,
     )
     of, what = f"identification {due.identification_id}", "it is stored, but no alert follows from it"
-    quarantine.add(session, [unexpected(error, of=of, machine_id=due.machine_id, what=what)])
+    quarantine.add(session, [unexpected_error(error, of=of, machine_id=due.machine_id, what=what)])

@@ -19,8 +19,10 @@ STRIKES = 3
 
 
 @dataclass
-class Order:
-    """What was last believed of one source. time [ns], speed [rad/s]; doubted: the last speed not believed.
+class Plausibility:
+    """What was last believed of one source, against which its next samples are checked.
+
+    time [ns], speed [rad/s]; doubted: the last speed not believed.
 
     before: time [ns] of a sample that comes later in number and is known already. set_back, back: the last time that
     was not believed [ns], and how many in a row ascend up to it.

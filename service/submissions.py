@@ -6,7 +6,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from service.journal import Outcome
+from service.batch import Outcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""

@@ -21,7 +21,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine, Noise, parse_machine
 from estimator.parameters import is_direct
 from estimator.units import rpm_to_rad_per_s
-from service.journal import Arrived
+from service.batch import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from storage import identifications, jobs
 from storage.blocks import Samples
