@@ -7,6 +7,7 @@ import zenoh
 from service import log_queries
 from service.bounded import BoundedDict
 from service.known_logs import KnownLogs
+from service.live_sources import LiveSources
 from service.log_queries import LogQueries, replies_so_far
 from service.putting_off import Backoff
 from service.recovery_protocols import BatchSink, GapRecords, ReplyReader
@@ -40,6 +41,7 @@ class GapRecall:
         records: GapRecords,
         reader: ReplyReader,
         backoff: SourceBackoff,
+        live: LiveSources,
         logs: KnownLogs,
     ) -> None:
         self._queries = queries
@@ -47,6 +49,7 @@ class GapRecall:
         self._records = records
         self._reader = reader
         self._backoff = backoff
+        self._live = live
         self._logs = logs
         self._recalls: dict[SourceKey, _Recall] = {}
         self._postponed: BoundedDict[SourceKey, None] = BoundedDict()
@@ -57,6 +60,11 @@ class GapRecall:
     def __len__(self) -> int:
         """Return of how many sources gaps are being asked for."""
         return len(self._recalls)
+
+    def note_live(self, key: Key, source: SourceKey) -> None:
+        """Note that a source is there; that it was away before is a reason to ask for what it could not tell then."""
+        if self._live.add(key, source):
+            self.request(key, source)
 
     def request(self, key: Key, source: SourceKey) -> None:
         """Ask the log for what was counted as lost, now or as soon as the source is accepted."""

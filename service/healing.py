@@ -1,9 +1,9 @@
 """Gap recovery: batches wait for those before them while their source's log is asked. Nothing here blocks, so that a source
 that does not answer holds up no other.
 
-`GapRecovery` decides what is taken now and what waits. It asks by way of `LogReplays` for what follows the last sample known,
-of `GapRecall` for what was counted as lost before, of `LogDiscovery` for which sources there are. What is taken goes to a
-`BatchSink`; what cannot be recovered of a source for a reason of its own is reported to `SourceBackoff`.
+`GapRecovery` decides what is taken now and what waits. Logs are asked by `LogReplays` for what follows the last sample known,
+by `GapRecall` for what was counted as lost before, and by `QuietLogs` for what never came of a source that is quiet. What is
+taken goes to a `BatchSink`; a source of which it fails for a reason of its own is reported to `SourceBackoff`.
 """
 
 import bisect
@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service import log_queries
 from service.batch import Arrived
 from service.gap_recall import GapRecall
 from service.known_logs import KnownLogs
 from service.live_sources import LiveSources
-from service.log_discovery import LogDiscovery
 from service.log_queries import LogQueries
 from service.log_replay import LogReplays, Replay, is_behind_gap
+from service.quiet_logs import QuietLogs
 from service.recovery_protocols import BatchSink, GapRecords, ReplyReader
 from service.sharing import Share
 from service.source_backoff import SourceBackoff
@@ -67,26 +66,34 @@ class GapRecovery:
         self._backoff = backoff
         queries = LogQueries(session)
         self._logs = KnownLogs()
-        self._replays = LogReplays(queries, sink=sink, reader=reader, backoff=backoff, logs=self._logs)
-        self._recall = GapRecall(queries, sink=sink, records=records, reader=reader, backoff=backoff, logs=self._logs)
-        self._discovery = LogDiscovery(queries, reader=reader)
-        self._to_ask: dict[tuple[Key, SourceKey | None], None] = {}
-        """Whose logs are to be asked as soon as there is room, the longest waiting first; None: of whom is to be found out."""
-        self._ceased = False
         self.live = LiveSources(queries)
+        self._replays = LogReplays(queries, sink=sink, reader=reader, backoff=backoff, logs=self._logs)
+        self._recall = GapRecall(
+            queries, sink=sink, records=records, reader=reader, backoff=backoff, live=self.live, logs=self._logs
+        )
+        self._quiet = QuietLogs(
+            queries,
+            reader=reader,
+            backoff=backoff,
+            live=self.live,
+            logs=self._logs,
+            replays=self._replays,
+            recall=self._recall,
+        )
+        self._ceased = False
         self.waiting: dict[SourceKey, Waiting] = {}
         backoff.on_pause(self.leave)
 
     @property
     def is_asking(self) -> bool:
         """Whether answers of logs are expected."""
-        return bool(len(self._replays) or len(self._recall) or len(self._discovery))
+        return bool(len(self._replays) or len(self._recall) or len(self._quiet))
 
     def follow(self, token: zenoh.Sample) -> None:
         """Note that a source came or went, and ask the log of one that came."""
         came = self.live.follow(token)
         if came is not None and self._share.owns(came.machine):
-            self._to_ask.setdefault((came, None))
+            self._quiet.add(came)
 
     def review(self) -> None:
         """Begin anew with what is known of the sources, and ask all logs: what is stored here has changed."""
@@ -98,7 +105,7 @@ class GapRecovery:
         self.live.forget_sources()
         for key in self.live:
             if self._share.owns(key.machine):
-                self._to_ask.setdefault((key, None))
+                self._quiet.add(key)
 
     def cease(self) -> None:
         """Ask no more, for the service ends: the next one asks the logs. What comes from a source whose log has never answered
@@ -117,7 +124,7 @@ class GapRecovery:
     def place(self, key: Key, arrived: Arrived) -> None:
         """Take a published batch, let it wait for what is missing before it, or leave it to its source's log."""
         source = arrived.source
-        self._note_live(key, source)
+        self._recall.note_live(key, source)
         self.live.note_heard(source)
         waiting = self.waiting.get(source)
         if not self._backoff.accepts(source):
@@ -142,14 +149,14 @@ class GapRecovery:
                 continue
             sources = self.live.sources(key)
             if not sources:
-                self._to_ask.setdefault((key, None))
+                self._quiet.add(key)
             for source in sources:
                 if self._logs.end_silence(source):
                     self._recall.postpone(source)
                 self._recall.request_postponed(key, source)
                 # While samples come, their numbers show every gap; only a quiet source can hide one.
                 if self.live.is_quiet(source, quiet_s=quiet_s):
-                    self._to_ask.setdefault((key, source))
+                    self._quiet.add(key, source)
 
     def collect(self, most: int) -> int:
         """Take what logs have answered, at most so many batches, and ask again where something is missing.
@@ -159,9 +166,7 @@ class GapRecovery:
         if self._ceased:
             return 0
         self.live.collect_roll()
-        for key, source in self._discovery.collect():
-            self._note_discovered(key, source)
-        self._ask_quiet()
+        self._quiet.collect()
         for source in list(self.waiting):
             with self._backoff.isolating(source):
                 self._release_if_complete(source)
@@ -193,31 +198,7 @@ class GapRecovery:
         self.waiting.clear()
         self._replays.clear()
         self._recall.clear()
-        self._discovery.clear()
-        self._to_ask.clear()
-
-    def _note_live(self, key: Key, source: SourceKey) -> None:
-        """Note that a source is there; that it was away before is a reason to ask for what it could not tell then."""
-        if self.live.add(key, source):
-            self._recall.request(key, source)
-
-    def _note_discovered(self, key: Key, source: SourceKey) -> None:
-        if key in self.live:
-            self._logs.note_answer(source)
-            with self._backoff.isolating(source):
-                self._note_live(key, source)
-                self._replays.ask(key, source)
-
-    def _ask_quiet(self) -> None:
-        """Ask as many of the logs that are to be asked as there is room for."""
-        while self._to_ask and len(self._discovery) + len(self._replays) < log_queries.MOST_QUERIES:
-            key, source = next(iter(self._to_ask))
-            del self._to_ask[key, source]
-            if source is not None:
-                with self._backoff.isolating(source):
-                    self._replays.ask(key, source)
-            elif key in self.live:
-                self._discovery.ask(key)
+        self._quiet.clear()
 
     def _go_on(self, source: SourceKey, ended: Replay) -> None:
         """Ask on, let what waits wait on, or give up what is missing, when a log has answered all that it will."""
@@ -241,7 +222,7 @@ class GapRecovery:
         waiting = self.waiting[source]
         # Asks the database, if it must, before what waits is let go of.
         self._sink.next_sequence(source)
-        self._note_live(waiting.key, source)
+        self._recall.note_live(waiting.key, source)
         del self.waiting[source]
         for arrived in waiting.arrived:
             self.place(waiting.key, arrived)

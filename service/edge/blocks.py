@@ -77,6 +77,10 @@ class Position:
         """Return the number, in the segment, of the first sample needed from an instant [s] on."""
         return max(0, math.floor(instant * self.sampling_rate))
 
+    def seconds_to(self, number: int) -> float:
+        """Return the instant of a sample, by its number in the input, behind the segment's first one [s]."""
+        return float(number - self.segment) / self.sampling_rate
+
     def time_ns(self, instant: float) -> int:
         """Return the time of an instant behind the segment's first sample [ns, UTC]."""
         return self.anchor_ns + round((instant - (self.anchor - self.segment) / self.sampling_rate) * 1e9)
@@ -150,7 +154,7 @@ class BlockStream:
         at, length = self._at, self._settings.seconds or 0.0
         # A multiple of the length, not a sum of many.
         end = (round(at.begin / length) + 1) * length
-        if end + (0.0 if ended else self.margin()) > self._known() + ROUNDING:
+        if end + (0.0 if ended else self.margin()) > self._at.seconds_to(self._samples.end) + ROUNDING:
             return None
         angle, start = self._angle(at.begin - self.margin(), end + self.margin())
         if isinstance(angle, Found):
@@ -168,7 +172,7 @@ class BlockStream:
 
     def _by_turns(self, ended: bool) -> Outcome | None:
         """Make a block from edge to edge; the window grows until the block's last edge is in it."""
-        begin, settings, known = self._at.begin, self._settings, self._known()
+        begin, settings, known = self._at.begin, self._settings, self._at.seconds_to(self._samples.end)
         turns = settings.turns or 0
         shortest, longest = turns * 60.0 / settings.highest_rpm, turns * 60.0 / settings.lowest_rpm
         length = shortest
@@ -281,7 +285,3 @@ class BlockStream:
     def _samples(self) -> SampleWindow:
         assert self._window is not None
         return self._window
-
-    def _known(self) -> float:
-        """Return the end of the samples at hand, behind the segment's begin [s]."""
-        return float(self._samples.end - self._at.segment) / self._at.sampling_rate

@@ -123,7 +123,7 @@ def test_a_review_that_the_database_interrupted_is_done_again(
         put_batch(client, 0, 5)
         wait_until(lambda: received(plant) == 5)
         put_batch(client, 10, 15)
-        wait_until(lambda: len(ingest._recovery.waiting) == 1)
+        wait_until(lambda: len(ingest._cycle.recovery.waiting) == 1)
         journal.away = True
         share.changes += 1
         wait_until(lambda: counts(plant) == (15, 10, 5))

@@ -97,7 +97,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
     paused: list[SourceKey] = []
-    ingest._backoff.on_pause(paused.append)
+    ingest._cycle.backoff.on_pause(paused.append)
     while not paused:
         edge.publish(1)
         time.sleep(0.15)
@@ -124,7 +124,7 @@ def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off
     spoil(plant, KEY.machine)
     lossy.come()
     wait_until(lambda: rejected(plant).get("unexpected_error", 0) > 0)
-    wait_until(lambda: not ingest._backoff.accepts(source_key(lossy.log[0])))
+    wait_until(lambda: not ingest._cycle.backoff.accepts(source_key(lossy.log[0])))
     with plant.transaction() as session:
         session.get_one(CollectorRow, KEY.machine).state = standing
     wait_until(lambda: counts(plant) == (20, 20, 0))
@@ -186,7 +186,7 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
         ingest = running(router, journal, Submissions(), until)
         failing, working = (Edge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working"))
         wait_until(lambda: heard(client))
-        while ingest._backoff.accepts(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
+        while ingest._cycle.backoff.accepts(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
             failing.publish(1)
             working.publish(1)
             time.sleep(0.15)

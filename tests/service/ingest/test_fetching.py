@@ -183,7 +183,7 @@ def test_a_token_that_is_no_id_is_nobody(router: zenoh.Session, client: zenoh.Se
     with ingesting(router, plant) as running:
         wait_until(lambda: received(plant) == 5)
         time.sleep(0.5)
-        assert list(running._recovery.live) == [KEY]
+        assert list(running._cycle.recovery.live) == [KEY]
     assert rejected(plant) == {}
     for token in tokens:
         token.undeclare()
