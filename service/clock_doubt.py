@@ -28,7 +28,7 @@ COST = 20_000
 
 
 def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
-    """Whether the own clock is to be doubted.
+    """Return whether the own clock is to be doubted.
 
     behind: it is behind the newest receipt of samples. ahead, agreeing: sources whose samples lie ahead of it, and those whose
     newest samples are of its present.
@@ -73,7 +73,7 @@ class OwnClock:
         """Why it is doubted, and what is to be done; None while it is not."""
 
     def withholds(self, batch: SampleBatch) -> bool:
-        """Whether a batch must wait until the clock is right. Raises what the database raises."""
+        """Return whether a batch must wait until the clock is right. Raises what the database raises."""
         clock, monotonic = now(), time.monotonic_ns()
         first, last = min(batch.time_ns), max(batch.time_ns)
         if not clock - PLAUSIBLE <= first <= last <= clock + PLAUSIBLE:
@@ -94,7 +94,7 @@ class OwnClock:
         return before is not None and self.doubt is None
 
     def forget(self) -> None:
-        """Others may have stored samples: when they came last is looked up anew."""
+        """Forget when samples came last, for others may have stored some: it is looked up anew."""
         self._newest_receipt = None
 
     def _known_receipt(self) -> int:

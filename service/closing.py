@@ -156,7 +156,7 @@ class Closing(SupervisedThread):
 
 
 def _version(row: RunRow) -> tuple[object, ...]:
-    """What changes when a run ends or is made anew."""
+    """Return what changes when a run ends or is made anew."""
     return row.state, row.time_first, row.time_last, row.times_reopened
 
 

@@ -114,7 +114,7 @@ def _revise(session: Session, machine_id: str, now: Standing, revision: int) -> 
 
 
 def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Those that are of the present [ns]."""
+    """Return the times that are of the present [ns]."""
     last = latest()
     return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
 

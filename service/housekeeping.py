@@ -63,7 +63,7 @@ class Housekeeping(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """What is to be said of the room, and why the store is not kept in bounds."""
+        """Warnings of too little room, and why the store is not kept in bounds."""
         hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
         return [words for words in (self._said, self._said_of_waiting) if words] + hindered + blind
@@ -141,7 +141,7 @@ class Housekeeping(SupervisedThread):
             _tried(lambda: self._move_cut_offs([], now()))
 
     def _leave_to_another(self) -> None:
-        """It is another replica's; nothing of it is known here, nor is the time served counted twice."""
+        """Leave retention to another replica: nothing of it is known here, nor is the time served counted twice."""
         self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
@@ -225,7 +225,7 @@ def _tried(work: Callable[[], None]) -> str | None:
 
 
 def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
-    """The cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
+    """Return the cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
     kept = retention.cut_off(session, tier.name)
     return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
@@ -241,7 +241,7 @@ def _waiting_words(machine_ids: set[str], moment: int) -> str:
 
 
 def warning(use: DiskUse) -> str:
-    """What is to be said of the room; empty where there is enough."""
+    """Return the warning of too little room; empty where there is enough."""
     if use.part is None or use.part < TIGHT:
         return ""
     urgent = "nearly full: samples will soon not be stored" if use.part >= FULL else "filling"

@@ -27,7 +27,7 @@ LOOK_S = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """What was published. Of one that is larger than any that is taken, only the beginning; size: of all of it [bytes]."""
+    """A published message; only the beginning of one that is larger than any that is taken. size: of all of it [bytes]."""
 
     key: str
     payload: bytes
@@ -37,14 +37,14 @@ class Message:
 
     @classmethod
     def of(cls, sample: zenoh.Sample) -> "Message":
-        """A copy of what zenoh holds, received now."""
+        """Return a copy of what zenoh holds, received now."""
         payload = sample.payload.to_bytes()
         kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
         return cls(str(sample.key_expr), kept, str(sample.encoding), len(payload), now())
 
 
 class Inbox(SupervisedThread):
-    """The thread that copies, and what waits. One other thread takes."""
+    """The thread that copies, and the messages that wait. One other thread takes them."""
 
     def __init__(self) -> None:
         super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
@@ -64,15 +64,15 @@ class Inbox(SupervisedThread):
 
     @property
     def size(self) -> int:
-        """Of all that waits [bytes]."""
+        """Size of all that waits [bytes]."""
         return self._came_bytes - self._taken_bytes
 
     def __len__(self) -> int:
-        """Messages that wait."""
+        """Return how many messages wait."""
         return len(self._waiting)
 
     def take(self) -> Message | None:
-        """The one that has waited longest."""
+        """Return the message that has waited longest."""
         if not self._waiting:
             return None
         message = self._waiting.popleft()
@@ -80,7 +80,7 @@ class Inbox(SupervisedThread):
         return message
 
     def put_back(self, message: Message) -> None:
-        """It could not be dealt with now, and is the next to be taken again."""
+        """Put a message that could not be dealt with now in the first place again."""
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
 

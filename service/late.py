@@ -55,7 +55,7 @@ def _joined(one: Window, other: Window) -> Window:
 
 @dataclass(frozen=True)
 class Plan:
-    """What sorting in the samples of one window does to the runs of a machine.
+    """Changes to the runs of a machine that sorting in the samples of one window causes.
 
     added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
     that each is now. joined: runs that become part of another one, by id. left_out: runs that cannot be made anew, and why
@@ -131,7 +131,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
 
 
 def still_holds(session: Session, found: Plan) -> bool:
-    """Whether the runs beside a window, and how far back the blocks reach, are still as they were when the plan was made."""
+    """Return whether the runs beside a window, and how far back the blocks reach, are as they were for the plan."""
     return found.basis == _basis(session, found.machine_id, found.window)
 
 
@@ -189,17 +189,17 @@ def apply(session: Session, found: Plan) -> None:
 
 
 def _is_unfinished(row: RunRow) -> bool:
-    """Whether a run has not got its samples yet."""
+    """Return whether a run has not got its samples yet."""
     return row.state in (runs.OPEN, runs.ENDED)
 
 
 def _holds(row: RunRow, first: int, last: int) -> bool:
-    """Whether some of the time from first to last [ns] is a run's."""
+    """Return whether some of the time from first to last [ns] is a run's."""
     return row.time_first <= last and (row.time_last or row.time_first) >= first
 
 
 def _waits(row: RunRow, patience_s: float) -> bool:
-    """Whether a run was made anew so short a time ago that more may come."""
+    """Return whether a run was made anew so short a time ago that more may come."""
     if row.reopened_at is None:
         return False
     return now() < row.reopened_at + 1e9 * patience_s * 2.0 ** (row.times_reopened or 0)

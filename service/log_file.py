@@ -45,7 +45,7 @@ _IN_USE = {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
 
 class Figures(NamedTuple):
-    """What the file holds: number of the first sample, of the one behind the last, how many samples and bytes of payload."""
+    """Contents of the file: number of the first sample, of the one behind the last, how many samples and bytes of payload."""
 
     oldest: int
     next_sequence: int

@@ -24,7 +24,7 @@ from storage.tables import SourceRow
 
 @dataclass
 class Pending:
-    """What one transaction has gathered before it writes blocks."""
+    """Samples, rejections and outcomes of one transaction, before it writes blocks."""
 
     parts: dict[SourceKey, list[Samples]] = field(default_factory=lambda: defaultdict(list))
     first: dict[SourceKey, int] = field(default_factory=dict)

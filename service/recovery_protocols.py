@@ -1,4 +1,4 @@
-"""What gap recovery needs of those around it, besides `Share` and `SourceBackoff`.
+"""Protocols of those on whom gap recovery relies, besides `Share` and `SourceBackoff`.
 
 Recovery asks sources' logs and decides what is taken in which order; it neither decodes, nor looks into the database, nor
 stores anything itself.

@@ -26,7 +26,7 @@ LONGEST_ENDING_S = 0.1
 
 
 class _Damaged(Exception):
-    """What is stored of a machine cannot be read."""
+    """The stored data of a machine cannot be read."""
 
     def __init__(self, machine_id: str) -> None:
         super().__init__(machine_id)

@@ -39,7 +39,7 @@ class StoreWatch(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """What is to be said of keys."""
+        """Warning of keys that wait."""
         return [WAITING.format(self._waiting)] if self._waiting else []
 
     def turn(self) -> float:

@@ -36,7 +36,7 @@ class Submission:
 
 
 class Taking(Protocol):
-    """What takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
+    """Takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
 
     @property
     def trouble(self) -> str | None:
@@ -46,7 +46,7 @@ class Taking(Protocol):
         """Take a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
-        """How many wait here."""
+        """Return how many wait here."""
 
 
 class Submissions:
@@ -76,7 +76,7 @@ class Submissions:
             self._arrival.clear()
 
     def take(self) -> Submission | None:
-        """The one that has waited longest and that somebody still waits for."""
+        """Return the submission that has waited longest and that somebody still waits for."""
         while True:
             try:
                 one = self._queue.get_nowait()

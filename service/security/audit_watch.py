@@ -28,7 +28,7 @@ class AuditWatch(SupervisedThread):
         self._noted = (0, BEGINNING)
         self._told_at: float | None = None
         self.warnings: list[str] = []
-        """What does not hold, for people; it stays until the next start."""
+        """Entries that do not hold, in words; they stay until the next start."""
 
     @property
     def gauges(self) -> dict[str, float]:
