@@ -12,7 +12,8 @@ from sqlalchemy import select, text
 from service import housekeeping, tiers
 from service.collection import Collector
 from service.cut_offs import DAY_NS
-from service.housekeeping import Housekeeping, warning
+from service.disk_watch import warning
+from service.housekeeping import Housekeeping
 from service.job_task import _earlier
 from service.settings import Settings
 from service.sharing import Whole
@@ -319,7 +320,7 @@ def test_room_is_given_back_to_the_file_system(plant: Database, journal: PromptJ
 def test_the_room_is_shown_and_warned_of(plant: Database, caplog: pytest.LogCaptureFixture) -> None:
     one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001))
     api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
-    one._look()
+    one.look()
     (said,) = [words for words in api.value("/health")["warnings"] if words.startswith("the store is")]
     assert "nearly full" in said
     assert "of 0.0 GB that it may take" in said
@@ -441,6 +442,6 @@ def test_no_part_is_shown_of_room_that_is_not_known(stores: Stores, tmp_path: Pa
         url = stores.databases(kind).copy(stores.empty(kind), tmp_path / "rundown.db")
         with closing(Database(url)) as database:
             one = Housekeeping(database, Settings(database=url, disk_budget_gb=budget))
-            one._look()
+            one.look()
             assert ("rundown_disk_used_ratio" in one.gauges) == shown, (kind, budget)
             assert one.gauges["rundown_database_bytes"] > 0
