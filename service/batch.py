@@ -2,6 +2,7 @@
 
 from concurrent.futures import Future
 from dataclasses import dataclass
+from functools import cached_property
 
 from service.wire import Fault, Rejected, SampleBatch, source_key
 from storage.samples import SourceKey
@@ -19,7 +20,7 @@ class Arrived:
     payload: bytes
     received_at: int
 
-    @property
+    @cached_property
     def source(self) -> SourceKey:
         """The source that sent it."""
         return source_key(self.batch)

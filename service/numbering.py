@@ -61,7 +61,8 @@ class Numbering:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(rejections.of_batch(arrived, "sequence_out_of_range", detail))
             return Outcome(rejected=Rejected("sequence_out_of_range", detail))
-        filling = holes.filled_parts(holes.stored_gaps(row.missing), first=batch.sequence, count=count)
+        gaps = holes.stored_gaps(row.missing)
+        filling = holes.filled_parts(gaps, first=batch.sequence, count=count)
         following = min(max(row.next_sequence - batch.sequence, 0), count)
         fresh = _fresh(count, following, filling)
         known = int(np.count_nonzero(~fresh))
@@ -73,11 +74,11 @@ class Numbering:
             converted, taken, faults = to_samples(batch, machine, received_at=arrived.received_at)
         except Rejected as rejected:
             pending.rejections.append(rejections.of_batch(arrived, rejected.reason, rejected.detail))
-            _advance(row, batch, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
+            _advance(row, batch, gaps, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
             return Outcome(duplicates=known, lost=ahead, rejected=rejected)
         taken &= fresh
         faults += self._implausible(row, arrived.source, machine, converted, taken, filling, following)
-        _advance(row, batch, filling, converted.time, taken, following)
+        _advance(row, batch, gaps, filling, converted.time, taken, following)
         new = tuple(fault for fault in faults if fresh[fault.index])
         pending.rejections += rejections.of_samples(arrived, new)
         if taken.any():
@@ -128,13 +129,13 @@ def _check(
 def _advance(
     row: SourceRow,
     batch: SampleBatch,
+    gaps: list[SequenceGap],
     filling: Sequence[FilledPart],
     time: NDArray[np.int64],
     taken: NDArray[np.bool_],
     following: int,
 ) -> None:
     """Note how far a source has come with a batch: gaps filled, a new one before it, its newest number and time."""
-    gaps = holes.stored_gaps(row.missing)
     for part in filling:
         inside = slice(part.start, part.stop)
         gaps = holes.fill(gaps, part, first=batch.sequence, times=time[inside][taken[inside]])
@@ -142,7 +143,8 @@ def _advance(
     if batch.sequence > row.next_sequence:
         before = int(new[0]) if new.size else holes.NEVER
         gaps = holes.add_gap(gaps, SequenceGap(row.next_sequence, batch.sequence - 1, row.last_time, before))
-    row.missing = holes.as_stored(gaps)
+    if filling or batch.sequence > row.next_sequence:
+        row.missing = holes.as_stored(gaps)
     row.next_sequence = max(row.next_sequence, batch.sequence + taken.size)
     if new.size:
         row.last_time = int(new[-1])
