@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
+# Tests wait for services more than they compute: three at once keep two cores busy. The long ones need a core each.
+PROCESSES ?= 3
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
@@ -26,14 +28,14 @@ compiled: $(VENV)/.installed
 	$(BIN)/python -m compileall -q estimator service storage tests benchmarks
 
 test: lint compiled
-	$(BIN)/pytest -n 2 --dist loadfile -m 'not long'
+	$(BIN)/pytest -n $(PROCESSES) --dist loadfile -m 'not long'
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
 	$(BIN)/pytest -n 2 --dist loadfile -m long
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
-	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n 2 --dist loadfile -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
+	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) --dist loadfile -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
 
 audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so where the advisories cannot be had
 	$(BIN)/python -m benchmarks.dependency_audit

@@ -9,13 +9,10 @@ twenty times a second by a process of its own, while they run down, until all ru
 
 import argparse
 import contextlib
-import json
-import subprocess
-import sys
+import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -27,6 +24,7 @@ from benchmarks.large_documents import KINDS, largest
 from estimator.machine import Machine, parse_machine
 from service.wire import JSON, SampleBatch, encode_body
 from tests.databases import PostgresqlDatabases
+from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until
 from tests.postgresql import server
 
@@ -36,43 +34,9 @@ BATCH = 10
 SPEEDS = [*[3500.0] * 10, *np.linspace(3500.0, 310.0, 190).tolist(), *[250.0] * 20]
 FIGURES = ("rundown_longest_transaction_seconds", "rundown_ingest_longest_cycle_seconds")
 CLOSED_WITHIN_S = 120.0
+CLIENT_NICENESS = 5
 BEGAN_S = time.time()
 """When the first sample was taken, of each machine."""
-
-
-def probe(url: str) -> None:
-    """Ask whether the service is alive until standard input ends, and print how long each answer took [s], as JSON."""
-    over = threading.Event()
-
-    def wait() -> None:
-        sys.stdin.read()
-        over.set()
-
-    threading.Thread(target=wait, daemon=True).start()
-    took = []
-    with httpx.Client(timeout=30.0) as client:
-        client.get(f"{url}/alive")
-        print("asking", flush=True)
-        while not over.wait(0.05):
-            began = time.perf_counter()
-            client.get(f"{url}/alive")
-            took.append(time.perf_counter() - began)
-    print(json.dumps(took))
-
-
-@contextlib.contextmanager
-def probing(url: str) -> Iterator[list[float]]:
-    """How long `/alive` took, there when the block has ended."""
-    took: list[float] = []
-    command = [sys.executable, "-m", "benchmarks.worst_documents", "--probe", url]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as asking:
-        try:
-            assert asking.stdout is not None
-            assert asking.stdout.readline() == "asking\n"
-            yield took
-        finally:
-            said, _ = asking.communicate("", timeout=60.0)
-            took += json.loads(said)
 
 
 class Watch(threading.Thread):
@@ -101,6 +65,8 @@ class Watch(threading.Thread):
 
 def send(url: str, machine: Machine, *, seed: int, pace_s: float = 1.0, batches: slice = slice(None)) -> int:
     """Run a machine down, a batch every pace_s [s]; returns how many samples were acknowledged. batches: not all of them."""
+    # Clients are on other machines: here they come behind the service. Each thread of Linux has a priority of its own.
+    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), CLIENT_NICENESS)
     rng = np.random.default_rng(seed)
     channels = list(machine.channels)
     start, acknowledged = time.time(), 0
@@ -202,11 +168,7 @@ def main() -> None:
     parser.add_argument("--settle", type=float, default=125.0, help="how long the machines are at speed before [s]")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--database", choices=["sqlite", "postgresql"], default="sqlite")
-    parser.add_argument("--probe", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.probe:
-        probe(options.probe)
-        return
     with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as until_then:
         url = None
         if options.database == "postgresql":

@@ -121,14 +121,15 @@ class OwnClock:
         first = {machine: one.first + monotonic for (machine, _), one in heard if one.is_ahead(clock, monotonic)}
         ahead, agreeing = list(first.values()), len({machine for (machine, _), one in heard if one.agrees(clock, monotonic)})
         behind = receipt > clock + FUTURE_TOLERANCE
-        before, self.doubt = self.doubt, None
+        before, doubt = self.doubt, None
         if is_doubted(behind=behind, ahead=len(ahead), agreeing=agreeing):
-            self.doubt = _words(clock, receipt if behind else None, ahead)
+            doubt = _words(clock, receipt if behind else None, ahead)
         elif behind:
             self._newest_receipt = clock  # that was the clock that was wrong: it was ahead
-        if self.doubt is not None and before is None:
-            logger.error(self.doubt)
-        elif self.doubt is None and before is not None:
+        self.doubt = doubt  # set once: the API reads it at any moment
+        if doubt is not None and before is None:
+            logger.error(doubt)
+        elif doubt is None and before is not None:
             logger.warning("this machine's clock is not doubted any more")
 
 

@@ -109,7 +109,8 @@ class Journal:
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
-                return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
+                with self.pacing.in_transaction():
+                    return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
         except BaseException:
             self._numbering.forget()  # it may know of samples that were not stored
             raise

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import select
+from sqlalchemy import insert, select
 from sqlalchemy.orm import Session
 
 from estimator.derived import Derived
@@ -11,21 +11,23 @@ from storage.tables import DerivedRow, IdentificationRow
 
 def add(session: Session, identification: IdentificationRow, quantities: Sequence[Derived]) -> None:
     """Store what was derived from a stored identification, in that order."""
-    session.add_all(
-        DerivedRow(
-            identification_id=identification.id,
-            name=one.name,
-            place=place,
-            machine_id=identification.machine_id,
-            measured_at=identification.measured_at,
-            unit=one.unit,
-            value=one.value,
-            lower=one.lower,
-            upper=one.upper,
-            reason=one.reason,
-        )
+    rows = [
+        {
+            "identification_id": identification.id,
+            "name": one.name,
+            "place": place,
+            "machine_id": identification.machine_id,
+            "measured_at": identification.measured_at,
+            "unit": one.unit,
+            "value": one.value,
+            "lower": one.lower,
+            "upper": one.upper,
+            "reason": one.reason,
+        }
         for place, one in enumerate(quantities)
-    )
+    ]
+    if rows:  # many at once: as objects of the session they would cost several times as much within the writer's turn
+        session.execute(insert(DerivedRow), rows)
 
 
 def of_identification(session: Session, identification_id: int) -> Sequence[DerivedRow]:

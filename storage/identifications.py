@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from sqlalchemy import Select, Text, cast, func, select
+from sqlalchemy import Select, Text, cast, func, insert, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.identification import Identification
@@ -90,25 +90,27 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
     )
     session.add(row)
     session.flush()
-    session.add_all(
-        EstimateRow(
-            identification_id=row.id,
-            parameter=estimate.name,
-            machine_id=origin.machine_id,
-            measured_at=origin.measured_at,
-            quantity=estimate.quantity,
-            element=estimate.element,
-            unit=estimate.unit,
-            value=estimate.value,
-            standard_error=estimate.standard_error,
-            lower=estimate.lower,
-            upper=estimate.upper,
-            imaginary=estimate.imaginary,
-            imaginary_standard_error=estimate.imaginary_standard_error,
-            reason=estimate.reason,
-        )
+    estimates_of = [
+        {
+            "identification_id": row.id,
+            "parameter": estimate.name,
+            "machine_id": origin.machine_id,
+            "measured_at": origin.measured_at,
+            "quantity": estimate.quantity,
+            "element": estimate.element,
+            "unit": estimate.unit,
+            "value": estimate.value,
+            "standard_error": estimate.standard_error,
+            "lower": estimate.lower,
+            "upper": estimate.upper,
+            "imaginary": estimate.imaginary,
+            "imaginary_standard_error": estimate.imaginary_standard_error,
+            "reason": estimate.reason,
+        }
         for estimate in result.estimates
-    )
+    ]
+    if estimates_of:  # many at once: as objects of the session they would cost several times as much within the writer's turn
+        session.execute(insert(EstimateRow), estimates_of)
     return row
 
 

@@ -29,6 +29,7 @@ def comment(service: Service, words: str) -> int:
     return int(alert["events"]) + 1
 
 
+@pytest.mark.long
 def test_the_page_says_that_the_service_cannot_read_its_data_and_recovers(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".alarm")).to_be_visible()
@@ -63,6 +64,7 @@ def test_a_page_that_is_opened_meanwhile_says_so_too(seen: Seen) -> None:
     expect(seen.page.locator("table.fleet")).to_contain_text(MACHINE)
 
 
+@pytest.mark.long
 def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".alarm")).to_be_visible()

@@ -134,6 +134,7 @@ def attempts(database: Database) -> list[int]:
         return [row.attempts for row in reversed(jobs.of_machine(session, "thesis-chapter-3", limit=100))]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -167,6 +168,7 @@ def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back
         assert attempts(database) == [1]
 
 
+@pytest.mark.long
 def test_what_a_frozen_worker_has_is_given_up_and_another_one_computes_it(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:

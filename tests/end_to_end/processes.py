@@ -15,6 +15,8 @@ from typing import Any, TypeVar
 import httpx
 import yaml
 
+from tests.end_to_end.alive import probing_if_asked
+
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 DATA = ROOT / "tests" / "data"
@@ -102,7 +104,7 @@ class Service:
     @contextlib.contextmanager
     def running(self) -> Iterator[subprocess.Popen[bytes]]:
         """The service, ready."""
-        with self.started() as started:
+        with probing_if_asked(f"http://127.0.0.1:{self.port}/api/v1"), self.started() as started:
             until(lambda: self._ready(started), within_s=30, what="the service is ready")
             yield started
 

@@ -35,6 +35,7 @@ def sent(service: Service, number: int, http: Receiver, secret: str) -> None:
     Webhook(secret).verify(http.received[before].body, http.received[before].headers)
 
 
+@pytest.mark.long
 def test_secrets_are_sealed_at_an_upgrade_and_a_backup_needs_the_key(stores: Stores, tmp_path: Path, http: Receiver) -> None:
     folder, elsewhere = tmp_path / "old", tmp_path / "new"
     for one in (folder, elsewhere):

@@ -51,6 +51,7 @@ def worst_of(findings: Iterable[Finding]) -> dict[str, tuple[str, str]]:
     return worst
 
 
+@pytest.mark.long
 def test_a_service_that_works_is_found_to_work_down_to_its_ingest(tmp_path: Path, databases: Databases) -> None:
     service = Service(tmp_path, database=databases.new(tmp_path / "rundown.db"))
     with service.running():

@@ -116,6 +116,7 @@ def migrate(database: Database, command: Callable[[alembic.config.Config, str], 
         command(config, revision)
 
 
+@pytest.mark.long
 def test_the_commands_say_so(made: dict[str, tuple[str, str]], databases: Databases, tmp_path: Path) -> None:
     target = databases.new(tmp_path / "target.db")
     prefixes = [prefix for prefix, _ in made.values()]

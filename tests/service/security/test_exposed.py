@@ -146,6 +146,7 @@ def exposed(service: Service, **environment: str) -> subprocess.CompletedProcess
     return rundown("doctor", "--exposed", timeout=60.0, **(own | environment))
 
 
+@pytest.mark.long
 def test_a_real_service_is_asked_whether_it_answers_as_its_settings_say(tmp_path: Path) -> None:
     service = Service(tmp_path)
     with service.running():
