@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.chain import create_machines, publishing
 from benchmarks.closed_loop import latencies
-from service.collection import Standing
+from service.collection_state import Standing
 from storage import alerts, machines, runs
 from storage.database import Database
 from storage.tables import CollectorRow

@@ -6,7 +6,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import msgspec
 import zenoh
 
-from service.journal import Outcome
+from service.batch import Outcome
 from service.sharing import Share
 from service.submissions import Busy, NotStoring, Submissions
 from service.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected

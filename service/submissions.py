@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from estimator.errors import LimitReached, Unavailable
-from service.journal import Outcome
+from service.batch import Outcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""
@@ -48,7 +48,7 @@ class Submission:
 
 
 class Taking(Protocol):
-    """What takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
+    """Takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
 
     @property
     def trouble(self) -> str | None:
@@ -58,7 +58,7 @@ class Taking(Protocol):
         """Take a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
-        """How many wait here."""
+        """Return how many wait here."""
 
 
 class Submissions:
@@ -88,7 +88,7 @@ class Submissions:
             self._arrival.clear()
 
     def take(self) -> Submission | None:
-        """The one that has waited longest and that somebody still waits for."""
+        """Return the submission that has waited longest and that somebody still waits for."""
         while True:
             try:
                 one = self._queue.get_nowait()

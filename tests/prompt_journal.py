@@ -3,9 +3,10 @@
 from collections.abc import Set
 from typing import Any
 
+from service.batch import Arrived, Outcome
 from service.closing import Closing
 from service.collection import Collector
-from service.journal import Arrived, Journal, Outcome
+from service.journal import Journal
 from storage.database import Database
 from storage.quarantine import Rejection
 

@@ -14,7 +14,7 @@ from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.api.values import direction
-from service.collection import Standing, standing
+from service.collection_state import Standing, standing
 from service.security.requirement import VIEWER
 from storage import machines, runs
 from storage.clock import to_datetime

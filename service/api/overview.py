@@ -12,7 +12,7 @@ from estimator.units import rad_per_s_to_rpm
 from service.alert_life import Severity
 from service.api.machine_state import progress
 from service.api.values import time_or_none
-from service.collection import Standing
+from service.collection_state import Standing
 from storage import fleet
 from storage.changes import Changes
 from storage.clock import to_datetime

@@ -12,7 +12,8 @@ from benchmarks.serving import served
 from service import alerting, baselining
 from service.alert_life import Suppression
 from service.alerting import Finding, Person
-from service.collection import Collector, standing
+from service.collection import Collector
+from service.collection_state import standing
 from service.delivery.dispatcher import Dispatcher
 from storage import alerts, deliveries, machines, runs, samples
 from storage.clock import to_datetime

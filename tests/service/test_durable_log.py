@@ -169,7 +169,7 @@ def test_a_full_disk_is_named_and_what_was_refused_can_be_given_again(path: Path
     """SQLite's own limit of pages stands for the disk's: the same error comes of it."""
     log = opened(path)
     sent: list[int] = []
-    (limit,) = log._database.execute("pragma max_page_count = 20").fetchone()
+    (limit,) = log._file._database.execute("pragma max_page_count = 20").fetchone()
     assert limit == 20
 
     def fill() -> None:
@@ -183,7 +183,7 @@ def test_a_full_disk_is_named_and_what_was_refused_can_be_given_again(path: Path
         log.append(entry(log.next_sequence), logged=ignored)
     before = log.next_sequence
     assert sent == list(range(0, before - 2, 2))  # the one that met the limit waits, unsent
-    log._database.execute("pragma max_page_count = 1000")
+    log._file._database.execute("pragma max_page_count = 1000")
     wait_until(lambda: len(sent) == before // 2)
     log.append(entry(before), logged=ignored)
     assert firsts(log) == list(range(0, before + 2, 2))
@@ -263,7 +263,7 @@ def test_many_batches_a_second_are_logged(path: Path) -> None:
     payload = os.urandom(25 * 8 * 16)
     log = opened(path)
     commits = 0
-    commit = log._commit
+    commit = log._file.add
 
     def counted(entries: list[Entry]) -> None:
         nonlocal commits
@@ -271,7 +271,7 @@ def test_many_batches_a_second_are_logged(path: Path) -> None:
         time.sleep(0.01)  # a slow disk
         commit(entries)
 
-    log._commit = counted  # type: ignore[method-assign]
+    log._file.add = counted  # type: ignore[method-assign]
     for number in range(0, 50_000, 25):
         log.append(entry(number, 25, payload=payload), logged=ignored)
     log.flush()

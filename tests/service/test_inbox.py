@@ -23,7 +23,7 @@ SIZE = 4_000
 @pytest.fixture
 def inbox(router: zenoh.Session) -> Iterator[Inbox]:
     one = Inbox()
-    one.start(router, KEY)
+    one.open(router, KEY)
     yield one
     one.close()
 
@@ -60,7 +60,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
     monkeypatch.setattr(inbox_module, bound, most)
     monkeypatch.setattr(inbox_module, "CHANNEL_SIZE", 5)
     inbox = Inbox()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
 
     def send() -> None:
         for number in range(50):
@@ -87,7 +87,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
 def test_what_has_come_before_it_is_closed_can_still_be_taken(router: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inbox_module, "LOOK_S", 60.0)
     inbox = Inbox()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
     for number in range(100):
         router.put(KEY, bytes([number]))
     assert len(inbox) == 0
@@ -119,7 +119,7 @@ def test_a_message_that_cannot_be_copied_stops_none_of_the_others(
 def test_what_waits_costs_little_more_than_its_own_size(router: zenoh.Session, client: zenoh.Session) -> None:
     """As zenoh hands it over, a message of 4 kB that came by itself kept 49 kB."""
     inbox, process = Inbox(), psutil.Process()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
     publisher = client.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: listened_to(publisher))
     gc.collect()

@@ -10,7 +10,8 @@ from hypothesis import settings as settings_of_examples
 from hypothesis import strategies as st
 
 from estimator.arrays import Floats
-from service.edge.blocks import BlockSettings, BlockStream, Chunk, Outcome, Position
+from service.edge.blocks import BlockSettings, BlockStream, Outcome, Position
+from service.edge.sample_window import Chunk
 from tests.plant import few_examples
 from tests.waveforms import RATE, START_NS, keyphasor, probes, recorded, shaft, true_phasors
 
@@ -111,8 +112,8 @@ def test_memory_is_bounded_by_the_window() -> None:
     endless = np.concatenate([RAMPED] * 3, axis=1)
     for begin in range(0, endless.shape[1], 512):
         list(stream.feed(Chunk(begin, endless[:, begin : begin + 512], RATE, 0, START_NS)))
-        assert stream._values is not None
-        assert stream._values.shape[1] <= (0.5 + 2 * 0.25) * RATE + 512
+        assert stream._window is not None
+        assert stream._window.values.shape[1] <= (0.5 + 2 * 0.25) * RATE + 512
 
 
 def test_a_hole_begins_anew_and_costs_no_more_than_a_block_on_each_side() -> None:
