@@ -7,7 +7,7 @@ import zenoh
 
 from service.batch import Arrived
 from service.clock_doubt import OwnClock
-from service.inbox import Message
+from service.inbox import PublishedMessage
 from service.journal import Journal
 from service.own_faults import see_log
 from service.refusals import Refusals
@@ -31,7 +31,7 @@ class Admission:
         self._refusals = refusals
         self._own_clock = own_clock
 
-    def published(self, key: Key, message: Message) -> Arrived | None:
+    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
         """Return a message that was published as a batch; None when it is refused or has to wait.
 
         Raises what concerns all.
@@ -55,7 +55,7 @@ class Admission:
 
     def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
         """Return what a log has answered as a batch; None when it is refused or has to wait. Raises what concerns all."""
-        return self.published(key, replace(Message.of(reply), key=key.samples))
+        return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
     def submitted(self, submission: Submission) -> Arrived:
         """Return a body that came over HTTP as a batch.
@@ -63,7 +63,7 @@ class Admission:
         Raises Rejected or NotStoring when it is refused, and what concerns all.
         """
         machine, body = submission.machine, submission.body
-        message = Message(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
+        message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
         try:
             require_size(message.size)
             batch = decode_body(body, message.encoding)
@@ -93,11 +93,11 @@ class Admission:
         self._journal.note_heard(batch.machine)
         return True
 
-    def refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
+    def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
         """Keep a message that was not taken. machine: None where its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
-    def _refuse(self, message: Message, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
         rejection = Rejection.of_message(
             received_at=message.received_at,
             key=message.key,

@@ -32,7 +32,7 @@ class Arrived:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StoreOutcome:
     """Samples stored, stored before, and missing just before a batch; what of it was not taken and why."""
 
     received: int = 0
@@ -47,7 +47,7 @@ class Held:
     """A batch that is held for storing, and the promise to whoever waits for its outcome."""
 
     arrived: Arrived
-    promise: Future[Outcome] | None = None
+    promise: Future[StoreOutcome] | None = None
 
     @property
     def source(self) -> SourceKey:

@@ -14,7 +14,7 @@ from estimator.machine import Machine
 from estimator.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.speed_bins import ROLLING, SpeedBins, filled
-from service.collection_state import Standing, standing, standings
+from service.collection_state import CollectionState, standing, standings
 from service.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage import machines, runs, samples
 from storage.blocks import Samples
@@ -62,7 +62,7 @@ class Collector:
         """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
-        now = standing(session, machine.id) or Standing(revision)
+        now = standing(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             _revise(session, machine.id, now, revision)
@@ -108,7 +108,7 @@ class Collector:
         runs.save_collector_state(session, machine_id, now.stored())
 
 
-def _revise(session: Session, machine_id: str, now: Standing, revision: int) -> None:
+def _revise(session: Session, machine_id: str, now: CollectionState, revision: int) -> None:
     _silence(session, machine_id, now, reason="the machine's document was revised")
     now.revision, now.bins, now.rolled_at = revision, None, 0
 
@@ -119,7 +119,7 @@ def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
     return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
 
 
-def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) -> None:
+def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: int) -> None:
     """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
     logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
     _silence(session, machine_id, now, reason="the clock was set back")
@@ -127,7 +127,7 @@ def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) ->
     now.seen, now.bins, now.rolled_at = seen, None, 0
 
 
-def _silence(session: Session, machine_id: str, now: Standing, *, reason: str) -> None:
+def _silence(session: Session, machine_id: str, now: CollectionState, *, reason: str) -> None:
     machine = machines.document(session, machine_id, now.revision)
     now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
     for event in events:
@@ -152,7 +152,7 @@ def _end(session: Session, machine_id: str, event: RunEnded) -> None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
+def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
     """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
     rules = machine.collection.rolling
     if now.bins is None or now.rolled_at == 0:

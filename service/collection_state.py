@@ -15,7 +15,7 @@ from storage.clock import is_ahead
 
 
 @dataclass
-class Standing:
+class CollectionState:
     """Where the collection of a machine stands; stored with the samples that brought it there.
 
     revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
@@ -68,12 +68,12 @@ class Standing:
         }
 
 
-def standing(session: Session, machine_id: str) -> Standing | None:
+def standing(session: Session, machine_id: str) -> CollectionState | None:
     """Return where the collection of a machine stands; None before its first sample."""
     stored = runs.collector_state(session, machine_id)
-    return None if stored is None else Standing.restored(stored)
+    return None if stored is None else CollectionState.restored(stored)
 
 
-def standings(session: Session, machine_ids: Collection[str]) -> dict[str, Standing]:
+def standings(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
     """Return where the collection of those of these machines stands of which samples have come."""
-    return {row.machine_id: Standing.restored(row.state) for row in runs.collectors(session, machine_ids)}
+    return {row.machine_id: CollectionState.restored(row.state) for row in runs.collectors(session, machine_ids)}

@@ -12,7 +12,7 @@ from collections import deque
 from pathlib import Path
 
 from service.log_file import LogFile
-from service.source_log import LOG_BYTES, LOG_SAMPLES, Entry, LogError, Logged, LogStatus, require_next
+from service.source_log import LOG_BYTES, LOG_SAMPLES, LogEntry, LogError, Logged, LogStatus, require_next
 
 logger = logging.getLogger(__name__)
 
@@ -32,7 +32,7 @@ class DurableLog:
     """
 
     def __init__(self, path: Path, *, source: str, samples: int = LOG_SAMPLES, payload_bytes: int = LOG_BYTES) -> None:
-        self._pending: deque[tuple[Entry, Logged]] = deque()
+        self._pending: deque[tuple[LogEntry, Logged]] = deque()
         self._changed = threading.Condition()
         self._trouble: LogError | None = None
         self._closing = False
@@ -43,7 +43,7 @@ class DurableLog:
         self._writer = threading.Thread(target=self._write, name="source-log", daemon=True)
         self._writer.start()
 
-    def append(self, entry: Entry, *, logged: Logged) -> None:
+    def append(self, entry: LogEntry, *, logged: Logged) -> None:
         """Accept an entry, as of `SourceLog`. Waits while too much waits for the disk."""
         with self._changed:
             require_next(entry, self.next_sequence)
@@ -56,7 +56,7 @@ class DurableLog:
             self.next_sequence += entry.count
             self._changed.notify_all()
 
-    def entries_from(self, first: int, limit: int) -> list[Entry]:
+    def entries_from(self, first: int, limit: int) -> list[LogEntry]:
         """Return entries as of `SourceLog`; not more than some MB at a time. Raises LogError."""
         return self._file.entries_from(first, limit)
 
@@ -107,7 +107,7 @@ class DurableLog:
                 self._trouble = None
                 self._changed.notify_all()
 
-    def _next_group(self) -> list[tuple[Entry, Logged]]:
+    def _next_group(self) -> list[tuple[LogEntry, Logged]]:
         """Wait for entries; return those of the next transaction, none when the log is closed and all are written."""
         with self._changed:
             self._changed.wait_for(lambda: self._pending or self._closing)
@@ -121,7 +121,7 @@ class DurableLog:
             self._changed.notify_all()
             return self._closing or bool(self._changed.wait_for(lambda: self._closing, RETRY_S))
 
-    def _send(self, group: list[tuple[Entry, Logged]]) -> None:
+    def _send(self, group: list[tuple[LogEntry, Logged]]) -> None:
         for entry, logged in group:
             try:
                 logged(entry)

@@ -26,7 +26,7 @@ LOOK_S = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class PublishedMessage:
     """A published message; only the beginning of one that is larger than any that is taken. size: of all of it [bytes]."""
 
     key: str
@@ -36,7 +36,7 @@ class Message:
     received_at: int
 
     @classmethod
-    def of(cls, sample: zenoh.Sample) -> "Message":
+    def of(cls, sample: zenoh.Sample) -> "PublishedMessage":
         """Return a copy of what zenoh holds, received now."""
         payload = sample.payload.to_bytes()
         kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
@@ -48,7 +48,7 @@ class Inbox(SupervisedThread):
 
     def __init__(self) -> None:
         super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
-        self._waiting: deque[Message] = deque()
+        self._waiting: deque[PublishedMessage] = deque()
         self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
 
     def open(self, session: zenoh.Session, key_expression: str) -> None:
@@ -71,7 +71,7 @@ class Inbox(SupervisedThread):
         """Return how many messages wait."""
         return len(self._waiting)
 
-    def take(self) -> Message | None:
+    def take(self) -> PublishedMessage | None:
         """Return the message that has waited longest."""
         if not self._waiting:
             return None
@@ -79,7 +79,7 @@ class Inbox(SupervisedThread):
         self._taken_bytes += len(message.payload)
         return message
 
-    def put_back(self, message: Message) -> None:
+    def put_back(self, message: PublishedMessage) -> None:
         """Put a message that could not be dealt with now in the first place again."""
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
@@ -100,7 +100,7 @@ class Inbox(SupervisedThread):
 
     def _copy(self) -> None:
         while self._has_room and (sample := self._subscriber.try_recv()) is not None:
-            message = Message.of(sample)
+            message = PublishedMessage.of(sample)
             self._came_bytes += len(message.payload)
             self._waiting.append(message)
 

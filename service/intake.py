@@ -4,7 +4,7 @@ import time
 
 from service.admission import Admission
 from service.healing import GapRecovery
-from service.inbox import Inbox, Message
+from service.inbox import Inbox, PublishedMessage
 from service.journal import Journal
 from service.sharing import Share
 from service.source_backoff import SourceBackoff
@@ -81,7 +81,7 @@ class Intake:
         self.is_behind |= time.monotonic() >= ends
         return count
 
-    def _publication(self, message: Message) -> None:
+    def _publication(self, message: PublishedMessage) -> None:
         """Decode a published message and place it."""
         try:
             key = Key.parse(message.key)

@@ -14,7 +14,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
-from service.batch import Arrived, Outcome
+from service.batch import Arrived, StoreOutcome
 from service.collection import Collector
 from service.giving_way import Pacing
 from service.holes import SequenceGap, stored_gaps
@@ -100,7 +100,7 @@ class Journal:
         if len(wrong) == len(batch.time_ns):
             raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
         """Store batches, in order, and rejections; return what became of each batch.
 
         Raises what the database raises, and NotHeld for machines that are another replica's by now; then nothing was stored.
@@ -132,7 +132,9 @@ class Journal:
             known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
         return known
 
-    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float) -> list[Outcome]:
+    def _store(
+        self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float
+    ) -> list[StoreOutcome]:
         pending = Pending(rejections=list(rejections))
         documents: Documents = {}
         loaded = _load(session, arrived)

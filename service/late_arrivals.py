@@ -7,7 +7,7 @@ from numpy import int64
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from service.collection_state import Standing, standing, standings
+from service.collection_state import CollectionState, standing, standings
 from service.late import Window, add_late, remove_window
 from storage import runs
 
@@ -36,7 +36,7 @@ class LateArrivals:
         """Look once more whether samples of these machines wait."""
         self._settled.difference_update(machine_ids)
 
-    def note(self, session: Session, machine_id: str, now: Standing, times: NDArray[int64]) -> None:
+    def note(self, session: Session, machine_id: str, now: CollectionState, times: NDArray[int64]) -> None:
         """Note in `now` what must be sorted in; what lies in the open run will be read when that is closed."""
         row = runs.current(session, machine_id)
         if row is not None:

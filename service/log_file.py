@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from service.source_log import (
     LARGEST_REPLY_BYTES,
-    Entry,
     LogDamaged,
+    LogEntry,
     LogError,
     LogFull,
     LogInUse,
@@ -44,7 +44,7 @@ _DAMAGED = {sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT
 _IN_USE = {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
 
-class Figures(NamedTuple):
+class LogFigures(NamedTuple):
     """Contents of the file: number of the first sample, of the one behind the last, how many samples and bytes of payload."""
 
     oldest: int
@@ -80,9 +80,9 @@ class LogFile:
             self._database.close()
             raise
 
-    def entries_from(self, first: int, limit: int) -> list[Entry]:
+    def entries_from(self, first: int, limit: int) -> list[LogEntry]:
         """Return entries that hold sample `first` and later ones, at most `limit` and some MB. Raises LogError."""
-        found: list[Entry] = []
+        found: list[LogEntry] = []
         size = 0
         # One entry begins before `first` at most; the newest such one may hold it.
         query = """select first, count, payload, encoding, crc32 from batch
@@ -96,20 +96,20 @@ class LogFile:
                 if zlib.crc32(payload) != crc32:
                     logger.error("%s: the batch from number %d is damaged and is not replayed", self.path, begin)
                     continue
-                found.append(Entry(begin, count, payload, encoding))
+                found.append(LogEntry(begin, count, payload, encoding))
                 size += len(payload)
         return found
 
-    def figures(self) -> Figures:
+    def figures(self) -> LogFigures:
         """Return what is on the disk. Raises LogError."""
         with self._lock, self._naming_errors():
             (oldest,) = self._database.execute("select min(first) from batch").fetchone()
             next_sequence, samples, payload_bytes = self._database.execute(
                 "select next_sequence, samples, payload_bytes from state"
             ).fetchone()
-        return Figures(next_sequence if oldest is None else oldest, next_sequence, samples, payload_bytes)
+        return LogFigures(next_sequence if oldest is None else oldest, next_sequence, samples, payload_bytes)
 
-    def add(self, entries: list[Entry]) -> None:
+    def add(self, entries: list[LogEntry]) -> None:
         """Write entries in one transaction, and drop the oldest beyond the bounds. Raises LogError."""
         with self._lock, self._naming_errors():
             try:
@@ -164,7 +164,7 @@ class LogFile:
         if owner != source:
             raise LogOfAnother(f"{self.path} is the log of {owner}, not of {source}; each source has its own")
 
-    def _insert(self, entries: list[Entry]) -> None:
+    def _insert(self, entries: list[LogEntry]) -> None:
         execute = self._database.execute
         execute("begin immediate")
         for entry in entries:

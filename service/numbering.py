@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
 from service import holes, rejections
-from service.batch import LARGEST_GAP, Arrived, Outcome
+from service.batch import LARGEST_GAP, Arrived, StoreOutcome
 from service.bounded import BoundedDict
 from service.holes import FilledPart, SequenceGap
 from service.order import Plausibility
@@ -30,7 +30,7 @@ class Pending:
     first: dict[SourceKey, int] = field(default_factory=dict)
     received_at: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
-    outcomes: list[Outcome] = field(default_factory=list)
+    outcomes: list[StoreOutcome] = field(default_factory=list)
 
     def add(self, arrived: Arrived, kept: Samples, *, first: int) -> None:
         """Add the samples of a batch that are stored, the first of them under its number."""
@@ -49,7 +49,7 @@ class Numbering:
         """Forget what is known of the sources; all of it is in the store."""
         self._plausibility.clear()
 
-    def add(self, session: Session, pending: Pending, arrived: Arrived, machine: Machine) -> Outcome:
+    def add(self, session: Session, pending: Pending, arrived: Arrived, machine: Machine) -> StoreOutcome:
         """Add what is new of a batch to `pending`, and note in its source's row how far the source has come.
 
         Its samples are known already, fill gaps that were counted as lost, or follow what came so far.
@@ -60,7 +60,7 @@ class Numbering:
         if ahead > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(rejections.of_batch(arrived, "sequence_out_of_range", detail))
-            return Outcome(rejected=Rejected("sequence_out_of_range", detail))
+            return StoreOutcome(rejected=Rejected("sequence_out_of_range", detail))
         gaps = holes.stored_gaps(row.missing)
         filling = holes.filled_parts(gaps, first=batch.sequence, count=count)
         following = min(max(row.next_sequence - batch.sequence, 0), count)
@@ -68,14 +68,14 @@ class Numbering:
         known = int(np.count_nonzero(~fresh))
         row.duplicates += known
         if known == count:
-            return Outcome(duplicates=known)
+            return StoreOutcome(duplicates=known)
         row.lost += ahead - sum(part.count for part in filling)
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=arrived.received_at)
         except Rejected as rejected:
             pending.rejections.append(rejections.of_batch(arrived, rejected.reason, rejected.detail))
             _advance(row, batch, gaps, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
-            return Outcome(duplicates=known, lost=ahead, rejected=rejected)
+            return StoreOutcome(duplicates=known, lost=ahead, rejected=rejected)
         taken &= fresh
         faults += self._implausible(row, arrived.source, machine, converted, taken, filling, following)
         _advance(row, batch, gaps, filling, converted.time, taken, following)
@@ -86,7 +86,7 @@ class Numbering:
             pending.add(arrived, kept, first=batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
             row.last_received_at = arrived.received_at
-        return Outcome(int(np.count_nonzero(taken)), known, ahead, new)
+        return StoreOutcome(int(np.count_nonzero(taken)), known, ahead, new)
 
     def _implausible(
         self,

@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 
 from service import rejections
-from service.batch import Arrived, Outcome
+from service.batch import Arrived, StoreOutcome
 from service.journal import Journal
 from service.submissions import NotStoring
 from storage.errors import concerns_all
@@ -21,19 +21,19 @@ class Refusals:
 
     def __init__(self, journal: Journal) -> None:
         self._journal = journal
-        self._promises: list[tuple[Future[Outcome], Exception]] = []
+        self._promises: list[tuple[Future[StoreOutcome], Exception]] = []
         self.rejections: list[Rejection] = []
 
     def reject(self, rejection: Rejection) -> None:
         """Hold an entry for the quarantine."""
         self.rejections.append(rejection)
 
-    def refuse(self, promise: Future[Outcome], answer: Exception) -> None:
+    def refuse(self, promise: Future[StoreOutcome], answer: Exception) -> None:
         """Hold an answer until what was refused is kept."""
         self._promises.append((promise, answer))
 
     @contextmanager
-    def guarding(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> Iterator[None]:
+    def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
         """Put a batch aside where an unforeseen error occurs within: it is the trouble of this batch alone."""
         try:
             yield
@@ -42,7 +42,7 @@ class Refusals:
                 raise
             self.put_aside(arrived, error, promise)
 
-    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[Outcome] | None = None) -> None:
+    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
         """Quarantine a batch that cannot be stored, and refuse the promise of whoever waits."""
         rejection, answer = rejections.of_error(arrived, error)
         if isinstance(answer, NotStoring):

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 
 from sqlalchemy.exc import IntegrityError
 
-from service.batch import Held, Outcome
+from service.batch import Held, StoreOutcome
 from service.journal import Journal
 from service.refusals import Refusals
 from service.source_backoff import SourceBackoff
@@ -37,7 +37,7 @@ class SingleWrites:
         refusals: Refusals,
         backoff: SourceBackoff,
         *,
-        acknowledge: Callable[[Held, Outcome], None],
+        acknowledge: Callable[[Held, StoreOutcome], None],
     ) -> None:
         self._journal = journal
         self._refusals = refusals

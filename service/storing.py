@@ -8,7 +8,7 @@ import time
 from collections.abc import Collection
 from concurrent.futures import Future
 
-from service.batch import LARGEST_GAP, Arrived, Held, Outcome
+from service.batch import LARGEST_GAP, Arrived, Held, StoreOutcome
 from service.bounded import BoundedDict
 from service.journal import Journal
 from service.refusals import Refusals
@@ -57,7 +57,7 @@ class WriteBatch:
             self._expected[source] = self._journal.next_sequence(source)
         return self._expected[source]
 
-    def take(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> None:
+    def take(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> None:
         """Hold a batch for storing."""
         source = arrived.source
         if arrived.batch.sequence - self.next_sequence(source) <= LARGEST_GAP:
@@ -153,7 +153,7 @@ class WriteBatch:
             if one.promise is not None:
                 self.refusals.refuse(one.promise, NotStoring(UNFORESEEN))
 
-    def _acknowledge(self, one: Held, outcome: Outcome) -> None:
+    def _acknowledge(self, one: Held, outcome: StoreOutcome) -> None:
         self._backoff.succeeded(one.source)
         if one.promise is not None:
             one.promise.set_result(outcome)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from estimator.errors import LimitReached, Unavailable
-from service.batch import Outcome
+from service.batch import StoreOutcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""
@@ -44,7 +44,7 @@ class Submission:
     machine: str
     body: bytes
     encoding: str
-    promise: Future[Outcome] = field(default_factory=Future)
+    promise: Future[StoreOutcome] = field(default_factory=Future)
 
 
 class Taking(Protocol):
@@ -54,7 +54,7 @@ class Taking(Protocol):
     def trouble(self) -> str | None:
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Take a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
@@ -70,7 +70,7 @@ class Submissions:
         self.trouble: str | None = None
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
         if self.trouble is not None:
             raise NotStoring(self.trouble)

@@ -3,7 +3,7 @@
 from collections.abc import Set
 from typing import Any
 
-from service.batch import Arrived, Outcome
+from service.batch import Arrived, StoreOutcome
 from service.closing import Closing
 from service.collection import Collector
 from service.journal import Journal
@@ -19,7 +19,7 @@ class PromptJournal(Journal):
         super().__init__(database, collector)
         self.closing = Closing(database, collector)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         """As of Journal."""
         outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()

@@ -11,7 +11,7 @@ import zenoh
 from sqlalchemy.exc import OperationalError
 
 from service import single_writes, storing
-from service.batch import Arrived, Outcome
+from service.batch import Arrived, StoreOutcome
 from service.collection import Collector
 from service.ingest import Ingest
 from service.journal import Journal
@@ -36,7 +36,7 @@ class OnlyAlone(Journal):
         self.alone: list[tuple[str, int]] = []
         self.away = False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if len(arrived) > 1 or any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         if arrived and self.away:
@@ -69,9 +69,9 @@ def one(sequence: int, source: str = "monitor") -> Arrived:
     return arrived(batch([900.0], sequence=sequence, start=START + sequence * SECOND, source=source))
 
 
-def take(held: WriteBatch, first: int, last: int, source: str = "monitor") -> list[Future[Outcome]]:
+def take(held: WriteBatch, first: int, last: int, source: str = "monitor") -> list[Future[StoreOutcome]]:
     """Hold batches of one sample each, for all of which somebody waits."""
-    promises: list[Future[Outcome]] = []
+    promises: list[Future[StoreOutcome]] = []
     for sequence in range(first, last):
         promises.append(Future())
         held.take(one(sequence, source), promises[-1])
@@ -163,7 +163,7 @@ def test_machines_that_are_taken_over_between_two_turns_are_let_go_of(plant: Dat
 
 
 def test_refusals_are_answered_once_they_are_kept_one_a_turn(plant: Database, held: WriteBatch) -> None:
-    refused: list[Future[Outcome]] = [Future() for _ in range(3)]
+    refused: list[Future[StoreOutcome]] = [Future() for _ in range(3)]
     for number, promise in enumerate(refused):
         held.refusals.put_aside(one(number), LookupError("no such thing"), promise)
     take(held, 10, 12)
