@@ -57,10 +57,10 @@ def hypotheses(
 
     typical: (N,) the quantities that `names` lists while the machine is healthy. amplitude: of each channel then [m].
     """
-    return tuple(_Builder(machine, unknowns, names, typical, amplitude).all())
+    return tuple(_HypothesisBuilder(machine, unknowns, names, typical, amplitude).all())
 
 
-class _Builder:
+class _HypothesisBuilder:
     def __init__(
         self, machine: Machine, unknowns: Unknowns, names: Sequence[str], typical: Floats, amplitude: Mapping[str, float]
     ) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from estimator.condensation import Floats
 from estimator.coordinates import Coordinates
-from estimator.fit import Fit, Problem, settled
+from estimator.fit import FitProblem, FitResult, settled
 
 MOSTLY_LEFT_OUT = 0.3
 """A channel of whose phasors more than this part was left out is itself what is wrong: all of them are looked at."""
@@ -39,7 +39,7 @@ class ChannelEffects:
     amplitude: tuple[float, ...]
 
 
-def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> ChannelEffects:
+def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
     """Effects of every channel's gain and run-out that the fit did not identify along.
 
     inflation: by which the fit's covariance was widened; the information and the score are worth so much less.
@@ -78,7 +78,7 @@ def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> 
     )
 
 
-def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
+def _mostly_left_out(problem: FitProblem) -> NDArray[np.bool_]:
     """(m,) channels that the fit has given up."""
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
@@ -86,7 +86,7 @@ def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
 
 
 def _judged_alone(
-    problem: Problem,
+    problem: FitProblem,
     theta: Floats,
     doubtful: NDArray[np.bool_],
     added: NDArray[np.intp],
@@ -112,7 +112,7 @@ def _judged_alone(
     return bias, information, score
 
 
-def _with_every_channel(problem: Problem) -> Problem:
+def _with_every_channel(problem: FitProblem) -> FitProblem:
     """The problem with gain and run-out of each channel among its coordinates."""
     count = len(problem.train.channels)
     train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))

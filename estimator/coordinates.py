@@ -73,7 +73,7 @@ class Coordinates:
     @classmethod
     def of(cls, train: CondensedTrain, *, unbalance_scale: float) -> "Coordinates":
         """Coordinates and prior for the unknowns of a train."""
-        return _Builder(train, unbalance_scale).build()
+        return _CoordinateBuilder(train, unbalance_scale).build()
 
     @property
     def size(self) -> int:
@@ -182,7 +182,7 @@ class Coordinates:
         return found
 
 
-class _Builder:
+class _CoordinateBuilder:
     """Collects coordinates one by one."""
 
     def __init__(self, train: CondensedTrain, unbalance_scale: float) -> None:

@@ -40,12 +40,12 @@ CONVERGED_DECREASE = 1e-3
 
 
 @dataclass(frozen=True)
-class Fit:
+class FitResult:
     """Where one start led.
 
     theta: fit coordinates (n,). chi_square: of the data at the final weights. information: Fisher information of the data
     in the coordinates, (n, n). converged: whether the last stage met its tolerance. iterations: steps tried. noise: as used
-    at the end. channel_noise: as in `Problem`. outlier: (S, m) True for phasors left out. misfit: what tells a better start
+    at the end. channel_noise: as in `FitProblem`. outlier: (S, m) True for phasors left out. misfit: what tells a better start
     from a worse one, χ² with what the outliers cost; where the noise is estimated, times the mean size of its variance.
     """
 
@@ -61,7 +61,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Problem:
+class FitProblem:
     """One data set, one train, one set of coordinates.
 
     outlier: (S, m) phasors left out. channel_noise: (m,) or (1,) how many times as noisy as the noise model each channel is.
@@ -174,7 +174,7 @@ class Problem:
         result[free] += np.linalg.solve(block, gradient[free] - offset)
         return result
 
-    def without_outliers(self, theta: Floats, misfit: float) -> "Problem":
+    def without_outliers(self, theta: Floats, misfit: float) -> "FitProblem":
         """The problem without the phasors that cannot be noise at θ, where a relative misfit is allowed beside it."""
         if not self.robust:
             return self
@@ -186,7 +186,7 @@ class Problem:
         each = [outliers(size[:, [c]], self.measurement.usable[:, [c]]) for c in range(size.shape[1])]
         return replace(self, outlier=np.concatenate(each, axis=1))
 
-    def with_estimated_noise(self, theta: Floats) -> "Problem":
+    def with_estimated_noise(self, theta: Floats) -> "FitProblem":
         """The problem with the noise that the residuals at θ show, where the document asks for that."""
         modelled = self.used & ~(self.measurement.scatter > 0.0)
         if not self.noise.estimated or not np.any(modelled):
@@ -206,7 +206,7 @@ class Problem:
         return np.asarray(phasor * self.coordinates.gains(theta) + turned)
 
 
-def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
+def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
     """Fit from one start θ (n,). near: the start is an earlier fit's end, which needs no coarse stages."""
     measured = problem.first_amplitude
     theta = start
@@ -231,7 +231,7 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
         if not converged or (steps == 0 and _settled(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
-    return Fit(
+    return FitResult(
         theta=theta,
         chi_square=chi_square,
         information=information,
@@ -244,19 +244,19 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
     )
 
 
-def settled(problem: Problem, found: Fit) -> Problem:
+def settled(problem: FitProblem, found: FitResult) -> FitProblem:
     """The problem with the noise and the outliers of a fit."""
     return replace(problem, outlier=found.outlier, noise=found.noise, channel_noise=found.channel_noise)
 
 
-def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
+def _misfit(problem: FitProblem, chi_square: float, weight: Floats) -> float:
     whole = chi_square + 2.0 * outlier_limit(problem.measurement.usable) * np.count_nonzero(problem.outlier)
     if not problem.noise.estimated:
         return float(whole)
     return float(whole * np.exp(-2.0 * np.mean(np.log(weight[problem.used & (weight > 0.0)]))))
 
 
-def _settled(before: Problem, after: Problem) -> bool:
+def _settled(before: FitProblem, after: FitProblem) -> bool:
     """Whether a pass has changed neither outliers nor noise."""
     return (
         np.array_equal(before.outlier, after.outlier)
@@ -266,7 +266,7 @@ def _settled(before: Problem, after: Problem) -> bool:
     )
 
 
-def descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
+def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
     """Levenberg-Marquardt at fixed weights: (θ, converged, steps tried).
 
     The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).

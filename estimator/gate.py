@@ -19,7 +19,7 @@ from estimator.machine import Machine, QualityRules
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
 from estimator.quality import Flag, Quality, assess, own_noise, too_few
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
 
@@ -71,7 +71,7 @@ class _Treatment:
 
 def identify_gated(
     machine: Machine,
-    runs: Sequence[Recorded],
+    runs: Sequence[RecordedRun],
     measurements: Sequence[Measurement],
     *,
     options: Options | None = None,
@@ -105,20 +105,20 @@ def identify_gated(
     return Gated(qualities, found, error)
 
 
-def _base(machine: Machine, run: Recorded, measurement: Measurement, quality: Quality) -> Measurement:
+def _base(machine: Machine, run: RecordedRun, measurement: Measurement, quality: Quality) -> Measurement:
     stated = "noise" in machine.model_fields_set
     scatter = measurement.scatter if stated else own_noise(run, quality)
     return replace(measurement, usable=measurement.usable & quality.usable, scatter=scatter)
 
 
-def _clock_trusted(run: Recorded, quality: Quality) -> bool:
+def _clock_trusted(run: RecordedRun, quality: Quality) -> bool:
     ascending = run.time is not None and run.time.size > 1 and bool(np.all(np.diff(run.time) > 0.0))
     return ascending and not quality.clock_doubted
 
 
 def _without_sweep(
     machine: Machine,
-    runs: Sequence[Recorded],
+    runs: Sequence[RecordedRun],
     base: Measurement,
     qualities: tuple[Quality, ...],
     options: Options | None,
@@ -155,7 +155,7 @@ def _without_sweep(
 
 
 def _by_the_document(
-    machine: Machine, runs: Sequence[Recorded], base: Measurement, options: Options | None, *, correct: bool
+    machine: Machine, runs: Sequence[RecordedRun], base: Measurement, options: Options | None, *, correct: bool
 ) -> tuple[Measurement, Identification]:
     """What may be used by the document's own model, and the fit of that: for sweeps with which nothing fits as it is."""
     model = model_at(machine, *expected_point(machine, base))
@@ -170,7 +170,7 @@ def _by_the_document(
     return base, identify(machine, base, options)
 
 
-def _pieces(runs: Sequence[Recorded]) -> list[slice]:
+def _pieces(runs: Sequence[RecordedRun]) -> list[slice]:
     """Where each run's samples are among those of all."""
     ends = np.cumsum([run.speed.size for run in runs])
     return [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
@@ -183,7 +183,7 @@ def _identified_if_enough(machine: Machine, measurement: Measurement, options: O
         return None
 
 
-def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
+def _transient(model: UpdatedModel, runs: Sequence[RecordedRun], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
     """What the model predicts for all runs, one after the other, each in its sense of rotation and with its trial weight."""
     each = []
     for run, piece in zip(runs, pieces, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.condensation import Complexes, Floats
 from estimator.coordinates import Coordinates
-from estimator.fit import Fit, Problem
+from estimator.fit import FitProblem, FitResult
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis
 from estimator.parameters import Coefficient, dense
@@ -21,7 +21,7 @@ SMALLEST_SHARE = 0.005
 MODES_ABOVE = 2.0
 """Of a long train, modes above this multiple of the highest speed are told of as nearly as its reduction has them."""
 
-Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]
+Reasons = Callable[[FitProblem, FitResult, Floats], Callable[[str], str]]
 """For a fit and the covariance of its coordinates: what says why it leaves the coordinate of some name open."""
 
 
@@ -36,7 +36,7 @@ class _Modes:
 class OpenParameters:
     """Says of a fit of a machine why a coordinate is not determined."""
 
-    def __init__(self, machine: Machine, problem: Problem, found: Fit, covariance: Floats) -> None:
+    def __init__(self, machine: Machine, problem: FitProblem, found: FitResult, covariance: Floats) -> None:
         self.machine = machine
         self.problem = problem
         self.found = found

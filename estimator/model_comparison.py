@@ -50,7 +50,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ModelComparison:
     """Views of one run, the best first, and the verdict in words.
 
     elements: the coupling and the bearings beside it. preferred: name of the best view, None if not clear.
@@ -65,7 +65,7 @@ class Comparison:
 
 def compare_misalignment(
     machine: Machine, measurement: Measurement, *, baseline: Identification, coupling: str, options: Options | None = None
-) -> Comparison:
+) -> ModelComparison:
     """Compare "unchanged", "changed coefficients" and "equivalent load" at a coupling for a run after the baseline.
 
     Raises KeyError for a coupling that the machine does not have, ValueError for a machine with coefficients that follow the
@@ -89,7 +89,7 @@ def compare_misalignment(
     ]
     views.sort(key=lambda view: view.criterion)
     preferred, verdict = _verdict(views)
-    return Comparison(
+    return ModelComparison(
         coupling, frozenset(suspects), tuple(views), preferred, verdict + _unbalances_moved(views[0].identification, baseline)
     )
 

@@ -59,7 +59,7 @@ class Observation:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ObservedFit:
     """The parts of an identification that say something of the machine, as `Identification` has them.
 
     effects: None where an older release identified, which says nothing of the channels.
@@ -78,7 +78,7 @@ class Fit:
 
 def observed(identification: "Identification", channels: tuple[str, ...]) -> Observation:
     """What an identification of a machine with these channels says."""
-    fit = Fit(
+    fit = ObservedFit(
         coordinates=identification.coordinates,
         point=identification.point,
         covariance=identification.covariance,
@@ -92,7 +92,7 @@ def observed(identification: "Identification", channels: tuple[str, ...]) -> Obs
     return observation(fit, channels)
 
 
-def observation(fit: Fit, channels: tuple[str, ...]) -> Observation:
+def observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     """What a fit says of a machine with these channels; without effects nothing of the channels."""
     coordinates, effects = fit.coordinates, fit.effects
     own = inverse(fit.covariance)

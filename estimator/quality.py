@@ -17,7 +17,7 @@ from estimator.half_power import HalfPowerNotReached, half_power_points, outside
 from estimator.machine import Noise, QualityRules
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 
@@ -84,7 +84,7 @@ FEWEST_USABLE = 20
 
 
 @dataclass(frozen=True)
-class ChannelNoise:
+class ChannelNoiseEstimate:
     """Noise of a channel as its neighbouring speeds show it: relative part [-] and floor [m], NaN where that is unknown.
 
     stated: median rms that the source or the document states [m]; seen: that of the values beside it, at the same amplitudes.
@@ -105,7 +105,7 @@ class Quality:
     channels: tuple[str, ...]
     flags: NDArray[np.uint16]
     findings: tuple[str, ...]
-    noise: dict[str, ChannelNoise]
+    noise: dict[str, ChannelNoiseEstimate]
     beats: tuple[Beat | None, ...] = field(default=())
     clock_doubted: bool = False
     """Whether a beat tells of a quite different sweep rate than the samples' times do."""
@@ -136,7 +136,7 @@ class Quality:
         return replace(self, flags=flags.astype(np.uint16), findings=(*self.findings, *findings))
 
 
-def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
+def assess(run: RecordedRun, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
     """What can be said of a run without a model of the machine. noise: as the document states it."""
     rules = rules or QualityRules()
     shape = run.phasor.shape
@@ -158,7 +158,7 @@ def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) ->
         own = np.sqrt((relative * amplitude[:, c]) ** 2 + floor**2)
         used = flags[:, c] == 0
         typical, local = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
-        seen[channel] = ChannelNoise(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
+        seen[channel] = ChannelNoiseEstimate(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
     flags[_outliers(run, fits, stated, seen, flags == 0)] |= np.uint16(Flag.OUTLIER)
     flags[_not_accepted(run.speed, rules)] |= np.uint16(Flag.NOT_ACCEPTED)
     if rules.half_power:
@@ -169,7 +169,7 @@ def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) ->
     return replace(quality, findings=(*quality.findings, *_lost(run, quality), *_noise_findings(quality)))
 
 
-def own_noise(run: Recorded, quality: Quality) -> Floats:
+def own_noise(run: RecordedRun, quality: Quality) -> Floats:
     """Scatter (S, m) [m] of a run whose source and document state none: each channel's noise as its neighbours show it."""
     scatter = run.scatter.copy()
     for c, channel in enumerate(run.channels):
@@ -226,7 +226,7 @@ def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _outliers(
-    run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
+    run: RecordedRun, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoiseEstimate], good: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
     found, disturbed = np.zeros(good.shape, dtype=bool), np.zeros(good.shape, dtype=bool)
@@ -250,7 +250,7 @@ def _not_accepted(speed: Floats, rules: QualityRules) -> NDArray[np.bool_]:
     return np.asarray((speed < low) | (speed > high))
 
 
-def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _within_half_power(run: RecordedRun, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Between the half-power points of each channel's peaks, as far as the curve shows both."""
     found = np.zeros(good.shape, dtype=bool)
     for c in range(good.shape[1]):
@@ -270,7 +270,7 @@ def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.boo
     return found
 
 
-def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
+def _ringing(run: RecordedRun, quality: Quality, size: Floats) -> Quality:
     """With the points at which a beat is seen flagged."""
     beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
     where = np.zeros(run.phasor.shape, dtype=bool)
@@ -291,7 +291,7 @@ def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
     return replace(quality.with_flag(Flag.SWEEP_RATE_BEAT, where, *words), beats=beats, clock_doubted=doubted)
 
 
-def _clock(run: Recorded, beat: Beat) -> str:
+def _clock(run: RecordedRun, beat: Beat) -> str:
     """What the times say of the rate, where that is something else."""
     if run.time is None or run.time[-1] <= run.time[0]:
         return ""
@@ -305,7 +305,7 @@ def _clock(run: Recorded, beat: Beat) -> str:
     return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} rpm/s and are not to be trusted"
 
 
-def _lost(run: Recorded, quality: Quality) -> tuple[str, ...]:
+def _lost(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
     """Channels that gave nothing, or nothing for a part of the run."""
     source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
     words = []

@@ -25,7 +25,7 @@ CHANCE = 1e-4
 
 
 @dataclass(frozen=True)
-class Rate:
+class ParameterRate:
     """How fast one coordinate changes: part of its size per week [1/week], of a direct term of its own value.
 
     lower, upper: 95 % interval. probability: of such an order of the runs without a drift. runs: that were looked at; since:
@@ -47,7 +47,7 @@ class Rate:
         return self.probability <= CHANCE
 
 
-def rates_of_change(readings: Sequence[Reading]) -> tuple[Rate, ...]:
+def rates_of_change(readings: Sequence[Reading]) -> tuple[ParameterRate, ...]:
     """Rates of all coordinates of the newest reading that at least FEWEST of the newest WINDOW readings determine.
 
     readings: in ascending order of time, those of the baseline among them or not. Raises ValueError for times that do not
@@ -70,7 +70,7 @@ def rates_of_change(readings: Sequence[Reading]) -> tuple[Rate, ...]:
         slope, lower, upper = (math.expm1(one) if is_direct(name) else one for one in slopes)
         first = float(time[known][0])
         count = int(np.count_nonzero(known))
-        found.append(Rate(name, element_of(name), slope, lower, upper, drift.probability, count, first))
+        found.append(ParameterRate(name, element_of(name), slope, lower, upper, drift.probability, count, first))
     return tuple(found)
 
 

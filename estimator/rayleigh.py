@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
-class RayleighDamping:
+class RayleighCoefficients:
     """Coefficients of C = αM + βK. mass_coefficient: α [1/s]. stiffness_coefficient: β [s]."""
 
     mass_coefficient: float
@@ -29,7 +29,7 @@ class RayleighDamping:
 
 def rayleigh_damping(
     *, lower_frequency: float, lower_ratio: float, upper_frequency: float, upper_ratio: float
-) -> RayleighDamping:
+) -> RayleighCoefficients:
     """The damping that gives two modes the stated ratios (Eq. B.2-B.3).
 
     Frequencies: natural frequencies [rad/s], lower below upper. Ratios: of critical damping [-], not negative.
@@ -54,4 +54,4 @@ def rayleigh_damping(
             f"ratios {lower_ratio} and {upper_ratio} give a negative coefficient: upper_ratio must lie between "
             f"{smallest:.4g} and {largest:.4g} times lower_ratio"
         )
-    return RayleighDamping(mass_coefficient=max(alpha, 0.0), stiffness_coefficient=max(beta, 0.0))
+    return RayleighCoefficients(mass_coefficient=max(alpha, 0.0), stiffness_coefficient=max(beta, 0.0))

@@ -9,7 +9,7 @@ from estimator.arrays import Complexes, Floats
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedRun:
     """A run as it was measured, S samples in order of time.
 
     time: (S,) [s], None where it is not known. speed: (S,) [rad/s]. phasor: (S, m) [m]. status: (S, m) ChannelStatus.
@@ -23,7 +23,7 @@ class Recorded:
     scatter: Floats
     channels: tuple[str, ...]
 
-    def pick(self, which: NDArray[np.bool_]) -> "Recorded":
+    def pick(self, which: NDArray[np.bool_]) -> "RecordedRun":
         """Some of the samples, (S,) True for those wanted."""
         time = None if self.time is None else self.time[which]
-        return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)
+        return RecordedRun(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)

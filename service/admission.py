@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 
 from service.clock_doubt import OwnClock
-from service.inbox import Message
+from service.inbox import PublishedMessage
 from service.journal import Arrived, Journal
 from service.own_faults import in_the_log
 from service.submissions import UNFORESEEN, NotStoring, Submission
@@ -27,7 +27,7 @@ class Admission:
         self._own_clock = own_clock
         self._reject = reject
 
-    def published(self, key: Key, message: Message) -> Arrived | None:
+    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
         """A message that was published, or that a log has answered; None when it is refused or has to wait.
 
         Raises what concerns all.
@@ -52,7 +52,7 @@ class Admission:
     def submitted(self, submission: Submission) -> Arrived:
         """A body that came over HTTP. Raises Rejected or NotStoring when it is refused, and what concerns all."""
         machine, body = submission.machine, submission.body
-        message = Message(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
+        message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
         try:
             require_size(message.size)
             batch = decode_body(body, message.encoding)
@@ -82,11 +82,11 @@ class Admission:
         self._journal.still_there(batch.machine)
         return True
 
-    def refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
+    def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
         """Keep a message that was not taken. machine: None where its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
-    def _refuse(self, message: Message, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
         rejection = Rejection.of_message(
             received_at=message.received_at,
             key=message.key,

@@ -35,7 +35,7 @@ RECENT = 3_600_000_000_000
 
 
 @dataclass
-class Standing:
+class CollectionState:
     """Where the collection of a machine stands; stored with the samples that brought it there.
 
     revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
@@ -88,10 +88,10 @@ class Standing:
         }
 
 
-def standing(session: Session, machine_id: str) -> Standing | None:
+def standing(session: Session, machine_id: str) -> CollectionState | None:
     """Where the collection of a machine stands; None before its first sample."""
     stored = runs.collector_state(session, machine_id)
-    return None if stored is None else Standing.restored(stored)
+    return None if stored is None else CollectionState.restored(stored)
 
 
 class Collector:
@@ -129,7 +129,7 @@ class Collector:
         """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
-        now = standing(session, machine.id) or Standing(revision)
+        now = standing(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             self._revise(session, machine.id, now, revision)
@@ -172,8 +172,8 @@ class Collector:
         known = self._known(session, machine_ids)
         self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
 
-    def _known(self, session: Session, machine_ids: Collection[str]) -> dict[str, Standing]:
-        return {row.machine_id: Standing.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
+    def _known(self, session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
+        return {row.machine_id: CollectionState.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
 
     def end_silent(self, session: Session, machine_id: str) -> None:
         """End the open run of a machine that has fallen silent."""
@@ -214,7 +214,7 @@ class Collector:
         runs.save_collector_state(session, machine_id, now.stored())
         return True
 
-    def _note_late(self, session: Session, machine: Machine, now: Standing, times: NDArray[np.int64]) -> None:
+    def _note_late(self, session: Session, machine: Machine, now: CollectionState, times: NDArray[np.int64]) -> None:
         """Remember what must be sorted in; what lies in the open run will be read when that is closed."""
         row = runs.current(session, machine.id)
         if row is not None:
@@ -226,7 +226,7 @@ class Collector:
             self._settled.discard(machine.id)
             now.late = noted(now.late, now.revision, times.tolist())
 
-    def _revise(self, session: Session, machine_id: str, now: Standing, revision: int) -> None:
+    def _revise(self, session: Session, machine_id: str, now: CollectionState, revision: int) -> None:
         _silence(session, machine_id, now, reason="the machine's document was revised")
         now.revision, now.bins, now.rolled_at = revision, None, 0
 
@@ -237,7 +237,7 @@ def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
     return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
 
 
-def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) -> None:
+def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: int) -> None:
     """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
     logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
     _silence(session, machine_id, now, reason="the clock was set back")
@@ -245,7 +245,7 @@ def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) ->
     now.seen, now.bins, now.rolled_at = seen, None, 0
 
 
-def _silence(session: Session, machine_id: str, now: Standing, *, reason: str) -> None:
+def _silence(session: Session, machine_id: str, now: CollectionState, *, reason: str) -> None:
     machine = machines.document(session, machine_id, now.revision)
     now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
     for event in events:
@@ -270,7 +270,7 @@ def _end(session: Session, machine_id: str, event: RunEnded) -> None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
+def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
     """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
     rules = machine.collection.rolling
     if now.bins is None or now.rolled_at == 0:

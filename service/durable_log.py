@@ -18,8 +18,8 @@ from service.source_log import (
     LARGEST_REPLY_BYTES,
     LOG_BYTES,
     LOG_SAMPLES,
-    Entry,
     LogDamaged,
+    LogEntry,
     LogError,
     LogFull,
     Logged,
@@ -70,7 +70,7 @@ class DurableLog:
         self._path = path
         self._samples = samples
         self._payload_bytes = payload_bytes
-        self._pending: deque[tuple[Entry, Logged]] = deque()
+        self._pending: deque[tuple[LogEntry, Logged]] = deque()
         self._changed = threading.Condition()
         self._trouble: LogError | None = None
         self._closing = False
@@ -90,7 +90,7 @@ class DurableLog:
         self._writer = threading.Thread(target=self._write, name="source-log", daemon=True)
         self._writer.start()
 
-    def append(self, entry: Entry, *, logged: Logged) -> None:
+    def append(self, entry: LogEntry, *, logged: Logged) -> None:
         """As `SourceLog`. Waits while too much waits for the disk."""
         with self._changed:
             require_next(entry, self.next_sequence)
@@ -103,9 +103,9 @@ class DurableLog:
             self.next_sequence += entry.count
             self._changed.notify_all()
 
-    def entries_from(self, first: int, limit: int) -> list[Entry]:
+    def entries_from(self, first: int, limit: int) -> list[LogEntry]:
         """As `SourceLog`; not more than some MB at a time. Raises LogError."""
-        found: list[Entry] = []
+        found: list[LogEntry] = []
         size = 0
         # One entry begins before `first` at most; the newest such one may hold it.
         query = """select first, count, payload, encoding, crc32 from batch
@@ -120,7 +120,7 @@ class DurableLog:
                     if zlib.crc32(payload) != crc32:
                         logger.error("%s: the batch from number %d is damaged and is not replayed", self._path, begin)
                         continue
-                    found.append(Entry(begin, count, payload, encoding))
+                    found.append(LogEntry(begin, count, payload, encoding))
                     size += len(payload)
         except sqlite3.Error as error:
             raise self._named(error) from error
@@ -222,7 +222,7 @@ class DurableLog:
                 self._trouble = None
                 self._changed.notify_all()
 
-    def _commit(self, entries: list[Entry]) -> None:
+    def _commit(self, entries: list[LogEntry]) -> None:
         with self._database_lock:
             execute = self._database.execute
             try:

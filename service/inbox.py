@@ -26,7 +26,7 @@ LOOK_S = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class PublishedMessage:
     """What was published. Of one that is larger than any that is taken, only the beginning; size: of all of it [bytes]."""
 
     key: str
@@ -36,7 +36,7 @@ class Message:
     received_at: int
 
     @classmethod
-    def of(cls, sample: zenoh.Sample) -> "Message":
+    def of(cls, sample: zenoh.Sample) -> "PublishedMessage":
         """A copy of what zenoh holds, received now."""
         payload = sample.payload.to_bytes()
         kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
@@ -47,7 +47,7 @@ class Inbox:
     """The thread that copies, and what waits. One other thread takes."""
 
     def __init__(self) -> None:
-        self._waiting: deque[Message] = deque()
+        self._waiting: deque[PublishedMessage] = deque()
         self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
@@ -78,7 +78,7 @@ class Inbox:
         """Messages that wait."""
         return len(self._waiting)
 
-    def take(self) -> Message | None:
+    def take(self) -> PublishedMessage | None:
         """The one that has waited longest."""
         if not self._waiting:
             return None
@@ -86,7 +86,7 @@ class Inbox:
         self._taken_bytes += len(message.payload)
         return message
 
-    def put_back(self, message: Message) -> None:
+    def put_back(self, message: PublishedMessage) -> None:
         """It could not be dealt with now, and is the next to be taken again."""
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
@@ -103,7 +103,7 @@ class Inbox:
 
     def _copy(self) -> None:
         while self._has_room and (sample := self._subscriber.try_recv()) is not None:
-            message = Message.of(sample)
+            message = PublishedMessage.of(sample)
             self._came_bytes += len(message.payload)
             self._waiting.append(message)
 

@@ -16,7 +16,7 @@ import zenoh
 from service.admission import Admission
 from service.clock_doubt import OwnClock
 from service.healing import Healing
-from service.inbox import Inbox, Message
+from service.inbox import Inbox, PublishedMessage
 from service.journal import Arrived, Journal
 from service.sharing import Share, Whole
 from service.storing import Storing
@@ -299,7 +299,7 @@ class Ingest:
         self._is_behind |= time.monotonic() >= ends
         return count
 
-    def _publication(self, message: Message) -> None:
+    def _publication(self, message: PublishedMessage) -> None:
         """Decode a published message and place it."""
         try:
             key = Key.parse(message.key)
@@ -326,7 +326,7 @@ class Ingest:
             self._storing.take(arrived, submission.promise)
 
     def _read_reply(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
-        return self._admission.published(key, replace(Message.of(reply), key=key.samples))
+        return self._admission.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
     def _answer(self, question: zenoh.Query) -> None:
         """How far the sources of a machine are durable."""

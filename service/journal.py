@@ -59,7 +59,7 @@ class Arrived:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StoreOutcome:
     """What became of a batch: samples stored, stored before, missing just before it; what of it was not taken and why."""
 
     received: int = 0
@@ -77,7 +77,7 @@ class _Pending:
     first: dict[SourceKey, int] = field(default_factory=dict)
     received_at: dict[SourceKey, int] = field(default_factory=dict)
     rejections: list[Rejection] = field(default_factory=list)
-    outcomes: list[Outcome] = field(default_factory=list)
+    outcomes: list[StoreOutcome] = field(default_factory=list)
 
 
 class _Damaged(Exception):
@@ -145,7 +145,7 @@ class Journal:
                     return None
         return self._plants[machine_id]
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
         """Store batches, in order, and rejections; returns what became of each batch. Raises what the database raises, and
         NotHeld for machines that are another replica's by now; then nothing was stored.
 
@@ -251,7 +251,9 @@ class Journal:
             known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
         return known
 
-    def _store(self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float) -> list[Outcome]:
+    def _store(
+        self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float
+    ) -> list[StoreOutcome]:
         pending = _Pending(rejections=list(rejections))
         documents: dict[str, tuple[int, Machine]] = {}
         held = _rows(session, arrived)
@@ -293,7 +295,7 @@ class Journal:
         del held
         return pending.outcomes
 
-    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> Outcome:
+    def _take(self, session: Session, pending: _Pending, one: Arrived, machine: Machine) -> StoreOutcome:
         """Number, convert and check one batch; what is left of it joins `pending`.
 
         Its samples are known already, fill holes that were counted as lost, or follow what came so far.
@@ -305,7 +307,7 @@ class Journal:
         if gap > LARGEST_GAP:
             detail = f"sequence {batch.sequence} does not follow {row.next_sequence}"
             pending.rejections.append(_rejection(one, "sequence_out_of_range", detail))
-            return Outcome(rejected=Rejected("sequence_out_of_range", detail))
+            return StoreOutcome(rejected=Rejected("sequence_out_of_range", detail))
         filling = holes.pieces(row.missing or (), first=batch.sequence, count=count)
         following = min(max(row.next_sequence - batch.sequence, 0), count)
         fresh = np.arange(count) >= following
@@ -314,14 +316,14 @@ class Journal:
         known = int(np.count_nonzero(~fresh))
         row.duplicates += known
         if known == count:
-            return Outcome(duplicates=known)
+            return StoreOutcome(duplicates=known)
         row.lost += gap - sum(piece.stop - piece.start for piece in filling)
         try:
             converted, taken, faults = to_samples(batch, machine, received_at=one.received_at)
         except Rejected as rejected:
             pending.rejections.append(_rejection(one, rejected.reason, rejected.detail))
             _advance(row, batch, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
-            return Outcome(duplicates=known, lost=gap, rejected=rejected)
+            return StoreOutcome(duplicates=known, lost=gap, rejected=rejected)
         taken &= fresh
         for piece in filling:
             order = Order(time=piece.hole[2], before=piece.hole[3])
@@ -337,7 +339,7 @@ class Journal:
             pending.first.setdefault(key, batch.sequence + int(np.flatnonzero(taken)[0]))
             row.received += len(kept)
             row.last_received_at = pending.received_at[key] = one.received_at
-        return Outcome(int(np.count_nonzero(taken)), known, gap, new)
+        return StoreOutcome(int(np.count_nonzero(taken)), known, gap, new)
 
 
 def _rows(session: Session, arrived: list[Arrived]) -> list[object]:

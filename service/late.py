@@ -54,7 +54,7 @@ def _joined(one: Window, other: Window) -> Window:
 
 
 @dataclass(frozen=True)
-class Plan:
+class LateSamplesPlan:
     """What sorting in the samples of one window does to the runs of a machine.
 
     added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
@@ -98,7 +98,7 @@ def without(windows: Sequence[Window], window: Window) -> list[Window] | None:
     return [one for one in windows if one not in inside]
 
 
-def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> Plan | None:
+def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> LateSamplesPlan | None:
     """Look what is to be done for the samples of a window; None when they must wait.
 
     They wait for a run beside them that is not closed yet, and for one that was made anew not long ago: the first time for
@@ -106,7 +106,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
-    found = Plan(machine_id, window, basis=_basis(session, machine_id, window))
+    found = LateSamplesPlan(machine_id, window, basis=_basis(session, machine_id, window))
     if machine.collection.runs == ROLLING:
         return found
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
@@ -130,7 +130,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     return found
 
 
-def still_holds(session: Session, found: Plan) -> bool:
+def still_holds(session: Session, found: LateSamplesPlan) -> bool:
     """Whether the runs beside a window, and how far back the blocks reach, are still as they were when the plan was made."""
     return found.basis == _basis(session, found.machine_id, found.window)
 
@@ -143,7 +143,7 @@ def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, .
 
 
 def _match(
-    found: Plan,
+    found: LateSamplesPlan,
     beside: Sequence[RunRow],
     sweeps: Sequence[tuple[RunEnded, int]],
     concerned: Callable[[int, int], bool],
@@ -165,7 +165,7 @@ def _match(
             found.remade[row.id] = same
 
 
-def carry_out(session: Session, found: Plan) -> None:
+def carry_out(session: Session, found: LateSamplesPlan) -> None:
     """Do what a plan says; runs that are added or made anew have ended then, and get their samples when they are closed."""
     machine_id, (revision, _, _, count) = found.machine_id, found.window
     for run_id in found.left_out:

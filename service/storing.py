@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from sqlalchemy.exc import DBAPIError, IntegrityError
 
 from service.bounded import Bounded
-from service.journal import LARGEST_GAP, Arrived, Journal, Outcome
+from service.journal import LARGEST_GAP, Arrived, Journal, StoreOutcome
 from service.own_faults import in_the_log
 from service.putting_off import PutOff
 from service.sharing import lease_of
@@ -43,7 +43,7 @@ class _Held:
 
     arrived: Arrived
     source: SourceKey
-    promise: Future[Outcome] | None
+    promise: Future[StoreOutcome] | None
 
 
 class Storing:
@@ -58,7 +58,7 @@ class Storing:
         self._held: list[_Held] = []
         self._at_once = FEWEST_AT_ONCE
         self._rejections: list[Rejection] = []
-        self._refused: list[tuple[Future[Outcome], Exception]] = []
+        self._refused: list[tuple[Future[StoreOutcome], Exception]] = []
         self._expected: Bounded[SourceKey, int] = Bounded()
         self._waits = PutOff[SourceKey](free=FREE_FAILURES)
 
@@ -76,7 +76,7 @@ class Storing:
             self._expected[source] = self._journal.next_sequence(source)
         return self._expected[source]
 
-    def take(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> None:
+    def take(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> None:
         """Hold a batch for storing."""
         batch, source = arrived.batch, source_key(arrived.batch)
         if batch.sequence - self.next_sequence(source) <= LARGEST_GAP:
@@ -87,7 +87,7 @@ class Storing:
         """Keep what was refused."""
         self._rejections.append(rejection)
 
-    def refuse(self, promise: Future[Outcome], answer: Exception) -> None:
+    def refuse(self, promise: Future[StoreOutcome], answer: Exception) -> None:
         """Answer who waits as soon as what was refused is kept."""
         self._refused.append((promise, answer))
 
@@ -112,7 +112,7 @@ class Storing:
             self.store()
 
     @contextmanager
-    def guarding(self, arrived: Arrived, promise: Future[Outcome] | None = None) -> Iterator[None]:
+    def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
         """What nobody foresaw within is the trouble of this batch alone: it is put aside."""
         try:
             yield
@@ -121,7 +121,7 @@ class Storing:
                 raise
             self.put_aside(arrived, error, promise)
 
-    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[Outcome] | None = None) -> None:
+    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
         """Keep a batch that cannot be stored, and say so to who waits."""
         answer: Exception
         reason: Reason | OwnFault
@@ -220,7 +220,7 @@ class Storing:
         for source in failed.keys() - stored:
             self.put_off(source, at_once=source in at_once)
 
-    def _stored(self, one: _Held, outcome: Outcome) -> None:
+    def _stored(self, one: _Held, outcome: StoreOutcome) -> None:
         if self._waits and self._waits.is_due(one.source):  # not what was held already when it was put off
             self._waits.succeeded(one.source)
         if one.promise is not None:

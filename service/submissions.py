@@ -6,7 +6,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from service.journal import Outcome
+from service.journal import StoreOutcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""
@@ -32,7 +32,7 @@ class Submission:
     machine: str
     body: bytes
     encoding: str
-    promise: Future[Outcome] = field(default_factory=Future)
+    promise: Future[StoreOutcome] = field(default_factory=Future)
 
 
 class Taking(Protocol):
@@ -42,7 +42,7 @@ class Taking(Protocol):
     def trouble(self) -> str | None:
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Take a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
@@ -58,7 +58,7 @@ class Submissions:
         self.trouble: str | None = None
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
         if self.trouble is not None:
             raise NotStoring(self.trouble)

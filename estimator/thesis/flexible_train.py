@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
-from estimator.rayleigh import RayleighDamping
+from estimator.rayleigh import RayleighCoefficients
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 
@@ -53,7 +53,7 @@ class FlexibleTrain:
         return np.concatenate([self.bearing, np.setdiff1d(self.coupling, self.bearing)])
 
 
-def flexible_train(machine: Machine, *, rayleigh: RayleighDamping | None = None) -> FlexibleTrain:
+def flexible_train(machine: Machine, *, rayleigh: RayleighCoefficients | None = None) -> FlexibleTrain:
     """Assemble a machine; `rayleigh` damps its shafts, not its discs (Eq. 3.5 and 3.11)."""
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)

@@ -15,7 +15,7 @@ from collections import Counter
 from collections.abc import Callable
 
 from service.api.http_protocol import PATIENCE_S, HttpProtocol
-from service.security.rate import Rate
+from service.security.rate import RateLimiter
 
 logger = logging.getLogger(__name__)
 
@@ -53,7 +53,7 @@ class Acceptor:
         self._loop = asyncio.get_running_loop()
         self._open: Counter[str] = Counter()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._said = Rate(per_s=1.0 / SAID_EVERY_S, burst=1.0)
+        self._said = RateLimiter(per_s=1.0 / SAID_EVERY_S, burst=1.0)
         self._pause: asyncio.TimerHandle | None = None
 
     def start(self) -> None:

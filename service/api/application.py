@@ -68,7 +68,7 @@ from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.guard import Guard
 from service.security.operations import Operations
-from service.security.rate import Rate
+from service.security.rate import RateLimiter
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
@@ -220,7 +220,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
     app.state.visibility = Visibility(database)
-    app.state.failures = Rate(per_s=security.failures[0], burst=security.failures[1])
+    app.state.failures = RateLimiter(per_s=security.failures[0], burst=security.failures[1])
     app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
         Guard,
@@ -228,7 +228,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
         operations=app.state.operations,
         authentication=app.state.authentication,
         visibility=app.state.visibility,
-        requests=Rate(per_s=security.requests[0], burst=security.requests[1]),
+        requests=RateLimiter(per_s=security.requests[0], burst=security.requests[1]),
         failures=app.state.failures,
         repeated=app.state.repeated,
         public_url=security.public_url,

@@ -13,13 +13,13 @@ from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.delivery.addresses import parsed
-from service.delivery.channel import Outcome
+from service.delivery.channel import DeliveryOutcome
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SigningSecrets
 from service.security.requirement import ADMIN, OPERATOR
 from storage import deliveries
 
-TryOut = Callable[[int], Awaitable[Outcome]]
+TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
 """Sends a test message to a subscription."""
 
 router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])

@@ -50,7 +50,7 @@ class DownSampling(BaseModel):
     points: int = Field(description="how many there are in the time range")
 
 
-class BaselineOut(BaseModel):
+class TrendBaseline(BaseModel):
     """Between which values 95 % of the estimates lie while nothing happens, by the baseline of a part of the trend."""
 
     run_kind: str = Field(description="of the runs that it is for")
@@ -68,7 +68,7 @@ class Series(BaseModel):
     parameter: str
     unit: str = Field(description="of all its values")
     down_sampling: DownSampling
-    baselines: list[BaselineOut] = Field(description="empty until a baseline is complete, and for gathered runs")
+    baselines: list[TrendBaseline] = Field(description="empty until a baseline is complete, and for gathered runs")
     measured_at: list[str] = Field(description="when the run ended, RFC 3339 in UTC")
     computed_at: list[str] = Field(description="when it was identified")
     value: list[float | None] = Field(description="of an unbalance its magnitude")

@@ -10,7 +10,7 @@ from aiohttp import ClientSession
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent
 from service.delivery.addresses import Network
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.webhook import post
 
 RESEND_S = 60.0
@@ -27,17 +27,17 @@ class Alertmanager:
     allowed: tuple[Network, ...]
     public_url: str
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Tell it of an event."""
         return await self.push([message])
 
-    async def push(self, messages: Sequence[Message]) -> Outcome:
+    async def push(self, messages: Sequence[EventMessage]) -> DeliveryOutcome:
         """Tell it how alerts stand after their events."""
         body = json.dumps([alert for message in messages for alert in self._alerts(message)]).encode()
         url = self.target.rstrip("/") + "/api/v2/alerts"
         return await post(self.client, url, body, {"content-type": "application/json"}, self.allowed)
 
-    def _alerts(self, message: Message) -> list[dict[str, object]]:
+    def _alerts(self, message: EventMessage) -> list[dict[str, object]]:
         """The alert, and the same of any other severity as ended: the severity is a label and labels make the identity."""
         event = message.event
         ended = None if event.state in FIRING else event.at
@@ -47,7 +47,7 @@ class Alertmanager:
             if severity.label == event.severity or event.number > 1
         ]
 
-    def _alert(self, message: Message, severity: str, ended: datetime | None) -> dict[str, object]:
+    def _alert(self, message: EventMessage, severity: str, ended: datetime | None) -> dict[str, object]:
         event: AlertEvent = message.event
         alert: dict[str, object] = {
             "labels": {

@@ -9,7 +9,7 @@ Result = Literal["delivered", "failed", "gone"]
 
 
 @dataclass(frozen=True)
-class Message:
+class EventMessage:
     """An event and the plant of its machine."""
 
     event: AlertEvent
@@ -17,7 +17,7 @@ class Message:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class DeliveryOutcome:
     """How a try went. gone: the receiver wants nothing more, ever. retry_after: the receiver's own wish [s]."""
 
     result: Result
@@ -28,6 +28,6 @@ class Outcome:
 class Channel(Protocol):
     """One way of delivery to one receiver."""
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Deliver an event; errors on the way are an outcome, not an exception."""
         ...

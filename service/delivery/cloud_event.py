@@ -2,17 +2,17 @@
 
 import json
 
-from service.delivery.channel import Message
+from service.delivery.channel import EventMessage
 
 CONTENT_TYPE = "application/cloudevents+json"
 
 
-def event_id(message: Message) -> str:
+def event_id(message: EventMessage) -> str:
     """The same for every try: what a receiver knows repeats by."""
     return f"alert-{message.event.alert}-{message.event.number}"
 
 
-def cloud_event(message: Message) -> bytes:
+def cloud_event(message: EventMessage) -> bytes:
     """The JSON body. `sequence` counts the alert's events from 1: a receiver can bring them into order."""
     event = message.event
     return json.dumps(

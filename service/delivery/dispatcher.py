@@ -21,7 +21,7 @@ from service import alerting
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent, alert_event
 from service.delivery.alertmanager import FIRING, RESEND_S, Alertmanager
-from service.delivery.channel import Channel, Message, Outcome
+from service.delivery.channel import Channel, DeliveryOutcome, EventMessage
 from service.delivery.mail import Mail
 from service.delivery.network import Network
 from service.delivery.secret_upkeep import SecretWatch
@@ -59,12 +59,12 @@ SECOND = 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Task:
+class DeliveryTask:
     """A delivery under way."""
 
     delivery_id: int
     subscription_id: int
-    message: Message
+    message: EventMessage
     channel: Channel
 
 
@@ -126,8 +126,8 @@ class Dispatcher:
         self._settings = settings
         self._stop = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="delivery", daemon=True)
-        self._under_way: dict[int, asyncio.Task[Outcome]] = {}
-        self._tasks: dict[int, Task] = {}
+        self._under_way: dict[int, asyncio.Task[DeliveryOutcome]] = {}
+        self._tasks: dict[int, DeliveryTask] = {}
         self._resending: asyncio.Task[None] | None = None
         self._expire_at = 0.0
         self._resend_at = 0.0
@@ -203,10 +203,10 @@ class Dispatcher:
             self._resend_at = moment + RESEND_S
             self._resending = asyncio.create_task(self._resend(channels))
 
-    def _due(self, channels: Channels) -> list[Task]:
+    def _due(self, channels: Channels) -> list[DeliveryTask]:
         load = Counter(task.subscription_id for task in self._tasks.values())
         busy = [subscription for subscription, count in load.items() if count >= AT_ONCE]
-        found: list[Task] = []
+        found: list[DeliveryTask] = []
         unsayable: dict[int, str] = {}
         with self._database.reading() as session:
             for row in deliveries.due(session, now(), busy=busy, limit=LARGEST_TAKE):
@@ -234,7 +234,7 @@ class Dispatcher:
                 row = deliveries.delivery(session, number)
                 row.state, row.last_try_at, row.answer = deliveries.GIVEN_UP, now(), plain_text(reason)[:2000]
 
-    def _record(self, finished: dict[int, Outcome]) -> list[int]:
+    def _record(self, finished: dict[int, DeliveryOutcome]) -> list[int]:
         """Write down how deliveries ended; returns which need no more of it. One that cannot be stops no other."""
         try:
             return self._record_together(finished)
@@ -251,7 +251,7 @@ class Dispatcher:
                 logger.error("how delivery %d ended cannot be recorded: %s", number, error.orig)
         return done
 
-    def _record_together(self, finished: dict[int, Outcome]) -> list[int]:
+    def _record_together(self, finished: dict[int, DeliveryOutcome]) -> list[int]:
         """In one transaction. Raises DBAPIError, also of damage: behind that, SQLite writes nothing more in one."""
         done = []
         with self._database.transaction() as session:
@@ -292,7 +292,7 @@ class Dispatcher:
         # At the same time: behind some that hang, the others would take the alerts for resolved.
         await asyncio.gather(*(_remind(row, channels.of(row), messages) for row in targets))
 
-    def _lasting(self) -> tuple[list[SubscriptionRow], list[Message]]:
+    def _lasting(self) -> tuple[list[SubscriptionRow], list[EventMessage]]:
         with self._database.reading() as session:
             rows = [row for row in deliveries.every(session) if row.kind == "alertmanager" and row.state == deliveries.ACTIVE]
             if not rows:
@@ -311,7 +311,7 @@ class Dispatcher:
                     logger.exception("no Alertmanager is told that alert %d lasts", alert.id)
             return rows, found
 
-    async def try_out(self, subscription_id: int) -> Outcome:
+    async def try_out(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from whatever loop. Raises SubscriptionUnknown."""
 
         def found() -> SubscriptionRow:
@@ -321,10 +321,10 @@ class Dispatcher:
         row = await asyncio.to_thread(found)
         async with new_client() as client:
             channel = Channels(client, self._session, self._settings, self._secrets).of(row)
-            return await _sent(Task(0, row.id, test_message(), channel))
+            return await _sent(DeliveryTask(0, row.id, test_message(), channel))
 
 
-def test_message() -> Message:
+def test_message() -> EventMessage:
     """A message that says that it is none."""
     moment = to_datetime(now())
     event = AlertEvent(
@@ -345,19 +345,19 @@ def test_message() -> Message:
         opened_at=moment,
         identification=0,
     )
-    return Message(event, "test")
+    return EventMessage(event, "test")
 
 
-def _message(session: Session, event: AlertEventRow) -> Message:
-    return Message(alert_event(event), machines.get(session, event.machine_id).plant)
+def _message(session: Session, event: AlertEventRow) -> EventMessage:
+    return EventMessage(alert_event(event), machines.get(session, event.machine_id).plant)
 
 
-def _task(session: Session, row: DeliveryRow, channels: Channels) -> Task:
+def _task(session: Session, row: DeliveryRow, channels: Channels) -> DeliveryTask:
     channel = channels.of(deliveries.get(session, row.subscription_id))
-    return Task(row.id, row.subscription_id, _message(session, session.get_one(AlertEventRow, row.event_id)), channel)
+    return DeliveryTask(row.id, row.subscription_id, _message(session, session.get_one(AlertEventRow, row.event_id)), channel)
 
 
-def _note(session: Session, number: int, outcome: Outcome) -> None:
+def _note(session: Session, number: int, outcome: DeliveryOutcome) -> None:
     """Write down how a delivery ended, and when it is tried again. Raises DeliveryUnknown."""
     row = deliveries.delivery(session, number)
     row.attempts += 1
@@ -378,13 +378,13 @@ def _note(session: Session, number: int, outcome: Outcome) -> None:
         row.next_try_at = now() + int(max(RETRIES_S[row.attempts - 1], wish) * SECOND)
 
 
-def _ended(one: asyncio.Task[Outcome]) -> Outcome:
+def _ended(one: asyncio.Task[DeliveryOutcome]) -> DeliveryOutcome:
     """How a delivery ended, also where it broke off in a way that no channel should."""
     error = asyncio.CancelledError() if one.cancelled() else one.exception()
-    return one.result() if error is None else Outcome("failed", f"{type(error).__name__}: {error}")
+    return one.result() if error is None else DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
 
 
-async def _remind(row: SubscriptionRow, channel: Channel, messages: list[Message]) -> None:
+async def _remind(row: SubscriptionRow, channel: Channel, messages: list[EventMessage]) -> None:
     """Tell one Alertmanager of what lasts."""
     own = [one for one in messages if deliveries.tells(row, one.plant)]
     if own and isinstance(channel, Alertmanager):
@@ -393,14 +393,14 @@ async def _remind(row: SubscriptionRow, channel: Channel, messages: list[Message
             logger.warning("Alertmanager '%s' cannot be told of lasting alerts: %s", row.name, outcome.answer[:200])
 
 
-async def _sent(task: Task) -> Outcome:
+async def _sent(task: DeliveryTask) -> DeliveryOutcome:
     return await _in_time(task.channel.send(task.message))
 
 
-async def _in_time(sending: Coroutine[Any, Any, Outcome]) -> Outcome:
+async def _in_time(sending: Coroutine[Any, Any, DeliveryOutcome]) -> DeliveryOutcome:
     try:
         return await asyncio.wait_for(sending, DEADLINE_S)
     except TimeoutError:
-        return Outcome("failed", f"it was not done within {DEADLINE_S:g} s")
+        return DeliveryOutcome("failed", f"it was not done within {DEADLINE_S:g} s")
     except Exception as error:  # noqa: BLE001 - whatever a channel meets becomes the delivery's recorded failure
-        return Outcome("failed", f"{type(error).__name__}: {error}")
+        return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")

@@ -6,7 +6,7 @@ import ssl
 from dataclasses import dataclass
 from email.message import EmailMessage
 
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
 from service.settings import Settings
@@ -28,14 +28,14 @@ class Mail:
     settings: Settings
     target: str
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Send a mail."""
         try:
             mail = letter(self.settings, self.target, message)
             await asyncio.get_running_loop().run_in_executor(MAILING, self._send, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
-            return Outcome("failed", f"{type(error).__name__}: {error}")
-        return Outcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
+            return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
+        return DeliveryOutcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
 
     def _send(self, mail: EmailMessage) -> None:
         settings = self.settings
@@ -54,7 +54,7 @@ class Mail:
             server.send_message(mail)
 
 
-def letter(settings: Settings, target: str, message: Message) -> EmailMessage:
+def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessage:
     """The mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]

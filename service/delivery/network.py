@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import zenoh
 
 from service.alert_messages import AlertEvent, alert_event
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.sharing import DELIVERY, Share, Whole
 from storage import alerts, machines
 from storage.database import Database
@@ -30,14 +30,14 @@ class Network:
 
     session: zenoh.Session
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
         key = alert_key(message.plant, message.event)
         try:
             await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
         except zenoh.ZError as error:
-            return Outcome("failed", str(error))
-        return Outcome("delivered", f"published on {key}")
+            return DeliveryOutcome("failed", str(error))
+        return DeliveryOutcome("delivered", f"published on {key}")
 
 
 class LastStates:

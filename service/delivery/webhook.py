@@ -7,7 +7,7 @@ from http import HTTPStatus
 from aiohttp import ClientError, ClientResponse, ClientSession
 
 from service.delivery.addresses import Network, TargetRefused, checked
-from service.delivery.channel import Message, Outcome
+from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.cloud_event import CONTENT_TYPE, cloud_event, event_id
 from service.delivery.signing import signed_headers
 
@@ -26,7 +26,7 @@ class Webhook:
     secret: str
     allowed: tuple[Network, ...]
 
-    async def send(self, message: Message) -> Outcome:
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Post the event."""
         body = cloud_event(message)
         headers = signed_headers(self.secret, message_id=event_id(message), seconds=int(time.time()), body=body)
@@ -39,14 +39,14 @@ class Unsigned:
 
     reason: str
 
-    async def send(self, message: Message) -> Outcome:  # noqa: ARG002 - whatever it is
+    async def send(self, message: EventMessage) -> DeliveryOutcome:  # noqa: ARG002 - whatever it is
         """Say why not."""
-        return Outcome("failed", self.reason)
+        return DeliveryOutcome("failed", self.reason)
 
 
 async def post(
     client: ClientSession, target: str, body: bytes, headers: dict[str, str], allowed: tuple[Network, ...]
-) -> Outcome:
+) -> DeliveryOutcome:
     """Post to a checked target; redirects are not followed."""
     try:
         where = await checked(target, allowed)
@@ -60,20 +60,20 @@ async def post(
             text = (await answer.content.read(ANSWER_BYTES)).decode("utf-8", "replace")
             return _outcome(answer, text)
     except TargetRefused as error:
-        return Outcome("failed", str(error))
+        return DeliveryOutcome("failed", str(error))
     except TimeoutError:
-        return Outcome("failed", f"no answer within {TIMEOUT_S:.0f} s")
+        return DeliveryOutcome("failed", f"no answer within {TIMEOUT_S:.0f} s")
     except (ClientError, OSError, ValueError) as error:
-        return Outcome("failed", f"{type(error).__name__}: {error}")
+        return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
 
 
-def _outcome(answer: ClientResponse, text: str) -> Outcome:
+def _outcome(answer: ClientResponse, text: str) -> DeliveryOutcome:
     said = f"{answer.status} {text}".strip()
     if answer.status < HTTPStatus.MULTIPLE_CHOICES:
-        return Outcome("delivered", said)
+        return DeliveryOutcome("delivered", said)
     if answer.status == HTTPStatus.GONE:
-        return Outcome("gone", said)
+        return DeliveryOutcome("gone", said)
     if answer.status < HTTPStatus.BAD_REQUEST:
-        return Outcome("failed", f"{answer.status}: redirects are not followed, give the final URL")
+        return DeliveryOutcome("failed", f"{answer.status}: redirects are not followed, give the final URL")
     after = answer.headers.get("retry-after", "")
-    return Outcome("failed", said, float(after) if after.isascii() and after.isdigit() else None)
+    return DeliveryOutcome("failed", said, float(after) if after.isascii() and after.isdigit() else None)

@@ -24,7 +24,7 @@ from estimator.keyphasor import (
 )
 from estimator.order_tracking import Block, LeftOut, track_block
 from estimator.units import rad_per_s_to_rpm
-from service.edge.condition import Found
+from service.edge.condition import WaveformFinding
 from service.wire import OVERSPEED
 
 MARGIN = 0.5
@@ -96,12 +96,12 @@ class Position:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BlockOutcome:
     """A stretch of waveform that was worked off: its block, None if it gave none; its time [ns]; what was wrong with it."""
 
     block: Block | None
     time_ns: int
-    found: tuple[Found, ...]
+    found: tuple[WaveformFinding, ...]
     position: Position
 
 
@@ -125,7 +125,7 @@ class BlockStream:
         at = self._position
         return 0 if at is None else at.segment + self._index(at.begin - self.margin())
 
-    def feed(self, chunk: Chunk) -> Iterator[Outcome]:
+    def feed(self, chunk: Chunk) -> Iterator[BlockOutcome]:
         """Everything that can be worked off with this chunk."""
         at = self._position
         goes_on = at is not None and chunk.sampling_rate == at.sampling_rate
@@ -147,40 +147,40 @@ class BlockStream:
             self._values = np.concatenate([self._values, np.ascontiguousarray(chunk.values)], axis=1)
         yield from self._work(ended=False)
 
-    def finish(self) -> Iterator[Outcome]:
+    def finish(self) -> Iterator[BlockOutcome]:
         """Nothing follows any more: what is left over is worked off as far as it makes blocks."""
         if self._values is not None:
             yield from self._work(ended=True)
         self._position = self._values = None
 
-    def _work(self, *, ended: bool) -> Iterator[Outcome]:
+    def _work(self, *, ended: bool) -> Iterator[BlockOutcome]:
         by_seconds = self._settings.seconds is not None
         while (outcome := self._by_seconds(ended) if by_seconds else self._by_turns(ended)) is not None:
             self._position = outcome.position
             yield outcome
             self._forget()
 
-    def _by_seconds(self, ended: bool) -> Outcome | None:
+    def _by_seconds(self, ended: bool) -> BlockOutcome | None:
         at, length = self._at, self._settings.seconds or 0.0
         # A multiple of the length, not a sum of many.
         end = (round(at.begin / length) + 1) * length
         if end + (0.0 if ended else self.margin()) > self._known() + ROUNDING:
             return None
         angle, start = self._angle(at.begin - self.margin(), end + self.margin())
-        if isinstance(angle, Found):
+        if isinstance(angle, WaveformFinding):
             return self._without(at.begin, end, angle)
         inside = [(max(begin, at.begin), min(until, end)) for begin, until in angle.pieces]
         begin, until = max(inside, key=lambda one: one[1] - one[0])
         if until <= begin:
-            return self._without(at.begin, end, Found("keyphasor_gap", None, "the angle is not known in the block"))
+            return self._without(at.begin, end, WaveformFinding("keyphasor_gap", None, "the angle is not known in the block"))
         notes = []
         missing = (end - at.begin) - (until - begin)
         # The first block holds the first pulse; nothing is wrong with that.
         if at.begin > 0.0 and missing > ROUNDING and not (ended and until < end):
-            notes.append(Found("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
+            notes.append(WaveformFinding("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
         return self._with(angle, start, begin, until, end, notes)
 
-    def _by_turns(self, ended: bool) -> Outcome | None:
+    def _by_turns(self, ended: bool) -> BlockOutcome | None:
         """Blocks from edge to edge; the window grows until the block's last edge is in it."""
         begin, settings, known = self._at.begin, self._settings, self._known()
         turns = settings.turns or 0
@@ -194,17 +194,19 @@ class BlockStream:
                 return None
             end = min(begin + length, known)
             found = self._from_edge_to_edge(*self._angle(begin - self.margin(), until), end)
-            if isinstance(found, Outcome):
+            if isinstance(found, BlockOutcome):
                 return found
             if length == longest or not complete:
                 return self._without(begin, end, found)
 
-    def _from_edge_to_edge(self, angle: ShaftAngle | Found, start: float, end: float) -> Outcome | Found:
+    def _from_edge_to_edge(
+        self, angle: ShaftAngle | WaveformFinding, start: float, end: float
+    ) -> BlockOutcome | WaveformFinding:
         """The block whose last edge lies before `end`, or why there is none yet."""
         at, turns = self._at, self._settings.turns or 0
-        if isinstance(angle, Found):
+        if isinstance(angle, WaveformFinding):
             return angle
-        gap = Found("keyphasor_gap", None, "the angle is not known")
+        gap = WaveformFinding("keyphasor_gap", None, "the angle is not known")
         first, last = next((piece for piece in angle.pieces if piece[1] > at.begin + ROUNDING), (math.inf, math.inf))
         if first > end:
             return gap
@@ -217,9 +219,11 @@ class BlockStream:
             return self._with(angle, start, float(time[0]), float(enough[0]), float(enough[0]), [])
         if last < min(end, angle.edge_time[-1]) - ROUNDING:
             return self._without(at.begin, last, gap)
-        return Found("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
+        return WaveformFinding("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
 
-    def _with(self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[Found]) -> Outcome:
+    def _with(
+        self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[WaveformFinding]
+    ) -> BlockOutcome:
         """The block from `begin` to `until`; the next one begins at `end`."""
         at, settings = self._at, self._settings
         values = self._window(start)
@@ -233,30 +237,32 @@ class BlockStream:
             rails=list(settings.rails),
         )
         if isinstance(block, LeftOut):
-            return self._without(at.begin, end, *found, Found("too_slow", None, block.reason))
+            return self._without(at.begin, end, *found, WaveformFinding("too_slow", None, block.reason))
         rpm = rad_per_s_to_rpm(block.speed)
         if rpm > OVERSPEED * settings.highest_rpm:
             detail = f"{rpm:.6g} rpm by the keyphasor, the machine goes up to {settings.highest_rpm:g} rpm"
-            return self._without(at.begin, end, *found, Found("speed_out_of_range", None, detail))
+            return self._without(at.begin, end, *found, WaveformFinding("speed_out_of_range", None, detail))
         repairs = [repair for repair in angle.repairs if begin <= repair.time < until]
         if repairs:
             kinds = " and ".join(f"{sum(r.kind == kind for r in repairs)} {kind}" for kind in ("missing", "extra"))
-            found.append(Found("pulses_repaired", None, f"{kinds} pulses in a block"))
+            found.append(WaveformFinding("pulses_repaired", None, f"{kinds} pulses in a block"))
         if at.lost:
-            found.append(Found("phase_reference_lost", None, "the phase counts from an unknown mark until the shaft stops"))
+            found.append(
+                WaveformFinding("phase_reference_lost", None, "the phase counts from an unknown mark until the shaft stops")
+            )
         for channel, fault in zip(settings.channels, block.faults, strict=True):
             if fault is not None:
-                found.append(Found(fault.replace(" ", "_"), channel, f"in the block of {until - begin:.3g} s"))
+                found.append(WaveformFinding(fault.replace(" ", "_"), channel, f"in the block of {until - begin:.3g} s"))
         position = replace(at, begin=end, mark=self._mark(angle, end), rpm=rpm)
-        return Outcome(block, self._time_ns(block.time), tuple(found), position)
+        return BlockOutcome(block, self._time_ns(block.time), tuple(found), position)
 
-    def _without(self, begin: float, end: float, *found: Found) -> Outcome:
+    def _without(self, begin: float, end: float, *found: WaveformFinding) -> BlockOutcome:
         at = self._at
         if any(one.name == "no_pulses" for one in found) and at.rpm < STOPPING * self._settings.lowest_rpm:
             at = replace(at, mark=None, lost=False)
-        return Outcome(None, self._time_ns((begin + end) / 2.0), found, replace(at, begin=end))
+        return BlockOutcome(None, self._time_ns((begin + end) / 2.0), found, replace(at, begin=end))
 
-    def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | Found, float]:
+    def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | WaveformFinding, float]:
         """The shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
         at, settings = self._at, self._settings
         first = max(self._index(begin), self._first - at.segment)
@@ -272,7 +278,7 @@ class BlockStream:
                 threshold=settings.threshold,
             )
         except KeyphasorError as error:
-            return Found(KEYPHASOR_CONDITIONS.get(type(error), "keyphasor_not_finite"), None, str(error)), start
+            return WaveformFinding(KEYPHASOR_CONDITIONS.get(type(error), "keyphasor_not_finite"), None, str(error)), start
         return self._counted(angle), start
 
     def _counted(self, angle: ShaftAngle) -> ShaftAngle:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 MOST_KEPT = 10_000
 
 
-class Rate:
+class RateLimiter:
     """Buckets by name. per_s: tokens that come back each second; burst: as many as a bucket holds."""
 
     def __init__(self, *, per_s: float, burst: float, clock: Callable[[], float] = time.monotonic) -> None:

@@ -15,7 +15,7 @@ import zenoh
 
 from service.durable_log import DurableLog
 from service.source import Source
-from service.source_log import Entry, LogDamaged, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
+from service.source_log import LogDamaged, LogEntry, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
 from service.wire import decode_batch
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
@@ -24,11 +24,11 @@ def opened(path: Path, **bounds: int) -> DurableLog:
     return DurableLog(path, source="edge", **bounds)
 
 
-def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | None = None) -> Entry:
-    return Entry(first, count, payload, "application/msgpack", position)
+def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | None = None) -> LogEntry:
+    return LogEntry(first, count, payload, "application/msgpack", position)
 
 
-def ignored(_: Entry) -> None:
+def ignored(_: LogEntry) -> None:
     """Nothing is sent."""
 
 
@@ -83,7 +83,7 @@ def test_a_batch_is_sent_only_when_it_is_in_the_log_and_in_order(path: Path) -> 
     log = opened(path)
     seen: list[tuple[int, bool]] = []
 
-    def sent(one: Entry) -> None:
+    def sent(one: LogEntry) -> None:
         seen.append((one.first, bool(log.entries_from(one.first, 1))))
 
     for number in range(0, 400, 2):
@@ -265,7 +265,7 @@ def test_many_batches_a_second_are_logged(path: Path) -> None:
     commits = 0
     commit = log._commit
 
-    def counted(entries: list[Entry]) -> None:
+    def counted(entries: list[LogEntry]) -> None:
         nonlocal commits
         commits += 1
         time.sleep(0.01)  # a slow disk

@@ -10,7 +10,7 @@ import pytest
 import zenoh
 
 from service import inbox as inbox_module
-from service.inbox import Inbox, Message
+from service.inbox import Inbox, PublishedMessage
 from service.memory import give_back
 from service.wire import LARGEST_MESSAGE
 from storage.quarantine import KEPT_BYTES
@@ -28,7 +28,7 @@ def inbox(router: zenoh.Session) -> Iterator[Inbox]:
     one.close()
 
 
-def taken(inbox: Inbox) -> list[Message]:
+def taken(inbox: Inbox) -> list[PublishedMessage]:
     return list(iter(inbox.take, None))
 
 
@@ -72,7 +72,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
     sender.join(0.3)
     assert sender.is_alive(), "it was not held back"
     assert len(inbox) == kept
-    found: list[Message] = []
+    found: list[PublishedMessage] = []
 
     def everything() -> bool:
         found.extend(taken(inbox))
@@ -101,14 +101,14 @@ def test_what_has_come_before_it_is_closed_can_still_be_taken(router: zenoh.Sess
 def test_a_message_that_cannot_be_copied_stops_none_of_the_others(
     router: zenoh.Session, inbox: Inbox, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    copy = Message.of
+    copy = PublishedMessage.of
 
-    def failing(sample: zenoh.Sample) -> Message:
+    def failing(sample: zenoh.Sample) -> PublishedMessage:
         if sample.payload.to_bytes() == b"bad":
             raise MemoryError("no room")
         return copy(sample)
 
-    monkeypatch.setattr(Message, "of", failing)
+    monkeypatch.setattr(PublishedMessage, "of", failing)
     for payload in (b"one", b"bad", b"two"):
         router.put(KEY, payload)
     wait_until(lambda: len(inbox) == 2)

@@ -16,7 +16,7 @@ from service import holes, putting_off, storing
 from service import ingest as ingest_module
 from service.collection import Collector
 from service.ingest import Ingest
-from service.journal import Arrived, Journal, Outcome
+from service.journal import Arrived, Journal, StoreOutcome
 from service.source import Source
 from service.storing import Storing
 from service.submissions import NotStoring, Submissions
@@ -162,7 +162,7 @@ def test_a_source_that_fails_over_http_is_put_off_and_no_other(router: zenoh.Ses
     assert rejected(plant) == {"unexpected_error": 3}
 
 
-def offer(submissions: Submissions, name: str, **changes: Any) -> Outcome:
+def offer(submissions: Submissions, name: str, **changes: Any) -> StoreOutcome:
     """What becomes of five samples of a machine."""
     body = encode_body(batch([900.0] * 5, machine=name, **changes), MESSAGEPACK)
     return submissions.offer(name, body, MESSAGEPACK).result(10.0)
@@ -173,7 +173,7 @@ class Partial(Journal):
 
     broken = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.broken and any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -207,7 +207,7 @@ class AwayForOne(Partial):
 
     away = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.away and [one.batch.source for one in arrived] == ["working"]:
             self.away = False
             raise AWAY
@@ -328,7 +328,7 @@ def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
 class FirstThreeFail(Journal):
     """Meets an error that nobody foresaw with what a source sent first."""
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if any(one.batch.sequence < 15 for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -354,7 +354,7 @@ class Failing(Journal):
         super().__init__(database, Collector())
         self.errors = list(errors)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and self.errors:
             raise self.errors.pop(0)
         return super().store(arrived, rejections, **more)
@@ -405,7 +405,7 @@ def test_whoever_waits_over_http_is_answered(
         with pytest.raises(expected):
             submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
         wait_until(lambda: ingest.trouble is None and submissions.trouble is None)
-        again: Future[Outcome] = submissions.offer(KEY.machine, body, MESSAGEPACK)
+        again: Future[StoreOutcome] = submissions.offer(KEY.machine, body, MESSAGEPACK)
         outcome = again.result(10.0)
         assert outcome.received + outcome.duplicates == 5
     assert counts(plant) == (5, 5, 0)
@@ -490,7 +490,7 @@ class AwayAtTheEnd(Journal):
         super().__init__(database, Collector())
         self.tries, self.ending = tries, False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and (not self.ending or self.tries > 0):
             self.tries -= self.ending
             raise AWAY

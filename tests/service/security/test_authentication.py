@@ -16,7 +16,7 @@ from service.security.authentication import COOKIE, REMEMBERED_S, Authentication
 from service.security.configuration import Security
 from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
-from service.security.rate import Rate
+from service.security.rate import RateLimiter
 from service.security.tokens import Claims, TokenRefused, Tokens
 from storage import keys
 from storage.clock import now
@@ -184,7 +184,7 @@ def test_who_brings_nothing_or_an_old_session_uses_up_nobodys_guesses(store: Dat
 
 def test_a_bucket_fills_up_again() -> None:
     clock = Clock()
-    rate = Rate(per_s=2.0, burst=3.0, clock=clock)
+    rate = RateLimiter(per_s=2.0, burst=3.0, clock=clock)
     assert [rate.take("a") for _ in range(3)] == [0.0, 0.0, 0.0]
     assert rate.take("a") == pytest.approx(0.5)
     assert rate.take("b") == 0.0
