@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, ViewportSize, expect, sync_playwright
 
-from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, tell
+from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
@@ -51,20 +51,20 @@ class Seen:
 
 
 @pytest.fixture(scope="session")
-def told(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The store of a service that has watched a coupling go out of alignment for some weeks."""
     one = Service(tmp_path_factory.mktemp("story"), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
     with one.running():
-        tell(one)
+        run_story(one)
     one.client.close()
     return one.folder / "rundown.db"
 
 
 @pytest.fixture(scope="module")
-def place(told: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
+def place(recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
     """Where a service runs that goes on from there."""
     folder = tmp_path_factory.mktemp("dashboard")
-    for file in told.parent.glob(f"{told.name}*"):  # its log as well, if there is one
+    for file in recorded.parent.glob(f"{recorded.name}*"):  # its log as well, if there is one
         shutil.copy(file, folder)
     one = Service(folder, RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
     yield one

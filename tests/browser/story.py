@@ -25,7 +25,7 @@ FLAGS = (
 )
 
 
-def tell(service: Service) -> None:
+def run_story(service: Service) -> None:
     """Some weeks of a machine whose coupling goes out of alignment, all of it identified."""
     service.create(MACHINE)
     simulate(service, MACHINE, cycles=CYCLES, rate=1000, wait_s=90, story="misalignment")

@@ -92,7 +92,7 @@ def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Ser
 
 
 @pytest.mark.long
-def test_what_only_waits_is_not_told_as_a_service_that_is_gone(seen: Seen) -> None:
+def test_what_only_waits_is_not_reported_as_a_service_that_is_gone(seen: Seen) -> None:
     waiting: list[Route] = []
     seen.page.route(
         re.compile(r"/api/v1/(?!alert-events/stream)"), lambda route: waiting.append(route)
@@ -169,16 +169,16 @@ def test_what_is_answered_before_the_first_frame_is_shown(seen: Seen, shown_at: 
 
 def test_who_has_gone_on_is_not_brought_back(seen: Seen) -> None:
     held: list[Route] = []
-    told = seen.page.get_by_role("heading", name="Identifiability")
+    panel = seen.page.get_by_role("heading", name="Identifiability")
     seen.page.add_init_script(LATE_FRAMES + LATE_NEWS_OF_THE_ADDRESS)
     seen.open(f"machines/{MACHINE}/identified")
-    expect(told).to_be_visible()
+    expect(panel).to_be_visible()
     seen.open(f"machines/{MACHINE}/settings")
-    expect(told).to_have_count(0)
+    expect(panel).to_have_count(0)
     # An answer would have it drawn again, and what waits for a frame done before.
     seen.page.route(re.compile("/identifications"), lambda route: held.append(route))
     seen.open(f"machines/{MACHINE}/identified")  # what it shows is known by now, and is put into the address
-    expect(told).to_be_visible()
+    expect(panel).to_be_visible()
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
     seen.page.wait_for_timeout(2500)
     for one in held:

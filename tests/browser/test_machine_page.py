@@ -90,15 +90,15 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     seen.page.route(re.compile("/trend-tests[?]"), lambda route: route.fulfill(json=answer))
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1")
     wait_drawn(seen.page, 2)  # magnitude and angle
-    told = seen.page.locator(".trend-tests")
+    texts = seen.page.locator(".trend-tests")
     mean = "mean of the newest runs below the baseline"
     weekly = "−8.9 % of the baseline's magnitude per week (−12 … −5.0)"
-    expect(told).to_have_text(
+    expect(texts).to_have_text(
         re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: step up, most likely since "))
     )
-    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    assert texts.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
     seen.page.set_viewport_size({"width": 390, "height": 844})
-    assert told.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
+    assert texts.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
     plot = seen.page.get_by_role("group", name=re.compile(f"Angle of {name} over time"))
     angle = math.degrees(math.atan2(series["imaginary"][-2], series["real"][-2]))
     plot.press("ArrowLeft")

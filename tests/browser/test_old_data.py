@@ -112,7 +112,7 @@ def test_the_points_of_a_run_do_not_grow_old_unsaid(seen: Seen) -> None:
     expect(seen.page.locator(".stale-notice")).to_have_count(0)
 
 
-def test_a_single_try_that_failed_is_repaired_and_not_told(seen: Seen, service: Service) -> None:
+def test_a_single_try_that_failed_is_repaired_and_not_reported(seen: Seen, service: Service) -> None:
     refused: list[str] = []
 
     def once(route: Route) -> None:
@@ -162,7 +162,7 @@ AbortSignal.timeout = (ms) => wait(ms > 5000 ? 1500 : ms);"""
 NEWEST_RUNS = re.compile(rf"/machines/{MACHINE}/runs\?limit=12")
 
 
-def test_an_answer_that_does_not_come_is_told_while_the_service_is_there(seen: Seen, service: Service) -> None:
+def test_an_answer_that_does_not_come_is_reported_while_the_service_is_there(seen: Seen, service: Service) -> None:
     held: list[Route] = []
     seen.page.add_init_script(IMPATIENT)
     seen.page.route(NEWEST_RUNS, lambda route: held.append(route))
@@ -182,7 +182,7 @@ def test_an_answer_that_does_not_come_is_told_while_the_service_is_there(seen: S
     expect(runs.get_by_role("table")).to_be_visible()
 
 
-def test_an_answer_that_is_cut_off_is_told(seen: Seen) -> None:
+def test_an_answer_that_is_cut_off_is_reported(seen: Seen) -> None:
     seen.page.route(NEWEST_RUNS, lambda route: route.fulfill(body='[{"id": 1', content_type="application/json"))
     seen.open(f"machines/{MACHINE}")
     runs = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Newest runs"))
