@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
+from estimator.phasors.channel_status import ChannelStatus
 from storage import machines, runs, samples
 from storage.blocks import Samples
 from storage.database import Database

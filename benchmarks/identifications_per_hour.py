@@ -15,9 +15,9 @@ import numpy as np
 import psutil
 
 from benchmarks.chain import Usage, create_machines, publishing
-from estimator.derived import derived_quantities
-from estimator.gate import identify_gated
-from estimator.identification import Options
+from estimator.fit.identify import Options
+from estimator.identification.quality_gate import identify_gated
+from estimator.updated_model.derived_quantities import derived_quantities
 from service.settings import Settings
 from storage import identifications, machines, runs
 from storage.database import Database

@@ -13,7 +13,7 @@ import numpy as np
 import psutil
 
 from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publishing
-from estimator.machine import parse_machine
+from estimator.machine.document import parse_machine
 from service.source import Source
 from service.stream import session, wait_connected
 from service.wire import Key

@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from estimator.keyphasor import ShaftAngle, read_keyphasor
-from estimator.order_tracking import track_orders
+from estimator.signal.keyphasor import ShaftAngle, read_keyphasor
+from estimator.signal.order_tracking import track_orders
 from estimator.thesis.time_history import band_passed, extrema_phasor
 from estimator.units import rpm_to_rad_per_s
 from service.edge.agent import Agent

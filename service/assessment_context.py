@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
-from estimator.point import Point
+from estimator.machine.document import Machine
+from estimator.trends.parameter_vector import Point
 from service.alert_life import Severity
 from service.comparing import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
 from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding

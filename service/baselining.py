@@ -3,7 +3,7 @@
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict, Invalid
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service import alerting
 from storage import alerts, baselines, identifications, machines, timeline
 from storage.clock import TOLERANCE, now

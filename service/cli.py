@@ -13,18 +13,18 @@ import threadpoolctl
 import typer
 from pydantic import ValidationError
 
-from estimator.gate import Gated, identify_gated
-from estimator.identification import Identification
-from estimator.machine import Machine
-from estimator.measurement import Measurement, joined
-from estimator.model_comparison import compare_misalignment
-from estimator.recorded import RecordedRun
-from estimator.rules import QualityRules
-from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
+from estimator.fit.identify import Identification
+from estimator.identification.model_comparison import compare_misalignment
+from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.machine.document import Machine
+from estimator.machine.rules import QualityRules
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.simulation.simulated_plant import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
 from estimator.units import RAD_PER_S
-from estimator.updated_model import updated_model
+from estimator.updated_model.model import updated_model
 from service.documents import UnreadableFile, read_machine
 from service.ending import fail
 from service.logs import log_to_terminal

@@ -16,7 +16,7 @@ from typing import Any, Self, TypeVar
 import httpx
 from pydantic import BaseModel
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service.alert_messages import AlertEvent
 from service.api.alert_schemas import AlertOut
 from service.api.deviation_schemas import DeviationsOut

@@ -10,10 +10,10 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
-from estimator.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
-from estimator.segmentation import RunEnded, RunStarted
-from estimator.speed_bins import ROLLING, SpeedBins, filled
+from estimator.machine.document import Machine
+from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
+from estimator.runs.segmentation import RunEnded, RunStarted
+from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
 from service.collection_state import CollectionState, standing, standings
 from service.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage import machines, runs, samples

@@ -7,8 +7,8 @@ from typing import Any, Self
 import msgspec
 from sqlalchemy.orm import Session
 
-from estimator.operating_state import OperatingState
-from estimator.speed_bins import SpeedBins
+from estimator.runs.operating_state import OperatingState
+from estimator.runs.speed_bins import SpeedBins
 from service.late import Window
 from storage import runs
 from storage.clock import is_ahead

@@ -22,7 +22,7 @@ from typing import Any
 import httpx
 import numpy as np
 
-from estimator.parameter_description import describe
+from estimator.machine.parameter_description import describe
 from service.documents import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import yaml
 
-from estimator.document_size import accepted_machine
-from estimator.machine import DocumentError, Machine
+from estimator.machine.document import DocumentError, Machine
+from estimator.machine.document_size import accepted_machine
 
 
 class UnreadableFile(ValueError):

@@ -1,6 +1,6 @@
 """The findings that people are told of, each declared once: the alert rule that speaks of it, its limits and its sentence.
 
-`FINDING_RULES` has one declaration for each of `estimator.finding_kinds.FINDING_KINDS`; the module is not imported without.
+`FINDING_RULES` has one declaration for each of `estimator.diagnosis.finding_kinds.FINDING_KINDS`; the module is not imported without.
 """
 
 import math
@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from estimator.finding_kinds import FINDING_KINDS, finding_kind
+from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from service.limit_rule import Level, Quantity, Rule
 
 if TYPE_CHECKING:
-    from estimator.finding_kind import Cause, ChangeSize, ElementKind
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize, ElementKind
 
 
 class SizedCause(Protocol):

@@ -10,8 +10,8 @@ from typing import Any
 from sqlalchemy import select
 from sqlalchemy.orm import Session, undefer
 
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine, parse_machine
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.channel_status import ChannelStatus
 from service.column_files import Column, Rows, write
 from storage import runs
 from storage.blocks import DamagedBlock, Samples

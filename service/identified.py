@@ -9,12 +9,12 @@ from sqlalchemy.orm import Session
 
 from estimator.arrays import Floats
 from estimator.errors import Conflict
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.quality import EXCLUDING
-from estimator.rules import Noise
-from estimator.slow_roll import SlowRoll, corrected
-from estimator.updated_model import UpdatedModel, model_at
+from estimator.machine.document import Machine
+from estimator.machine.rules import Noise
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.quality import EXCLUDING
+from estimator.phasors.slow_roll import SlowRoll, corrected
+from estimator.updated_model.model import UpdatedModel, model_at
 from storage import identifications, machines, runs, slow_roll
 from storage.runs import RunUnknown, SamplesReleased
 from storage.tables import IdentificationRow, RunRow

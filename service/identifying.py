@@ -6,7 +6,7 @@ import time
 
 from sqlalchemy.exc import DBAPIError
 
-from estimator.identification import Options
+from estimator.fit.identify import Options
 from service.computing_jobs import ComputingJobs
 from service.engines import executor_of
 from service.executor import ExecutorUnavailable

@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable
 
-from estimator.identification import Options
+from estimator.fit.identify import Options
 from service import requesting, worker
 from service.computing_jobs import ComputingJobs, TakenJob
 from service.executor import Executor, ExecutorUnavailable

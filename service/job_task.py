@@ -5,8 +5,8 @@ from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
-from estimator.identification import Options
-from estimator.machine import parse_machine
+from estimator.fit.identify import Options
+from estimator.machine.document import parse_machine
 from service import requesting
 from service.release import VERSION
 from service.task import IdentificationTask

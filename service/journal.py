@@ -13,7 +13,7 @@ from collections.abc import Set
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service.batch import Arrived, StoreOutcome
 from service.collection import Collector
 from service.giving_way import Pacing

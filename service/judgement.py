@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from estimator.machine import Machine
-from estimator.observation import ObservedFit
-from estimator.point import Point
-from estimator.rules import Condition
+from estimator.diagnosis.observation import ObservedFit
+from estimator.machine.document import Machine
+from estimator.machine.rules import Condition
+from estimator.trends.parameter_vector import Point
 from service.alert_life import Severity
 from service.limits import Limits
 
 if TYPE_CHECKING:
-    from estimator.finding_kind import Cause, ChangeSize
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize
     from service.rate_of_change import RateFinding
 
 Conditions = Mapping[str, float | None]

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from estimator.change_size import change_form, change_size
-from estimator.covariates import Adjustment, adjustment
-from estimator.diagnosis import Diagnosis
-from estimator.healthy_variation import typical_amplitude
-from estimator.machine import Machine
-from estimator.observation import Observation, observation
-from estimator.parameter_names import change_unit, parameter_units
-from estimator.trend_tests import Reading
-from estimator.watch import Watch
+from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.healthy_variation import typical_amplitude
+from estimator.diagnosis.observation import Observation, observation
+from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.severity_measures import change_form, change_size
+from estimator.machine.document import Machine
+from estimator.rotor.parameter_names import change_unit, parameter_units
+from estimator.trends.covariates import Adjustment, adjustment
+from estimator.trends.trend_tests import Reading
 from service.alert_life import Severity
 from service.diagnosis_rules import delays
 from service.finding_rules import RATE_OF_CHANGE

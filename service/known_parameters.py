@@ -5,8 +5,8 @@ from collections.abc import Collection, Iterator
 from sqlalchemy.orm import Session
 
 from estimator.errors import Missing
-from estimator.machine import Machine
-from estimator.parameter_names import derived_unit, derived_units, in_words, parameter_units
+from estimator.machine.document import Machine
+from estimator.rotor.parameter_names import derived_unit, derived_units, in_words, parameter_units
 from storage import machines
 
 MOST_REVISIONS = 20

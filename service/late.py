@@ -15,10 +15,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
-from estimator.operating_state import OperatingLimits, OperatingState, advance, silence
-from estimator.segmentation import RunEnded, RunKind
-from estimator.speed_bins import ROLLING
+from estimator.machine.document import Machine
+from estimator.runs.operating_state import OperatingLimits, OperatingState, advance, silence
+from estimator.runs.segmentation import RunEnded, RunKind
+from estimator.runs.speed_bins import ROLLING
 from service.own_faults import damaged_blocks
 from service.run_samples import largest_read
 from storage import machines, quarantine, runs, samples

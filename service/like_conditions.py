@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from sqlalchemy.orm import Session
 
-from estimator.covariates import Adjustment, adjustment
-from estimator.point import Point
-from estimator.trend_tests import Reading
+from estimator.trends.covariates import Adjustment, adjustment
+from estimator.trends.parameter_vector import Point
+from estimator.trends.trend_tests import Reading
 from service.comparing import WEEK, Compared
 from storage import identifications, machines
 from storage.tables import IdentificationRow

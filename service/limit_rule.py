@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
-from estimator.written import Written
+from estimator.strict_model import Written
 
 Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)

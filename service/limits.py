@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from pydantic import ConfigDict, Field, ValidationInfo, create_model, field_validator
 
 from estimator.errors import Invalid
-from estimator.machine import Machine
-from estimator.written import Written
+from estimator.machine.document import Machine
+from estimator.strict_model import Written
 from service.alert_life import Severity
 from service.finding_rules import LIMITED_RULES, concerned_elements
 from service.limit_rule import Rule

@@ -5,16 +5,16 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.amplification import amplification
 from estimator.arrays import Floats
-from estimator.balance_grade import balance_grades
-from estimator.balancing import balance
-from estimator.critical_speed import critical_speed_table
-from estimator.impact_test import compare_impact_test, measured_frequencies
-from estimator.misalignment_force import coupling_forces
-from estimator.modal_uncertainty import critical_speed_errors
+from estimator.modes.critical_speed import critical_speed_table
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model import UpdatedModel
+from estimator.updated_model.amplification import amplification
+from estimator.updated_model.balance_quality import balance_grades
+from estimator.updated_model.balancing import balance
+from estimator.updated_model.coupling_loads import coupling_forces
+from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
+from estimator.updated_model.modal_uncertainty import critical_speed_errors
+from estimator.updated_model.model import UpdatedModel
 
 HIGHEST_ABOVE_TRIP = 1.25
 """Critical speeds are looked for up to this part of the speed range's end."""

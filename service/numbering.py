@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service import holes, rejections
 from service.batch import LARGEST_GAP, Arrived, StoreOutcome
 from service.bounded import BoundedDict

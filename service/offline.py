@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.machine import Machine
-from estimator.measurement import Measurement, joined
-from estimator.recorded import RecordedRun
-from estimator.slow_roll import Capture, capture, corrected
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.documents import UnreadableFile
 from service.recording import Sidecar, read_recording, read_sidecar

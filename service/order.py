@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire import Fault
 from storage.blocks import Samples

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimator.design import helpful_probes, helpful_speeds
-from estimator.estimates import Estimate
-from estimator.identification import Identification
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.model_comparison import ModelComparison
-from estimator.quality import Quality
-from estimator.slow_roll import Capture
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification
+from estimator.identification.experiment_design import helpful_probes, helpful_speeds
+from estimator.identification.model_comparison import ModelComparison
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.quality import Quality
+from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from estimator.deviation import parameter_of
-from estimator.rate_of_change import ParameterRate, rates_of_change
-from estimator.trend_tests import Reading
+from estimator.trends.deviations import parameter_of
+from estimator.trends.rate_of_change import ParameterRate, rates_of_change
+from estimator.trends.trend_tests import Reading
 from service.alert_life import Severity
 from service.finding_rules import RATE_OF_CHANGE
 from service.limits import Limits, severity_of

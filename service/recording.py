@@ -14,8 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from estimator.arrays import Complexes, Floats
 from estimator.field_types import Identifier, Positive
-from estimator.machine import Machine, field_path
-from estimator.parts import Unbalance
+from estimator.machine.document import Machine, field_path
+from estimator.machine.parts import Unbalance
 from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch

@@ -11,8 +11,8 @@ from typing import Any, Literal
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
-from estimator.identification import Options
-from estimator.rules import QualityRules
+from estimator.fit.identify import Options
+from estimator.machine.rules import QualityRules
 from service.job_quota import LONGEST_IDENTITY, JobQuota
 from storage import jobs, machines, runs, slow_roll
 from storage.job_order import ASKED

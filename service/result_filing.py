@@ -10,7 +10,7 @@ from dataclasses import replace
 from sqlalchemy.exc import DataError, IntegrityError
 from sqlalchemy.orm import Session
 
-from estimator.identification import Options
+from estimator.fit.identify import Options
 from service.computing_jobs import ComputingJobs, TakenJob
 from service.executor import TaskRefused
 from service.held_jobs import HeldJobs

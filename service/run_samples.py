@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.capture import captured, thinned
-from estimator.coverage import Coverage, coverage
-from estimator.machine import Machine
-from estimator.segmentation import SweepLimits
+from estimator.machine.document import Machine
+from estimator.runs.coverage import Coverage, coverage
+from estimator.runs.sample_selection import captured, thinned
+from estimator.runs.segmentation import SweepLimits
 from estimator.units import rpm_to_rad_per_s
 from storage import machines, runs, samples
 from storage.blocks import Samples, encode

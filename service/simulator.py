@@ -15,9 +15,9 @@ import numpy as np
 import zenoh
 
 from estimator.arrays import Complexes, Floats
-from estimator.machine import Machine
-from estimator.segmentation import RunKind
-from estimator.simulation import (
+from estimator.machine.document import Machine
+from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_plant import (
     Story,
     Truth,
     at_progress,

@@ -11,7 +11,7 @@ from service.finding_rules import finding_rule
 from storage.clock import to_datetime
 
 if TYPE_CHECKING:
-    from estimator.finding_kind import Cause, ChangeSize
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize
 
 LARGEST_MOVES = 4
 """Parameters of each element that are named as moved: those that moved most surely."""

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from estimator.derived import Derived
-from estimator.identification import Identification, Options
-from estimator.quality import Quality
-from estimator.rules import QualityRules
-from estimator.slow_roll import SlowRoll
+from estimator.fit.identify import Identification, Options
+from estimator.machine.rules import QualityRules
+from estimator.phasors.quality import Quality
+from estimator.phasors.slow_roll import SlowRoll
+from estimator.updated_model.derived_quantities import Derived
 
 
 @dataclass(frozen=True)

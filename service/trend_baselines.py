@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.baseline_band import Band, baseline_band, magnitude_band
-from estimator.estimates import CONFIDENCE_95
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.trends.baseline_band import Band, baseline_band, magnitude_band
 from service.comparing import baseline_of
 from storage import baselines, machines
 from storage.identifications import Like

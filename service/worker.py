@@ -5,19 +5,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.derived import Derived, derived_quantities
-from estimator.gate import Gated, identify_gated
-from estimator.gathering import combined
-from estimator.identification import Identification
-from estimator.machine import Machine, parse_machine
-from estimator.noise import error_size
-from estimator.nominal_critical_speeds import crossed_critical_speeds
-from estimator.orbit import orbit_findings
-from estimator.quality import Quality
-from estimator.recorded import RecordedRun
-from estimator.repeatability import EarlierRun, distances, repeatability_findings
-from estimator.second_order import Orders
-from estimator.slow_roll import corrected
+from estimator.fit.identify import Identification
+from estimator.identification.pooling import combined
+from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.machine.document import Machine, parse_machine
+from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
+from estimator.phasors.harmonic_ratio import Orders
+from estimator.phasors.noise import error_size
+from estimator.phasors.orbits import orbit_findings
+from estimator.phasors.quality import Quality
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.repeatability import EarlierRun, distances, repeatability_findings
+from estimator.phasors.slow_roll import corrected
+from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from service.task import IdentificationOutcome, IdentificationTask
 from service.time_limit import limited
 from storage.blocks import Samples, decode, mean_conditions

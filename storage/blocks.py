@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
 from estimator.errors import Damaged
-from estimator.measurement import Measurement
-from estimator.recorded import RecordedRun
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
 from storage.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body

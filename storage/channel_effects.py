@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.channel_effects import ChannelEffects
+from estimator.fit.channel_sensitivity import ChannelEffects
 
 ZIP = b"PK"
 """With which a block begins that an older release wrote: a file of numpy's."""

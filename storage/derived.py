@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy import insert, select
 from sqlalchemy.orm import Session
 
-from estimator.derived import Derived
+from estimator.updated_model.derived_quantities import Derived
 from storage.tables import DerivedRow, IdentificationRow
 
 

@@ -9,11 +9,11 @@ import numpy as np
 from sqlalchemy import Select, Text, cast, func, insert, select
 from sqlalchemy.orm import Session, undefer
 
+from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
-from estimator.identification import Identification
-from estimator.observation import ObservedFit
-from estimator.parameter_description import is_direct
-from estimator.point import Point
+from estimator.fit.identify import Identification
+from estimator.machine.parameter_description import is_direct
+from estimator.trends.parameter_vector import Point
 from storage import channel_effects
 from storage.clock import TOLERANCE, now
 from storage.jobs import GATHERED, RUN

@@ -8,7 +8,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict, Missing
-from estimator.machine import Machine, parse_machine
+from estimator.machine.document import Machine, parse_machine
 from storage.clock import now
 from storage.paging import Keys, ordered
 from storage.tables import MachineRow, RevisionRow

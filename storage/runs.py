@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
-from estimator.coverage import Coverage
 from estimator.errors import Gone, Missing
-from estimator.speed_bins import ROLLING
+from estimator.runs.coverage import Coverage
+from estimator.runs.speed_bins import ROLLING
 from storage.blocks import DamagedBlock, Samples, decode, encode
 from storage.clock import latest, to_datetime
 from storage.paging import Keys, between, ordered
 from storage.tables import CollectorRow, MachineStateRow, RunRow
 
 if TYPE_CHECKING:
-    from estimator.quality import Quality
+    from estimator.phasors.quality import Quality
 
 _FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
 _FLAGS_FORMAT = 1
@@ -207,7 +207,7 @@ def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
 
 
 def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
-    """Flags (S, m) of a run's phasors, see `estimator.quality.Flag`; None while it was not judged.
+    """Flags (S, m) of a run's phasors, see `estimator.phasors.quality.Flag`; None while it was not judged.
 
     Raises RunUnknown, SamplesReleased, DamagedBlock.
     """

@@ -13,9 +13,9 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from estimator.errors import Missing
-from estimator.machine import Machine
-from estimator.parts import Probe
-from estimator.slow_roll import SlowRoll
+from estimator.machine.document import Machine
+from estimator.machine.parts import Probe
+from estimator.phasors.slow_roll import SlowRoll
 from storage import machines
 from storage.clock import now
 from storage.paging import Keys, ordered

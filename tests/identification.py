@@ -4,9 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
-from estimator.simulation import draw_truth, measured_phasors, speed_law
+from estimator.machine.document import Machine
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.documents import read_machine
 from storage import jobs, runs
 from storage.blocks import Samples

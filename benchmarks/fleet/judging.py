@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History
-from estimator.change_size import change_size
-from estimator.healthy_variation import typical_amplitude
-from estimator.identification import Identification
-from estimator.observation import Observation, observed
-from estimator.watch import Watch
+from estimator.diagnosis.healthy_variation import typical_amplitude
+from estimator.diagnosis.observation import Observation, observed
+from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.severity_measures import change_size
+from estimator.fit.identify import Identification
 from service.alert_life import Severity
 from service.assessment_context import LOOKED_BACK
 from service.diagnosis_rules import cause_severity, delays

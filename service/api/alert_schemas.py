@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
 
-from estimator.written import Written
+from estimator.strict_model import Written
 from service.api.evidence import AlertEvidence
 from service.api.fields import Comment, Moment, Said
 from service.security.principal import Author

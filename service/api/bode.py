@@ -6,9 +6,9 @@ from typing import Annotated, Any
 import numpy as np
 from fastapi import APIRouter, Query, Request
 
-from estimator.error_propagation import PhasorBand
-from estimator.fitted_response import fitted_response
-from estimator.noise import error_size
+from estimator.phasors.noise import error_size
+from estimator.updated_model.fitted_response import fitted_response
+from estimator.updated_model.uncertainty import PhasorBand
 from service.api import model_schemas as schemas
 from service.api.access import Number, database
 from service.api.model import head, kept

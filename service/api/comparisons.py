@@ -7,8 +7,8 @@ from fastapi import APIRouter, Query, Request
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
-from estimator.deviation import parameter_of
-from estimator.parameter_change import ParameterChange, Values, element_changes, parameter_changes
+from estimator.trends.deviations import parameter_of
+from estimator.trends.parameter_change import ParameterChange, Values, element_changes, parameter_changes
 from service.api.access import Number, Reading
 from service.api.model import read_identified
 from service.api.problems import RESPONSES, Unsuitable

@@ -7,8 +7,8 @@ from typing import Annotated, cast
 from fastapi import Query
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
-from estimator.slow_roll import SlowRoll
+from estimator.machine.document import Machine
+from estimator.phasors.slow_roll import SlowRoll
 from service import requesting
 from service.api import measurement_rendering as rendering
 from service.api import measurement_schemas as schemas

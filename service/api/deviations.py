@@ -8,13 +8,13 @@ from fastapi import APIRouter, Query, Request
 from pydantic import Field
 from sqlalchemy.orm import Session
 
-from estimator.deviation import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
-from estimator.machine import Machine
-from estimator.parameter_description import is_direct
-from estimator.parameter_names import derived_unit
-from estimator.point import Point
-from estimator.slow_drift import Drift
-from estimator.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import is_direct
+from estimator.rotor.parameter_names import derived_unit
+from estimator.trends.deviations import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
+from estimator.trends.drift import Drift
+from estimator.trends.parameter_vector import Point
+from estimator.trends.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests
 from service.api import deviation_schemas as schemas
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES, Unsuitable

@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
-from estimator.parameter_names import change_unit, parameter_units
+from estimator.rotor.parameter_names import change_unit, parameter_units
 from service.api.access import MachineId, Number, Reading
 from service.api.evidence import CauseOut
 from service.api.problems import RESPONSES, Unsuitable

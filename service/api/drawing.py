@@ -3,8 +3,8 @@
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from estimator.machine import Machine
-from estimator.train_layout import disc_body, shaft_begins
+from estimator.machine.document import Machine
+from estimator.machine.train_layout import disc_body, shaft_begins
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES
 from service.security.requirement import VIEWER

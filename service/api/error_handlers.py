@@ -12,7 +12,7 @@ from sqlalchemy.exc import DataError, DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.errors import DomainError, Missing
-from estimator.machine import problems_of
+from estimator.machine.document import problems_of
 from service.api.error_status import status_of
 from service.api.patterns import WORDS
 from service.api.problem import FieldProblem, problem_response

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BaseModel, Field
 
-from estimator.finding_kinds import FINDING_KINDS
+from estimator.diagnosis.finding_kinds import FINDING_KINDS
 from service.finding_rules import RATE_OF_CHANGE
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request, Response
 from pydantic import BaseModel, Field
 
-from estimator.operating_state import Mode
+from estimator.runs.operating_state import Mode
 from service.api.access import database, instant
 from service.api.fresh_answers import Cached
 from service.api.machine_list import MachineList

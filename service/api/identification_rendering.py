@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from estimator.units import rad_per_s_to_rpm
-from estimator.vector_angle import angle_deg, angle_half_width_deg
+from estimator.updated_model.vector_angle import angle_deg, angle_half_width_deg
 from service.api import identification_schemas as schemas
 from service.api.parameter_units import ParameterUnits, shown_in
 from service.api.values import time_or_none

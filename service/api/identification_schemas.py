@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat, model_validator
 
-from estimator.written import Written
+from estimator.strict_model import Written
 
 
 class EstimateOut(BaseModel):

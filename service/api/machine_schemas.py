@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import BaseModel
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 
 
 class MachineSummary(BaseModel):

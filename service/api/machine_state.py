@@ -7,8 +7,8 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
-from estimator.machine import Machine
-from estimator.operating_state import Mode
+from estimator.machine.document import Machine
+from estimator.runs.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
 from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime

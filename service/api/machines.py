@@ -5,8 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, Body, HTTPException, Request, Response, status
 from sqlalchemy.orm import Session
 
-from estimator.document_size import accepted
-from estimator.machine import DocumentError, Machine
+from estimator.machine.document import DocumentError, Machine
+from estimator.machine.document_size import accepted
 from service import baselining
 from service.api import machine_rendering as rendering
 from service.api import machine_schemas as schemas

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
+from estimator.machine.document import Machine
+from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import RADIANS, rad_per_s_to_rpm
 from service.api import measurement_schemas as schemas
 from service.api.units import Units

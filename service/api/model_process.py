@@ -12,8 +12,8 @@ from typing import ParamSpec, TypeVar
 
 from fastapi import HTTPException, status
 
-from estimator.document_size import document_size
-from estimator.machine import Machine
+from estimator.machine.document import Machine
+from estimator.machine.document_size import document_size
 from service.processes import ProcessPool, Stuck
 from service.time_limit import OutOfTime, limited
 

@@ -7,9 +7,9 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
 from estimator.arrays import Floats
-from estimator.orbit import OrbitFinding, StationOrbits, orbit_findings, station_orbits
-from estimator.probe_axes import probe_stations
-from estimator.slow_roll import corrected
+from estimator.phasors.orbits import OrbitFinding, StationOrbits, orbit_findings, station_orbits
+from estimator.phasors.probe_axes import probe_stations
+from estimator.phasors.slow_roll import corrected
 from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.access import Number, Reading
 from service.api.corrections import SlowRollChoice, chosen, run_samples

@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter
 
-from estimator.quality import MEANING, Flag
+from estimator.phasors.quality import MEANING, Flag
 from service.api import measurement_schemas as schemas
 from service.api.access import Number, Reading
 from service.api.problems import RESPONSES

@@ -13,10 +13,10 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from sqlalchemy.orm import Session
 
 from estimator.field_types import Identifier
-from estimator.machine import Machine
-from estimator.slow_roll import SlowRoll, capture
+from estimator.machine.document import Machine
+from estimator.phasors.slow_roll import SlowRoll, capture
+from estimator.strict_model import Written
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.written import Written
 from service import requesting
 from service.api.access import MachineId, Reading, asker, database, moment
 from service.api.paging import ById

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from estimator.written import Written
+from estimator.strict_model import Written
 from service.api.fields import Name
 from service.delivery.channels import CHANNEL_KINDS, channel_kind
 from service.secret_references import FILE_NAME, VARIABLE

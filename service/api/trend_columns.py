@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.vector_angle import angle_deg, angle_half_width_deg
+from estimator.updated_model.vector_angle import angle_deg, angle_half_width_deg
 from service.api.downsampling import Chosen, min_max
 from service.api.values import rfc3339_texts
 from service.known_parameters import units_of

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from estimator.baseline_band import Band
+from estimator.trends.baseline_band import Band
 from service.api.parameter_units import ParameterUnits, shown_in
 from service.api.trend_columns import Columns
 

@@ -11,11 +11,11 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from estimator.channel_status import ChannelStatus
-from estimator.keyphasor import Threshold
-from estimator.order_tracking import Block
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.signal.keyphasor import Threshold
+from estimator.signal.order_tracking import Block
+from estimator.signal.waveform_faults import UNUSABLE
 from estimator.units import rad_per_s_to_rpm
-from estimator.waveform_fault import UNUSABLE
 from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
 from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile

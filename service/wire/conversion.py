@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
+from estimator.machine.document import Machine
+from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table

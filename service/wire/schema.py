@@ -2,7 +2,7 @@
 
 import msgspec
 
-from estimator.channel_status import ChannelStatus
+from estimator.phasors.channel_status import ChannelStatus
 from service.wire.keys import IDENTIFIER
 from service.wire.rejection import Rejected
 from storage.samples import SourceKey

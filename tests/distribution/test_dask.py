@@ -10,7 +10,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service.identifying import JobScheduler
 from service.settings import Settings
 from storage import identifications, jobs, machines

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.identification import identify
-from estimator.machine import parse_machine
+from estimator.fit.identify import identify
+from estimator.machine.document import parse_machine
 from service.recording import split
 from service.source import Source
 from service.stream import session as zenoh_session

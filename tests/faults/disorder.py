@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.estimates import Estimate
-from estimator.identification import Options
-from estimator.machine import Machine
-from estimator.segmentation import RunKind
-from estimator.simulation import draw_truth, measured_phasors, speed_law
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Options
+from estimator.machine.document import Machine
+from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.batch import Arrived
 from service.collection import Collector
 from service.task import IdentificationTask

@@ -11,8 +11,8 @@ import pytest
 import zenoh
 
 from benchmarks.chain import patiently
-from estimator.identification import Identification, Options
-from estimator.quality import Quality
+from estimator.fit.identify import Identification, Options
+from estimator.phasors.quality import Quality
 from service.collection import Collector
 from service.journal import Journal
 from service.stream import session as stream_session

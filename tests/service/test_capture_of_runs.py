@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sqlalchemy import select
 
-from estimator.capture import LARGEST_COUNT
+from estimator.runs.sample_selection import LARGEST_COUNT
 from service import run_samples
 from service.collection import Collector
 from storage import jobs, machines, runs

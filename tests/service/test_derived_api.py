@@ -6,7 +6,7 @@ import httpx
 import pytest
 
 from benchmarks.serving import served
-from estimator.derived import Derived
+from estimator.updated_model.derived_quantities import Derived
 from storage import derived
 from storage.database import Database
 from tests.plant import SECOND, START, identification, store_identification

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from benchmarks.serving import served
-from estimator.covariates import adjustment
-from estimator.deviation import deviations
-from estimator.rules import Condition
-from estimator.trend_tests import RUN_LENGTH
+from estimator.machine.rules import Condition
+from estimator.trends.covariates import adjustment
+from estimator.trends.deviations import deviations
+from estimator.trends.trend_tests import RUN_LENGTH
 from service import baselining
 from service.comparing import WEEK
 from service.limits import Limits

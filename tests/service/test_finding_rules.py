@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from estimator.finding_kinds import FINDING_KINDS
+from estimator.diagnosis.finding_kinds import FINDING_KINDS
 from service.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, SizedCause, require_complete
 from service.limit_rule import Level, Rule
 

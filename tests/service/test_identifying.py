@@ -17,8 +17,8 @@ import psutil
 import pytest
 from sqlalchemy.exc import IntegrityError, OperationalError
 
-from estimator.machine import Machine
-from estimator.rules import Condition, Operation
+from estimator.machine.document import Machine
+from estimator.machine.rules import Condition, Operation
 from service import engines, requesting, worker
 from service.identifying import JobScheduler
 from service.job_task import task

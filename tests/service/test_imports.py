@@ -35,16 +35,16 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
 @pytest.mark.parametrize(
     ("module", "known"),
     [
-        ("service.assessment_context", {"estimator.machine", "estimator.point"}),
+        ("service.assessment_context", {"estimator.machine.document", "estimator.trends.parameter_vector"}),
         ("service.watching", set[str]()),
         ("service.judgements", set[str]()),
         ("service.alerting", set[str]()),
         ("service.statements", set[str]()),
-        ("service.identifying", {"estimator.identification"}),
-        ("service.job_submission", {"estimator.identification"}),
-        ("service.result_filing", {"estimator.identification"}),
-        ("service.job_task", {"estimator.identification", "estimator.machine"}),
-        ("service.requesting", {"estimator.identification", "estimator.machine"}),
+        ("service.identifying", {"estimator.fit.identify"}),
+        ("service.job_submission", {"estimator.fit.identify"}),
+        ("service.result_filing", {"estimator.fit.identify"}),
+        ("service.job_task", {"estimator.fit.identify", "estimator.machine.document"}),
+        ("service.requesting", {"estimator.fit.identify", "estimator.machine.document"}),
     ],
 )
 def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.channel_status import ChannelStatus
-from estimator.condensation import condense
-from estimator.coordinates import Coordinates
-from estimator.critical_speed import critical_speed_table
-from estimator.fitted_response import fitted_response
-from estimator.misalignment_force import coupling_forces
-from estimator.rules import Noise
+from estimator.fit.coordinates import Coordinates
+from estimator.machine.rules import Noise
+from estimator.modes.critical_speed import critical_speed_table
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model import model_at
+from estimator.updated_model.coupling_loads import coupling_forces
+from estimator.updated_model.fitted_response import fitted_response
+from estimator.updated_model.model import model_at
 from service import openapi_command
 from service.api.kept_answers import ComputedCache
 from storage import machines, runs

@@ -10,9 +10,9 @@ import pytest
 from fastapi import HTTPException
 
 from benchmarks.large_trains import large_train
-from estimator.machine import parse_machine
-from estimator.modes import modes
-from estimator.system_matrices import system_matrices
+from estimator.machine.document import parse_machine
+from estimator.modes.eigenmodes import modes
+from estimator.rotor.system_matrices import system_matrices
 from service.api.model_process import ModelProcess, is_long
 from tests.plant import machine
 

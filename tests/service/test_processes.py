@@ -49,7 +49,7 @@ def test_modules_of_the_tasks_are_imported_before_the_first(tasks: list[Callable
     made = ProcessPool(1, memory_bytes=MEMORY, tasks=tasks)
     try:
         # A function of this module would import what is looked for.
-        found = made.submit(10.0, eval, "'estimator.gate' in __import__('sys').modules").result(SOON_S)
+        found = made.submit(10.0, eval, "'estimator.identification.quality_gate' in __import__('sys').modules").result(SOON_S)
         assert found == bool(tasks)
     finally:
         made.shutdown()

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from sqlalchemy.orm import Session
 
-from estimator.channel_status import ChannelStatus
-from estimator.identification import Options
-from estimator.machine import Machine
-from estimator.quality import Flag
-from estimator.rules import QualityRules
+from estimator.fit.identify import Options
+from estimator.machine.document import Machine
+from estimator.machine.rules import QualityRules
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.quality import Flag
 from service import worker
 from service.documents import read_machine
 from service.recording import read_recording

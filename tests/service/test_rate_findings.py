@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from estimator.point import Point
-from estimator.trend_tests import Reading
+from estimator.trends.parameter_vector import Point
+from estimator.trends.trend_tests import Reading
 from service.alert_life import Severity
 from service.limits import Limits
 from service.rate_of_change import RateFinding, rate_findings

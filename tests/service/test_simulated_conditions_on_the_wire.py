@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service.simulator import SimulationPlan, simulate
 from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch
 from tests.plant import listened_to, machine, wait_until

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from estimator.machine import parse_machine
+from estimator.machine.document import parse_machine
 from service.cli import app
 from tests.estimator.trains import Complexes, chapter_3_document, dense_response, noisy
 

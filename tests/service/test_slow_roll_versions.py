@@ -7,12 +7,12 @@ import pytest
 import yaml
 from sqlalchemy import event
 
-from estimator.channel_status import ChannelStatus
-from estimator.identification import Options
-from estimator.machine import Machine, parse_machine
-from estimator.rules import QualityRules
-from estimator.simulation import draw_truth, measured_phasors, speed_law
-from estimator.slow_roll import SlowRoll
+from estimator.fit.identify import Options
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.rules import QualityRules
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.slow_roll import SlowRoll
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service import assessment_context, requesting, worker
 from service.collection import Collector
 from service.identifying import JobScheduler

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.derived import Derived
+from estimator.updated_model.derived_quantities import Derived
 from storage import derived, identifications, runs
 from storage.database import Database
 from tests.asking import Api, fields

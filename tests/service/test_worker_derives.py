@@ -6,11 +6,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from estimator.channel_status import ChannelStatus
-from estimator.identification import Options
-from estimator.machine import Machine
-from estimator.rules import Noise
-from estimator.simulation import draw_truth, measured_phasors, speed_law
+from estimator.fit.identify import Options
+from estimator.machine.document import Machine
+from estimator.machine.rules import Noise
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service import worker
 from service.documents import read_machine
 from service.task import IdentificationOutcome, IdentificationTask

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from benchmarks.disk import noisy
-from estimator.channel_status import ChannelStatus
+from estimator.phasors.channel_status import ChannelStatus
 from storage.blocks import DamagedBlock, Samples, decode, encode, join, mean_conditions
 from storage.packing import QUANTUM, on_grid
 from tests.plant import START, assert_same_samples, few_examples, samples

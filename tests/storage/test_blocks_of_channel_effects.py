@@ -5,7 +5,7 @@ import io
 import numpy as np
 import pytest
 
-from estimator.channel_effects import ChannelEffects
+from estimator.fit.channel_sensitivity import ChannelEffects
 from storage import channel_effects
 
 

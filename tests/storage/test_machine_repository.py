@@ -8,8 +8,8 @@ import alembic.config
 import pytest
 from sqlalchemy import event, select
 
-from estimator.machine import Machine
-from estimator.rules import Condition
+from estimator.machine.document import Machine
+from estimator.machine.rules import Condition
 from service import baselining
 from storage import machines
 from storage.database import Database

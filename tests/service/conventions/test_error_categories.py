@@ -6,7 +6,7 @@ import pytest
 
 import service.api.application  # noqa: F401 - it imports every module whose errors reach HTTP
 from estimator.errors import DomainError, Invalid, Missing
-from estimator.machine import DocumentError
+from estimator.machine.document import DocumentError
 from service.api.error_handlers import LISTED
 from service.api.error_status import STATUS, status_of
 from service.job_quota import QuotaExceeded

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from estimator.machine import Machine
+from estimator.machine.document import Machine
 from service import alerting
 from service.alerting import AlertFinding
 from service.settings import Settings
