@@ -18,8 +18,9 @@ from sqlalchemy.orm import Session
 from service import alerting
 from service.alert_life import Forbidden, Severity, Suppression
 from service.alerting import AlertFinding, Person
-from storage import alerts, deliveries, machines, suppressions
-from storage.database import Database
+from storage.alerts import alerts, deliveries, suppressions
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
 from tests.plant import START, identification, machine, store_identification
 

@@ -21,10 +21,11 @@ from schemathesis.engine import Status, events, from_schema
 from service import alerting, baselining
 from service.alerting import AlertFinding, Person
 from service.wire import JSON, encode_body
-from storage import deliveries, runs, suppressions
-from storage import machines as machine_store
-from storage.blocks import Samples
-from storage.database import Database
+from storage.alerts import deliveries, suppressions
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines as machine_store
+from storage.measurements import runs
 from tests.end_to_end.processes import Service
 from tests.plant import (
     KEY,

@@ -28,8 +28,9 @@ from service.alerting import AlertFinding, Person
 from service.delivery.dispatcher import Dispatcher
 from service.settings import Settings
 from service.stream import open_session
-from storage import alerts, deliveries, machines
-from storage.database import Database
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.plant import START, identification, machine, store_identification
 
 KINDS = {"hang": 30, "error": 30, "gone": 10, "ok": 30}

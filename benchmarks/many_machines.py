@@ -17,8 +17,9 @@ from estimator.machine.document import parse_machine
 from service.source import Source
 from service.stream import session, wait_connected
 from service.wire import Key
-from storage import machines, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.end_to_end.processes import Service, example, until
 from tests.end_to_end.test_real_input import ross_batch

@@ -17,7 +17,7 @@ from service.delivery.signing_secrets import SigningSecrets
 from service.security.sealing import Sealing
 from service.security.secret_files import KEY_BYTES
 from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
-from storage.database import Database
+from storage.database.engine import Database
 
 
 @contextmanager

@@ -14,8 +14,8 @@ from service.refusals import Refusals
 from service.submissions import UNFORESEEN, NotStoring, Submission
 from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
-from storage.errors import concerns_all
-from storage.quarantine import Rejection
+from storage.database.errors import concerns_all
+from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
 

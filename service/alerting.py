@@ -26,7 +26,7 @@ from service.alert_life import (
     Suppression,
     advance,
 )
-from storage import alerts, deliveries, suppressions
+from storage.alerts import alerts, deliveries, suppressions
 from storage.clock import now
 from storage.tables import AlertRow, SuppressionRow
 

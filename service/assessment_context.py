@@ -12,8 +12,10 @@ from service.comparing import WEEK, ComparisonTerms, baseline_of, compared_with,
 from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
 from service.judgement import AssessedRun, AssessmentBasis, AssessmentContext, BaselineHistory, Conditions
 from service.setting_limits import limits_of
-from storage import alerts, baselines, identifications, jobs, limits, machines
+from storage.alerts import alerts
 from storage.clock import now
+from storage.findings import identifications, jobs
+from storage.machines import baselines, limits, machines
 from storage.tables import AlertRow, IdentificationRow, LimitsRow
 
 LOOKED_BACK = 60

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from service.supervised_thread import SupervisedThread
-from storage.backup_file import newest_in
+from storage.backup.backup_file import newest_in
 
 logger = logging.getLogger(__name__)
 

@@ -5,8 +5,10 @@ from sqlalchemy.orm import Session
 from estimator.errors import Conflict, Invalid
 from estimator.machine.document import Machine
 from service import alerting
-from storage import alerts, baselines, identifications, machines, timeline
+from storage.alerts import alerts
 from storage.clock import TOLERANCE, now
+from storage.findings import identifications
+from storage.machines import baselines, machines, timeline
 from storage.tables import BaselineRow, RevisionRow, TimelineRow
 
 MAINTENANCE = "maintenance"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from service.wire import Fault, Rejected, SampleBatch, source_key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 LARGEST_GAP = 1_000_000_000
 """A sequence number this far ahead is a wrong number, not a gap."""

@@ -102,7 +102,7 @@ def serve(
     from service.listening_socket import PortUnusable
     from service.running import serve as run_service
     from service.security.exposure import Exposed
-    from storage.claim import DatabaseUnusable
+    from storage.database.claim import DatabaseUnusable
 
     given: dict[str, Any] = {
         "database": database,

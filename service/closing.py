@@ -16,10 +16,12 @@ from service.putting_off import Backoff
 from service.run_samples import Gathered, gathered
 from service.sharing import Share, Whole
 from service.supervised_thread import SupervisedThread
-from storage import jobs, machines, quarantine, runs
-from storage.damage import is_damage
-from storage.database import Database
-from storage.errors import NotHeld, concerns_all
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import NotHeld, concerns_all
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import quarantine, runs
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)

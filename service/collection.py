@@ -16,9 +16,10 @@ from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
 from service.collection_state import CollectionState, standing, standings
 from service.late_arrivals import LATE_PATIENCE_S, LateArrivals
-from storage import machines, runs, samples
-from storage.blocks import Samples
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines
+from storage.measurements import runs, samples
 
 logger = logging.getLogger(__name__)
 

@@ -10,8 +10,8 @@ from sqlalchemy.orm import Session
 from estimator.runs.operating_state import OperatingState
 from estimator.runs.speed_bins import SpeedBins
 from service.late import Window
-from storage import runs
 from storage.clock import is_ahead
+from storage.measurements import runs
 
 
 @dataclass

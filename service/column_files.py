@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from service.csv_cells import CsvWriter
 from storage.clock import to_datetime
-from storage.private_files import prepare
+from storage.database.private_files import prepare
 
 Kind = Literal["integer", "number", "text", "truth", "time"]
 

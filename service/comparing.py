@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from storage import baselines, identifications, machines
-from storage.identifications import Like
+from storage.findings import identifications
+from storage.findings.identifications import Like
+from storage.machines import baselines, machines
 from storage.tables import BaselineRow, IdentificationRow
 
 ALIKE = 0.5

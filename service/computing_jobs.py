@@ -10,7 +10,7 @@ from service.task import IdentificationOutcome
 class TakenJob:
     """A job that was taken to be computed.
 
-    automatic: as of `storage.job_order`. reopened: how often each of its runs had been made anew when it was taken.
+    automatic: as of `storage.findings.job_order`. reopened: how often each of its runs had been made anew when it was taken.
     """
 
     job_id: int

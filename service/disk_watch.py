@@ -2,9 +2,9 @@
 
 import logging
 
-from storage import disk
-from storage.database import Database
-from storage.disk import DiskUse
+from storage.database import disk
+from storage.database.disk import DiskUse
+from storage.database.engine import Database
 
 logger = logging.getLogger(__name__)
 

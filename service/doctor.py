@@ -31,16 +31,17 @@ from service.store_watch import WAITING
 from service.stream import StreamUnusable, connected, session
 from service.stream_access import AccessUnusable, StreamSecurity
 from service.wire import Key
-from storage import deliveries, disk, schema
-from storage.backup_file import newest_in
-from storage.claim import DatabaseUnusable, file_of, in_use, missing_logs, require_own_name
-from storage.database import Database, engine_of
-from storage.database_version import named, objections
-from storage.disk import DiskUse
-from storage.errors import words as words_of
-from storage.looking import damages, looking_engine, revision_beside_a_service
-from storage.private_files import readable_by_others
-from storage.restored_access import known_keys
+from storage.alerts import deliveries
+from storage.backup.backup_file import newest_in
+from storage.backup.restored_access import known_keys
+from storage.database import disk, schema
+from storage.database.claim import DatabaseUnusable, file_of, in_use, missing_logs, require_own_name
+from storage.database.disk import DiskUse
+from storage.database.engine import Database, engine_of
+from storage.database.errors import words as words_of
+from storage.database.file_inspection import damages, looking_engine, revision_beside_a_service
+from storage.database.private_files import readable_by_others
+from storage.database.versions import named, objections
 
 Level = Literal["ok", "warning", "wrong"]
 

@@ -10,8 +10,8 @@ from service.batch import StoreOutcome
 from service.sharing import Share
 from service.submissions import Busy, NotStoring, Submissions
 from service.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 
 AT_ONCE = 16
 """Bodies that are under way to other replicas at the same time."""

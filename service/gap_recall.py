@@ -13,7 +13,7 @@ from service.putting_off import Backoff
 from service.recovery_protocols import BatchSink, GapRecords, ReplyReader
 from service.source_backoff import SourceBackoff
 from service.wire import Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 
 @dataclass

@@ -23,7 +23,7 @@ from service.recovery_protocols import BatchSink, GapRecords, ReplyReader
 from service.sharing import Share
 from service.source_backoff import SourceBackoff
 from service.wire import Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 PATIENCE_S = 3.0
 """How long batches behind a gap wait for the source's log: it may still be on its way back to the network, …"""

@@ -6,8 +6,9 @@ from collections.abc import Collection
 from sqlalchemy.orm import Session
 
 from service.sharing import Share
-from storage import jobs, replicas
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.operation import replicas
 from storage.tables import JobRow
 
 logger = logging.getLogger(__name__)

@@ -13,11 +13,11 @@ from sqlalchemy.orm import Session, undefer
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
 from service.column_files import Column, Rows, write
-from storage import runs
-from storage.blocks import DamagedBlock, Samples
-from storage.database import Database
-from storage.machines import MachineUnknown
-from storage.private_files import PRIVATE_FOLDER, prepare
+from storage.database.engine import Database
+from storage.database.private_files import PRIVATE_FOLDER, prepare
+from storage.encoding.sample_blocks import DamagedBlock, Samples
+from storage.machines.machines import MachineUnknown
+from storage.measurements import runs
 from storage.tables import (
     AlertEventRow,
     AlertRow,

@@ -14,10 +14,12 @@ from service.settings import Settings
 from service.sharing import RETENTION, Share, Whole
 from service.supervised_thread import SupervisedThread
 from service.tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
-from storage import disk, machines, retention
 from storage.clock import now, to_datetime
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database import disk
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.machines import machines
+from storage.operation import retention
 
 logger = logging.getLogger(__name__)
 

@@ -15,8 +15,10 @@ from estimator.phasors.measurement import Measurement
 from estimator.phasors.quality import EXCLUDING
 from estimator.phasors.slow_roll import SlowRoll, corrected
 from estimator.updated_model.model import UpdatedModel, model_at
-from storage import identifications, machines, runs, slow_roll
-from storage.runs import RunUnknown, SamplesReleased
+from storage.findings import identifications
+from storage.machines import machines, slow_roll
+from storage.measurements import runs
+from storage.measurements.runs import RunUnknown, SamplesReleased
 from storage.tables import IdentificationRow, RunRow
 
 

@@ -18,7 +18,7 @@ from service.pooled_jobs import queue_pooled_jobs
 from service.result_filing import ResultFiling
 from service.settings import Settings
 from service.sharing import GATHERING, Share, Whole
-from storage.database import Database
+from storage.database.engine import Database
 
 logger = logging.getLogger(__name__)
 

@@ -12,7 +12,7 @@ import zenoh
 from service.supervised_thread import SupervisedThread
 from service.wire import LARGEST_MESSAGE
 from storage.clock import now
-from storage.quarantine import KEPT_BYTES
+from storage.measurements.quarantine import KEPT_BYTES
 
 logger = logging.getLogger(__name__)
 

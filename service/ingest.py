@@ -10,8 +10,8 @@ from service.journal import Journal
 from service.sharing import Share, Whole
 from service.submissions import Submissions
 from service.supervised_thread import UNEXPECTED, SupervisedThread
-from storage.errors import NotHeld, concerns_all, words
-from storage.longest import Longest
+from storage.database.errors import NotHeld, concerns_all, words
+from storage.recent_maximum import Longest
 
 logger = logging.getLogger(__name__)
 

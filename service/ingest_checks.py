@@ -8,7 +8,7 @@ from service.clock_doubt import OwnClock
 from service.healing import GapRecovery
 from service.journal import Journal
 from service.supervised_thread import UNEXPECTED
-from storage.errors import NotHeld, concerns_all, words
+from storage.database.errors import NotHeld, concerns_all, words
 
 logger = logging.getLogger(__name__)
 

@@ -21,7 +21,7 @@ from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.submissions import NotStoring, Submissions
 from service.wire import ALL_LIVE, ALL_SAMPLES
-from storage.errors import NotHeld
+from storage.database.errors import NotHeld
 
 logger = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.submissions import UNFORESEEN, NotStoring, Submission, Submissions
 from service.wire import Key, Rejected
-from storage.errors import concerns_all, words
+from storage.database.errors import concerns_all, words
 
 LARGEST_CYCLE = 1_000
 """Messages that are held at once."""

@@ -1,6 +1,6 @@
 """How many identifications that people ask for may wait: beyond that they are refused until some are computed.
 
-In which order those that wait are taken says `storage.job_order`.
+In which order those that wait are taken says `storage.findings.job_order`.
 """
 
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from estimator.errors import LimitReached
-from storage import jobs
+from storage.findings import jobs
 
 RETRY_AFTER_S = 30
 """When somebody who was refused should ask again [s]: by then some are computed."""

@@ -11,11 +11,11 @@ from service.held_jobs import HeldJobs
 from service.job_task import reopened, task
 from service.judgements import AssessmentQueue, DueAssessment
 from service.task import IdentificationTask
-from storage import identifications, jobs
-from storage.damage import is_damage
-from storage.database import Database
-from storage.errors import concerns_all, words
-from storage.job_order import AUTOMATIC, OVERDUE_SHARE
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import concerns_all, words
+from storage.findings import identifications, jobs
+from storage.findings.job_order import AUTOMATIC, OVERDUE_SHARE
 
 logger = logging.getLogger(__name__)
 

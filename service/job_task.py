@@ -10,9 +10,11 @@ from estimator.machine.document import parse_machine
 from service import requesting
 from service.release import VERSION
 from service.task import IdentificationTask
-from storage import identifications, jobs, machines, runs, slow_roll
-from storage.blocks import DamagedBlock, encode
-from storage.identifications import Origin
+from storage.encoding.sample_blocks import DamagedBlock, encode
+from storage.findings import identifications, jobs
+from storage.findings.identifications import Origin
+from storage.machines import machines, slow_roll
+from storage.measurements import runs
 from storage.tables import JobRow
 
 logger = logging.getLogger(__name__)

@@ -22,11 +22,12 @@ from service.numbering import Numbering, Pending
 from service.sharing import Share, Whole
 from service.silence import SilentMachines
 from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
-from storage import machines, quarantine, runs, samples
-from storage.blocks import Samples, join
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, join
+from storage.machines import machines
+from storage.measurements import quarantine, runs, samples
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 

@@ -22,10 +22,12 @@ from service.own_faults import unexpected_error
 from service.processes import Interrupted, Stuck
 from service.settings import Settings
 from service.time_limit import OutOfTime
-from storage import identifications, jobs, machines, quarantine
-from storage.damage import is_damage
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.findings import identifications, jobs
+from storage.machines import machines
+from storage.measurements import quarantine
 
 logger = logging.getLogger(__name__)
 

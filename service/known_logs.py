@@ -4,7 +4,7 @@ import math
 import time
 
 from service.bounded import BoundedDict
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 SILENCE_S = 10.0
 """How long the gaps of a source without an answering log are counted at once; a live one's are then asked for again."""

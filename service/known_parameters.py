@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from estimator.errors import Missing
 from estimator.machine.document import Machine
 from estimator.rotor.parameter_names import derived_unit, derived_units, in_words, parameter_units
-from storage import machines
+from storage.machines import machines
 
 MOST_REVISIONS = 20
 """Newest ones that are looked at: of each the rotor is assembled (some 1 ms), and anybody can ask for any name."""

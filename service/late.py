@@ -21,8 +21,9 @@ from estimator.runs.segmentation import RunEnded, RunKind
 from estimator.runs.speed_bins import ROLLING
 from service.own_faults import damaged_blocks
 from service.run_samples import largest_read
-from storage import machines, quarantine, runs, samples
 from storage.clock import now
+from storage.machines import machines
+from storage.measurements import quarantine, runs, samples
 from storage.tables import RunRow
 
 logger = logging.getLogger(__name__)

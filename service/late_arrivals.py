@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from service.collection_state import CollectionState, standing, standings
 from service.late import Window, add_late, remove_window
-from storage import runs
+from storage.measurements import runs
 
 LATE_PATIENCE_S = 10.0
 """Late samples are sorted in when no more of them have come for this long, …"""

@@ -12,8 +12,9 @@ from sqlalchemy.orm import Session
 from service.settings import Role
 from service.sharing import DELIVERY, GATHERING, INGEST, RETENTION, lease_of
 from service.supervised_thread import SupervisedThread
-from storage import jobs, leases, replicas
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.operation import leases, replicas
 
 logger = logging.getLogger(__name__)
 

@@ -8,7 +8,8 @@ from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import Reading
 from service.comparing import WEEK, Compared
-from storage import identifications, machines
+from storage.findings import identifications
+from storage.machines import machines
 from storage.tables import IdentificationRow
 
 

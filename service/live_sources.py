@@ -9,7 +9,7 @@ import zenoh
 from service.bounded import BoundedDict
 from service.log_queries import LogQueries, replies_so_far
 from service.wire import IDENTIFIER, Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 

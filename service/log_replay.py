@@ -12,7 +12,7 @@ from service.log_queries import LogQueries, replies_so_far
 from service.recovery_protocols import BatchSink, ReplyReader
 from service.source_backoff import SourceBackoff
 from service.wire import Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 
 @dataclass

@@ -7,7 +7,7 @@ from typing import Literal
 
 import msgspec
 
-from storage.text import plain_lines
+from storage.encoding.text import plain_lines
 
 LogFormat = Literal["text", "json"]
 

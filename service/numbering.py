@@ -15,10 +15,10 @@ from service.bounded import BoundedDict
 from service.holes import FilledPart, SequenceGap
 from service.order import Plausibility
 from service.wire import Fault, Rejected, SampleBatch, to_samples
-from storage import samples
-from storage.blocks import Samples
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.encoding.sample_blocks import Samples
+from storage.measurements import samples
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from storage.tables import SourceRow
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from service.api.application import application
-from storage.database import Database
+from storage.database.engine import Database
 
 
 def document() -> dict[str, Any]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimator.machine.document import Machine
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire import Fault
-from storage.blocks import Samples
+from storage.encoding.sample_blocks import Samples
 
 FASTEST_CHANGE = 0.5
 """Largest change of speed that is believed: this part of the machine's maximum speed in a second, …"""

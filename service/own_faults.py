@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from service.wire import OwnFault
 from storage.clock import now
-from storage.quarantine import Rejection
+from storage.measurements.quarantine import Rejection
 
 
 def internal_error(reason: OwnFault, *, of: str, machine_id: str, detail: str) -> Rejection:

@@ -2,8 +2,10 @@
 
 from sqlalchemy.orm import Session
 
-from storage import jobs, machines, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import MachineRow
 
 AT_ONCE = 10

@@ -14,7 +14,7 @@ from service.log_replay import LogReplays
 from service.recovery_protocols import ReplyReader
 from service.source_backoff import SourceBackoff
 from service.wire import Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 
 class QuietLogs:

@@ -8,7 +8,7 @@ import zenoh
 from service.journal import Journal
 from service.sharing import Share
 from service.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
-from storage.errors import concerns_all
+from storage.database.errors import concerns_all
 
 logger = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from service.csv_cells import CsvWriter, cell
 from service.documents import UnreadableFile, read_yaml
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
-from storage.private_files import prepare
+from storage.database.private_files import prepare
 
 LONGEST_S = 1e9
 """No recording is longer than thirty years [s]."""

@@ -12,7 +12,7 @@ import zenoh
 from service.batch import Arrived
 from service.holes import SequenceGap
 from service.wire import Key
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 
 class BatchSink(Protocol):

@@ -10,8 +10,8 @@ from service import rejections
 from service.batch import Arrived, StoreOutcome
 from service.journal import Journal
 from service.submissions import NotStoring
-from storage.errors import concerns_all
-from storage.quarantine import Rejection
+from storage.database.errors import concerns_all
+from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
 

@@ -9,8 +9,8 @@ from service.batch import Arrived
 from service.own_faults import see_log
 from service.submissions import UNFORESEEN, NotStoring
 from service.wire import Fault, OwnFault, Reason, Rejected
-from storage.damage import is_damage
-from storage.quarantine import Rejection
+from storage.database.damage import is_damage
+from storage.measurements.quarantine import Rejection
 
 LARGEST_FAULT_COUNT = 5
 """Faults of one reason in one batch that the quarantine shows; a source in a wrong unit has one in every value."""

@@ -14,8 +14,10 @@ from estimator.errors import Conflict
 from estimator.fit.identify import Options
 from estimator.machine.rules import QualityRules
 from service.job_quota import LONGEST_IDENTITY, JobQuota
-from storage import jobs, machines, runs, slow_roll
-from storage.job_order import ASKED
+from storage.findings import jobs
+from storage.findings.job_order import ASKED
+from storage.machines import machines, slow_roll
+from storage.measurements import runs
 from storage.tables import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int

@@ -19,9 +19,11 @@ from service.judgements import AssessmentQueue, DueAssessment
 from service.processes import Interrupted, Stuck
 from service.task import IdentificationOutcome
 from service.time_limit import OutOfTime
-from storage import derived, identifications, jobs, machines, runs
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.findings import derived, identifications, jobs
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import IdentificationRow, JobRow
 
 logger = logging.getLogger(__name__)

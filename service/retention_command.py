@@ -9,8 +9,8 @@ from service.terminal import say
 
 if TYPE_CHECKING:
     from service.tiers import Tier
-    from storage.database import Database
-    from storage.retention import Extent
+    from storage.database.engine import Database
+    from storage.operation.retention import Extent
 
 retention_app = typer.Typer(no_args_is_help=True, help="Old samples: what waits to be let go of.")
 
@@ -36,9 +36,9 @@ def confirm(
 
     from service.settings import SettingsWrong, settings_of
     from service.tiers import tiers_of
-    from storage.claim import DatabaseUnusable
     from storage.clock import now
-    from storage.database import Database, require_there
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
 
     try:
         settings = settings_of()
@@ -76,7 +76,7 @@ def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
 
 def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
     """Tell what of each machine is old enough; machines without any are left out."""
-    from storage import machines
+    from storage.machines import machines
 
     found = {}
     with database.reading() as session:
@@ -95,7 +95,7 @@ def _total(found: "dict[str, Extent]") -> str:
 
 def _confirm(database: "Database", tiers: "list[Tier]", moment: int) -> None:
     from service.cut_offs import CutOff
-    from storage import audit, retention
+    from storage.operation import audit, retention
 
     with database.transaction() as session:
         for tier in tiers:

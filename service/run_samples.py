@@ -10,8 +10,9 @@ from estimator.runs.coverage import Coverage, coverage
 from estimator.runs.sample_selection import captured, thinned
 from estimator.runs.segmentation import SweepLimits
 from estimator.units import rpm_to_rad_per_s
-from storage import machines, runs, samples
-from storage.blocks import Samples, encode
+from storage.encoding.sample_blocks import Samples, encode
+from storage.machines import machines
+from storage.measurements import runs, samples
 from storage.tables import RunRow
 
 FEWEST_SAMPLES = 20

@@ -28,8 +28,8 @@ from service.service_threads import ServiceThreads
 from service.settings import Settings
 from service.stream import connected, open_session
 from service.stream_access import StreamSecurity
-from storage import keys
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import api_keys
 
 logger = logging.getLogger(__name__)
 
@@ -78,7 +78,7 @@ def _claimed_database(settings: Settings, closing: ExitStack) -> Database:
     database = Database(settings.database)
     closing.callback(database.close)
     with database.reading() as reading:
-        for door in require_authentication(settings, keys_are_there=keys.are_there(reading)):
+        for door in require_authentication(settings, keys_are_there=api_keys.are_there(reading)):
             logger.warning("open to everybody: %s", door)
     database.claim(shared=True)
     require_certificate(settings)

@@ -23,7 +23,7 @@ from service.security.certificates import days_left
 from service.settings import Settings
 from service.store_watch import StoreWatch
 from service.submissions import Submissions
-from storage.database import Database
+from storage.database.engine import Database
 
 
 class ServiceThread(Protocol):

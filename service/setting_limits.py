@@ -4,7 +4,7 @@ from sqlalchemy.orm import Session
 
 from estimator.errors import Outdated
 from service.limits import Limits, require_suited
-from storage import limits, machines
+from storage.machines import limits, machines
 from storage.tables import LimitsRow
 
 

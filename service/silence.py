@@ -10,10 +10,11 @@ from service.collection import Collector
 from service.own_faults import unexpected_error
 from service.putting_off import Backoff
 from service.sharing import Share
-from storage import machines, quarantine
-from storage.damage import is_damage
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.machines import machines
+from storage.measurements import quarantine
 
 logger = logging.getLogger(__name__)
 

@@ -15,8 +15,8 @@ from service.journal import Journal
 from service.refusals import Refusals
 from service.source_backoff import SourceBackoff
 from service.submissions import UNFORESEEN, NotStoring
-from storage.errors import concerns_all
-from storage.samples import SourceKey
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
 
 MOST_TRIES = 50
 """Batches of a source that are tried by themselves though none of them could be stored; the others are left to its log."""

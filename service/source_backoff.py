@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from service.putting_off import Backoff
-from storage.errors import concerns_all
-from storage.samples import SourceKey
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 

@@ -17,9 +17,9 @@ def backup(
     database: DatabaseUrl = None,
 ) -> None:
     """Copy the database as of one moment, while the service runs."""
-    from storage import backup as backups
-    from storage.backup_file import BackupUnusable
-    from storage.claim import DatabaseUnusable
+    from storage.backup import backup as backups
+    from storage.backup.backup_file import BackupUnusable
+    from storage.database.claim import DatabaseUnusable
 
     try:
         made = backups.back_up(_url(database), file)
@@ -34,9 +34,9 @@ def restore(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="lose what the database holds now")] = False,
 ) -> None:
     """Put a backup in the place of the database, while no service runs."""
-    from storage import backup as backups
-    from storage.backup_file import BackupUnusable
-    from storage.claim import DatabaseUnusable
+    from storage.backup import backup as backups
+    from storage.backup.backup_file import BackupUnusable
+    from storage.database.claim import DatabaseUnusable
 
     try:
         restored = backups.restore(_url(database), file, overwrite=overwrite)
@@ -61,9 +61,9 @@ def move(
     """Take all data over into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
     from sqlalchemy.exc import DBAPIError
 
-    from storage.claim import DatabaseUnusable
-    from storage.moving import NotMoved
-    from storage.moving import move as move_data
+    from storage.backup.transfer import NotMoved
+    from storage.backup.transfer import move as move_data
+    from storage.database.claim import DatabaseUnusable
 
     try:
         moved = move_data(source, target)
@@ -90,9 +90,9 @@ def export(
     """
     from service.column_files import ParquetMissing
     from service.history_export import export as export_history
-    from storage.claim import DatabaseUnusable
-    from storage.database import Database, require_there
-    from storage.machines import MachineUnknown
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
+    from storage.machines.machines import MachineUnknown
 
     try:
         url = _url(database)

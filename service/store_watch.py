@@ -9,10 +9,10 @@ import time
 from sqlalchemy.exc import DBAPIError
 
 from service.supervised_thread import SupervisedThread
-from storage import keys
-from storage.claim import DatabaseUnusable
-from storage.database import Database
-from storage.errors import words
+from storage.database.claim import DatabaseUnusable
+from storage.database.engine import Database
+from storage.database.errors import words
+from storage.operation import api_keys
 
 logger = logging.getLogger(__name__)
 
@@ -64,7 +64,7 @@ class StoreWatch(SupervisedThread):
         self._keys_at = time.monotonic() + KEYS_EVERY_S
         try:
             with self._database.reading() as session:
-                self._waiting = keys.waiting(session)
+                self._waiting = api_keys.waiting(session)
         except DBAPIError as error:
             logger.warning("API keys cannot be looked at: %s", words(error))
 

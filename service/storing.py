@@ -16,8 +16,8 @@ from service.sharing import lease_of
 from service.single_writes import SingleWrites
 from service.source_backoff import SourceBackoff
 from service.submissions import UNFORESEEN, NotStoring
-from storage.errors import concerns_all
-from storage.samples import SourceKey
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 

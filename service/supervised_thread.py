@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 
 from sqlalchemy.exc import DBAPIError
 
-from storage.claim import DatabaseUnusable
-from storage.errors import words
+from storage.database.claim import DatabaseUnusable
+from storage.database.errors import words
 
 UNEXPECTED = "unexpected error; the log has it"
 """Told where an error is not the database's."""

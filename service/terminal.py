@@ -5,7 +5,7 @@ Escaped are control characters (C0, DEL, C1) and those that turn the order of le
 
 import typer
 
-from storage.text import plain_lines, plain_text
+from storage.encoding.text import plain_lines, plain_text
 
 
 def say(line: str, *, err: bool = False) -> None:

@@ -11,8 +11,10 @@ from service.collection_state import standing
 from service.cut_offs import DAY_NS, CutOff, begun
 from service.late import BESIDE
 from service.settings import Settings
-from storage import machines, retention, runs
-from storage.retention import Extent
+from storage.machines import machines
+from storage.measurements import runs
+from storage.operation import retention
+from storage.operation.retention import Extent
 
 logger = logging.getLogger(__name__)
 

@@ -11,10 +11,10 @@ from sqlalchemy.orm import Session
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.trends.baseline_band import Band, baseline_band, magnitude_band
 from service.comparing import baseline_of
-from storage import baselines, machines
-from storage.identifications import Like
+from storage.findings.identifications import Like
+from storage.findings.trends import ParameterHistory
+from storage.machines import baselines, machines
 from storage.tables import BaselineRow
-from storage.trends import ParameterHistory
 
 
 @dataclass(frozen=True)

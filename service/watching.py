@@ -19,8 +19,8 @@ from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule
 from service.judgement import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
 from service.limits import Limits
 from service.statements import Statement
-from storage import derived, diagnoses
 from storage.clock import from_datetime
+from storage.findings import derived, diagnoses
 from storage.tables import AlertRow, IdentificationRow
 
 if TYPE_CHECKING:

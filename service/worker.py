@@ -20,7 +20,7 @@ from estimator.phasors.slow_roll import corrected
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from service.task import IdentificationOutcome, IdentificationTask
 from service.time_limit import limited
-from storage.blocks import Samples, decode, mean_conditions
+from storage.encoding.sample_blocks import Samples, decode, mean_conditions
 
 
 def compute(task: IdentificationTask) -> IdentificationOutcome:

@@ -24,9 +24,9 @@ from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
 from service.batch import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
-from storage import identifications, jobs
-from storage.blocks import Samples
-from storage.identifications import Origin
+from storage.encoding.sample_blocks import Samples
+from storage.findings import identifications, jobs
+from storage.findings.identifications import Origin
 from storage.tables import IdentificationRow
 
 Document = dict[str, Any]

@@ -7,8 +7,8 @@ from service.batch import Arrived, StoreOutcome
 from service.closing import Closing
 from service.collection import Collector
 from service.journal import Journal
-from storage.database import Database
-from storage.quarantine import Rejection
+from storage.database.engine import Database
+from storage.measurements.quarantine import Rejection
 
 
 class PromptJournal(Journal):

@@ -18,7 +18,7 @@ from service.requesting import Asker
 from service.security.principal import Principal
 from service.security.store import Store
 from storage.clock import from_datetime
-from storage.job_order import ASKED
+from storage.findings.job_order import ASKED
 
 LAST_INSTANT = 2**63 - 1
 """In the year 2262 [ns]."""

@@ -5,7 +5,7 @@ from typing import Any
 from service.alert_life import Severity
 from service.api import alert_schemas as schemas
 from service.api.values import time_or_none
-from storage.alerts import ListedAlert
+from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.tables import AlertRow, SuppressionRow
 

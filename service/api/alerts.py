@@ -19,9 +19,10 @@ from service.api.paging import ById, ByTime, Paging
 from service.api.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
-from storage import alerts, machines
-from storage.alerts import ListedAlert
+from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
+from storage.machines import machines
 from storage.paging import Keys
 from storage.tables import AlertRow
 

@@ -73,7 +73,7 @@ from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
 from service.settings import DEFAULT_BASELINE_RUNS
 from service.submissions import Taking
-from storage.database import Database
+from storage.database.engine import Database
 
 PREFIX = "/api/v1"
 THREADS = 6

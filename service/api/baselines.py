@@ -9,7 +9,7 @@ from service.api.access import MachineId, Reading, database, instant
 from service.api.paging import ByTime
 from service.api.problems import CHANGES, RESPONSES
 from service.security.requirement import ANALYST, VIEWER
-from storage import baselines, machines
+from storage.machines import baselines, machines
 
 router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -13,8 +13,8 @@ from service.api.paging import ByTime
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.principal import Author
 from service.security.requirement import ANALYST, VIEWER
-from storage import calibrations, machines, timeline
 from storage.clock import is_ahead, to_datetime
+from storage.machines import calibrations, machines, timeline
 from storage.tables import CalibrationRow
 
 router = APIRouter(prefix="/machines/{machine_id}/calibrations", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])

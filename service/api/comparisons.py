@@ -14,7 +14,7 @@ from service.api.model import read_identified
 from service.api.problems import RESPONSES, Unsuitable
 from service.identified import Identified
 from service.security.requirement import VIEWER
-from storage import identifications
+from storage.findings import identifications
 
 router = APIRouter(prefix="/identifications", tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 

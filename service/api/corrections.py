@@ -13,9 +13,10 @@ from service import requesting
 from service.api import measurement_rendering as rendering
 from service.api import measurement_schemas as schemas
 from service.api.units import Units
-from storage import machines, runs, samples, slow_roll
-from storage.blocks import Samples
 from storage.clock import now
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines, slow_roll
+from storage.measurements import runs, samples
 
 SlowRollChoice = Annotated[
     str,

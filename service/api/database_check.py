@@ -5,9 +5,9 @@ import threading
 import time
 from concurrent.futures import Future
 
-from storage import jobs
-from storage.claim import DatabaseUnusable
-from storage.database import Database
+from storage.database.claim import DatabaseUnusable
+from storage.database.engine import Database
+from storage.findings import jobs
 
 PATIENCE_S = 3.0
 """An answer that takes longer is none."""

@@ -25,10 +25,11 @@ from service.limit_rule import Level
 from service.limits import Limits, deviation_rule, severity_of
 from service.security.requirement import VIEWER
 from service.setting_limits import limits_in_force
-from storage import identifications, machines
 from storage.clock import to_datetime
-from storage.identifications import IdentificationUnknown
-from storage.jobs import RUN
+from storage.findings import identifications
+from storage.findings.identifications import IdentificationUnknown
+from storage.findings.jobs import RUN
+from storage.machines import machines
 from storage.tables import IdentificationRow
 
 router = APIRouter(tags=["deviations"], responses=RESPONSES, dependencies=[VIEWER])

@@ -12,8 +12,9 @@ from service.api.access import MachineId, Number, Reading
 from service.api.evidence import CauseOut
 from service.api.problems import RESPONSES, Unsuitable
 from service.security.requirement import VIEWER
-from storage import diagnoses, identifications, machines
 from storage.clock import to_datetime
+from storage.findings import diagnoses, identifications
+from storage.machines import machines
 from storage.tables import DiagnosisRow
 
 router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])

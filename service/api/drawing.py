@@ -8,7 +8,7 @@ from estimator.machine.train_layout import disc_body, shaft_begins
 from service.api.access import MachineId, Reading
 from service.api.problems import RESPONSES
 from service.security.requirement import VIEWER
-from storage import machines
+from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

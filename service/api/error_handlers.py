@@ -17,7 +17,7 @@ from service.api.error_status import status_of
 from service.api.patterns import WORDS
 from service.api.problem import FieldProblem, problem_response
 from service.security.answer_headers import ALWAYS
-from storage.damage import is_damage, said
+from storage.database.damage import is_damage, said
 
 UNREADABLE = "There was an error parsing the body"
 """What the framework says of a body that is no JSON at all."""

@@ -20,8 +20,8 @@ from service.alert_messages import AlertEvent, alert_event
 from service.api.access import database, principal
 from service.security.requirement import VIEWER
 from service.security.scope import Visibility
-from storage import alerts
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
 from storage.tables import AlertEventRow
 
 logger = logging.getLogger(__name__)

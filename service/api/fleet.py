@@ -16,8 +16,8 @@ from service.api.paging import ByName
 from service.api.problems import RESPONSES
 from service.api.times import Time
 from service.security.requirement import VIEWER
-from storage import fleet
 from storage.clock import now, to_datetime
+from storage.machines import fleet
 
 router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

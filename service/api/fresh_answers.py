@@ -19,8 +19,8 @@ from fastapi.concurrency import run_in_threadpool
 
 from service.api.access import principal
 from service.api.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
-from storage.changes import Changes
-from storage.database import Database
+from storage.database.change_counts import Changes
+from storage.database.engine import Database
 
 THREADS = 2
 """That make answers at a time: they mostly compute, and more of them would take turns and all be late."""

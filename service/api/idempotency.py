@@ -16,9 +16,9 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.api.problem import problem_response
 from service.security.sealing import SEALED, SealBroken, Sealing
-from storage import idempotency
-from storage.database import Database
-from storage.idempotency import StoredResponse
+from storage.database.engine import Database
+from storage.operation import idempotency
+from storage.operation.idempotency import StoredResponse
 
 LONGEST_KEY = 255
 KEY_PATTERN = r"^[!-~]+$"

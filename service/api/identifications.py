@@ -13,7 +13,8 @@ from service.api.parameter_units import ParameterUnitChoice
 from service.api.problem import Problem
 from service.api.problems import RESPONSES, WAIT
 from service.security.requirement import ANALYST, VIEWER
-from storage import derived, identifications, jobs, machines
+from storage.findings import derived, identifications, jobs
+from storage.machines import machines
 
 router = APIRouter(tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -12,8 +12,8 @@ from service.api.problems import RESPONSES
 from service.limits import Limits
 from service.security.requirement import OPERATOR, VIEWER
 from service.setting_limits import LimitsChanged, set_limits
-from storage import limits, machines
 from storage.clock import to_datetime
+from storage.machines import limits, machines
 from storage.tables import LimitsRow
 
 router = APIRouter(tags=["limits"], responses=RESPONSES, dependencies=[VIEWER])

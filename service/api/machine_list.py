@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from sqlalchemy.orm import Session
 
-from storage import fleet
-from storage.fleet import ListedMachine
+from storage.database.plant_scope import Plants, plants_of
+from storage.machines import fleet
+from storage.machines.fleet import ListedMachine
 from storage.paging import Keys
-from storage.plant_scope import Plants, plants_of
 
 Stamp = tuple[int | None, ...]
 MOST_KEPT = 32

@@ -5,7 +5,7 @@ from typing import Any
 from estimator.machine.document import Machine
 from service.api import machine_schemas as schemas
 from storage.clock import to_datetime
-from storage.fleet import ListedMachine
+from storage.machines.fleet import ListedMachine
 from storage.tables import (
     RevisionRow,
 )

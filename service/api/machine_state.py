@@ -16,8 +16,9 @@ from service.api.problems import RESPONSES
 from service.api.values import direction
 from service.collection_state import CollectionState, standing
 from service.security.requirement import VIEWER
-from storage import machines, runs
 from storage.clock import to_datetime
+from storage.machines import machines
+from storage.measurements import runs
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

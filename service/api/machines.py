@@ -18,7 +18,7 @@ from service.api.preconditions import IfMatch, require, tagged
 from service.api.problem import Problem
 from service.api.problems import RESPONSES
 from service.security.requirement import ADMIN, VIEWER
-from storage import machines
+from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

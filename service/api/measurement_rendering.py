@@ -13,8 +13,8 @@ from estimator.units import RADIANS, rad_per_s_to_rpm
 from service.api import measurement_schemas as schemas
 from service.api.units import Units
 from service.api.values import MICROMETRES, direction, rpm_or_none, time_or_none
-from storage.blocks import Samples
 from storage.clock import to_datetime
+from storage.encoding.sample_blocks import Samples
 from storage.tables import (
     RunRow,
 )

@@ -14,7 +14,8 @@ from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.api.units import UnitsIfAsked
 from service.security.requirement import VIEWER
-from storage import machines, runs, samples
+from storage.machines import machines
+from storage.measurements import runs, samples
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -20,11 +20,13 @@ from service.api.operations import looked_at
 from service.security.requirement import VIEWER
 from service.security.store import Store
 from service.wire import OwnFault, Reason
-from storage import deliveries, jobs, quarantine, samples
-from storage.claim import DatabaseUnusable
+from storage.alerts import deliveries
 from storage.clock import now
-from storage.errors import concerns_all
-from storage.samples import Totals
+from storage.database.claim import DatabaseUnusable
+from storage.database.errors import concerns_all
+from storage.findings import jobs
+from storage.measurements import quarantine, samples
+from storage.measurements.samples import Totals
 
 router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 

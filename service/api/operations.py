@@ -15,10 +15,10 @@ from service.api.times import Time
 from service.release import VERSION
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
 from service.wire import OwnFault, Reason
-from storage import quarantine, samples
-from storage.claim import DatabaseUnusable
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database.claim import DatabaseUnusable
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.measurements import quarantine, samples
 
 router = APIRouter(tags=["operations"])
 

@@ -13,12 +13,12 @@ from service.alert_life import Severity
 from service.api.machine_state import progress
 from service.api.values import time_or_none
 from service.collection_state import CollectionState
-from storage import fleet
-from storage.changes import Changes
 from storage.clock import to_datetime
-from storage.database import Database
-from storage.fleet import IdentificationGlance, ListedMachine, MachineGlance, RunGlance
-from storage.runs import OPEN
+from storage.database.change_counts import Changes
+from storage.database.engine import Database
+from storage.machines import fleet
+from storage.machines.fleet import IdentificationGlance, ListedMachine, MachineGlance, RunGlance
+from storage.measurements.runs import OPEN
 
 LABELS = [(severity, severity.label) for severity in Severity]
 

@@ -8,8 +8,8 @@ from pydantic import BaseModel, Field
 from service.api.access import Reading, principal
 from service.api.paging import ById
 from service.security.requirement import ADMIN_OF_ALL, VIEWER
-from storage import audit
 from storage.clock import to_datetime
+from storage.operation import audit
 
 router = APIRouter(tags=["security"])
 

@@ -11,8 +11,8 @@ from service.api.access import Reading
 from service.security.requirement import ADMIN_OF_ALL
 from service.settings import Role
 from service.sharing import INGEST
-from storage import leases, replicas
 from storage.clock import to_datetime
+from storage.operation import leases, replicas
 
 router = APIRouter(tags=["operations"], dependencies=[ADMIN_OF_ALL])
 

@@ -7,7 +7,8 @@ from service.api import measurement_schemas as schemas
 from service.api.access import Number, Reading
 from service.api.problems import RESPONSES
 from service.security.requirement import VIEWER
-from storage import machines, runs
+from storage.machines import machines
+from storage.measurements import runs
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 

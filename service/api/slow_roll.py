@@ -25,11 +25,12 @@ from service.api.problems import RESPONSES, WAIT, Unsuitable
 from service.api.times import Time
 from service.run_samples import largest_read
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
-from storage import machines, runs, samples, slow_roll
-from storage.blocks import Samples
 from storage.clock import to_datetime
-from storage.job_order import RECOMPUTED
-from storage.slow_roll import CAPTURED, GIVEN, Provenance
+from storage.encoding.sample_blocks import Samples
+from storage.findings.job_order import RECOMPUTED
+from storage.machines import machines, slow_roll
+from storage.machines.slow_roll import CAPTURED, GIVEN, Provenance
+from storage.measurements import runs, samples
 from storage.tables import SlowRollRow
 
 router = APIRouter(prefix="/machines/{machine_id}/slow-roll", tags=["slow roll"], responses=RESPONSES, dependencies=[VIEWER])

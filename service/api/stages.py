@@ -11,7 +11,7 @@ from service.api.access import Reading
 from service.api.values import time_or_none
 from service.security.requirement import VIEWER
 from storage.clock import now, to_datetime
-from storage.stages import StageFigures, figures
+from storage.operation.pipeline_stages import StageFigures, figures
 
 router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 

@@ -3,9 +3,9 @@
 from service.api import subscription_schemas as schemas
 from service.api.values import time_or_none
 from service.delivery.signing_secrets import SigningSecrets, where_kept
-from storage import deliveries
+from storage.alerts import deliveries
+from storage.alerts.deliveries import PENDING
 from storage.clock import to_datetime
-from storage.deliveries import PENDING
 from storage.tables import DeliveryRow, SubscriptionRow
 
 

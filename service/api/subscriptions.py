@@ -18,7 +18,7 @@ from service.delivery.channels import channel_kind
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SigningSecrets
 from service.security.requirement import ADMIN, OPERATOR
-from storage import deliveries
+from storage.alerts import deliveries
 
 TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
 """Sends a test message to a subscription."""

@@ -12,8 +12,9 @@ from service.api.paging import ById
 from service.api.preconditions import IfMatch, require, tagged
 from service.api.problems import CHANGES, RESPONSES
 from service.security.requirement import OPERATOR, VIEWER
-from storage import machines, suppressions
+from storage.alerts import suppressions
 from storage.clock import now
+from storage.machines import machines
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 

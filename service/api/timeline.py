@@ -9,7 +9,7 @@ from service.api.access import MachineId, Period, Reading, database, instant
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.security.requirement import ANALYST, VIEWER
-from storage import machines, timeline
+from storage.machines import machines, timeline
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -14,11 +14,12 @@ from service.api.downsampling import Chosen, min_max
 from service.api.values import rfc3339_texts
 from service.known_parameters import units_of
 from service.trend_baselines import BaselineBand, baseline_bands
-from storage import machines, trends
-from storage.changes import Changes
-from storage.database import Database
-from storage.jobs import RUN
-from storage.trends import Integers, ParameterHistory, Stamp, Texts
+from storage.database.change_counts import Changes
+from storage.database.engine import Database
+from storage.findings import trends
+from storage.findings.jobs import RUN
+from storage.findings.trends import Integers, ParameterHistory, Stamp, Texts
+from storage.machines import machines
 
 MOST_KEPT = 512
 """Histories kept in memory; one of 2,000 points takes some 600 kB."""

@@ -18,7 +18,7 @@ from service.api.trend_units import in_units
 from service.api.values import rfc3339_text
 from service.security.requirement import VIEWER
 from service.trend_baselines import BaselineBand
-from storage import trends
+from storage.findings import trends
 
 router = APIRouter(tags=["trends"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -23,8 +23,8 @@ from service.delivery.sending import outcome_of, within_deadline
 from service.delivery.signing_secrets import SigningSecrets
 from service.settings import Settings
 from service.sharing import DELIVERY, Share, Whole
-from storage import deliveries
-from storage.database import Database
+from storage.alerts import deliveries
+from storage.database.engine import Database
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)

@@ -6,8 +6,8 @@ from service import alerting
 from service.alert_life import Severity
 from service.alert_messages import AlertEvent, alert_event
 from service.delivery.channel import EventMessage
-from storage import machines
 from storage.clock import now, to_datetime
+from storage.machines import machines
 from storage.tables import AlertEventRow
 
 

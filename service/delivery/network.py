@@ -11,8 +11,9 @@ from service.alert_messages import AlertEvent, alert_event
 from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.sharing import DELIVERY, Share, Whole
-from storage import alerts, machines
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)

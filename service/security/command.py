@@ -14,7 +14,7 @@ from service.security.principal import Role
 from service.terminal import say
 
 if TYPE_CHECKING:
-    from storage.database import Database
+    from storage.database.engine import Database
     from storage.tables import ApiKeyRow
 
 key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
@@ -59,8 +59,8 @@ def create_key(
 @key_app.command("list")
 def list_keys(database: Store = None) -> None:
     """List every key there ever was, without its secret."""
-    from storage import keys
     from storage.clock import now
+    from storage.operation import api_keys as keys
 
     with _opened(database) as opened, opened.reading() as session:
         moment = now()
@@ -80,7 +80,7 @@ def rotate_key(
 ) -> None:
     """Make a new key in the place of an old one, and print it."""
     from service.security import api_keys
-    from storage.keys import KeyUnknown
+    from storage.operation.api_keys import KeyUnknown
 
     _require_days("--days", days, least=SHORTEST)
     _require_days("--overlap-days", overlap_days, least=0.0)
@@ -102,8 +102,8 @@ def confirm_key(
 ) -> None:
     """Let keys be good again that a restore brought back, and of which nobody knows whether they were revoked since."""
     from service.security import api_keys
-    from storage import keys
-    from storage.keys import KeyUnknown
+    from storage.operation import api_keys as keys
+    from storage.operation.api_keys import KeyUnknown
 
     if bool(prefix) == everyone:
         fail("name the keys to confirm, or say --all")
@@ -122,7 +122,7 @@ def confirm_key(
 def revoke_key(prefix: Prefix, database: Store = None) -> None:
     """Let a key open nothing more, within seconds."""
     from service.security import api_keys
-    from storage.keys import KeyUnknown
+    from storage.operation.api_keys import KeyUnknown
 
     with _opened(database) as opened:
         try:
@@ -148,7 +148,7 @@ def verify_audit(
 
     Ends with status 1 when something does not hold.
     """
-    from storage import audit
+    from storage.operation import audit
 
     known = {_noted(one) for one in noted or ()}
     if noted_in is not None:
@@ -180,8 +180,8 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
     from sqlalchemy.exc import DBAPIError
 
     from service.settings import SettingsWrong, settings_of
-    from storage.claim import DatabaseUnusable
-    from storage.database import Database, require_there
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
 
     try:
         settings = settings_of()
@@ -201,7 +201,7 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
 
 
 def _state(row: "ApiKeyRow", *, at: int) -> str:
-    from storage import keys
+    from storage.operation import api_keys as keys
 
     if row.revoked_at:
         return "revoked"

@@ -21,11 +21,11 @@ from service.security.exposure import allowed_twice, beyond, credentials_needed
 from service.security.operations import ApiOperation
 from service.settings import Settings
 from service.stream_access import AccessUnusable, read_access
-from storage import keys
-from storage.claim import DatabaseUnusable, file_of
-from storage.database import engine_of
-from storage.private_files import readable_by_others
-from storage.read_only import looking
+from storage.database.claim import DatabaseUnusable, file_of
+from storage.database.engine import engine_of
+from storage.database.private_files import readable_by_others
+from storage.database.read_only import looking
+from storage.operation import api_keys
 
 Level = Literal["open", "weak", "guarded", "local"]
 """Worst first: without authentication from the network; with something that wants mending; as it should be; this machine's."""
@@ -75,7 +75,7 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     path = file_of(engine_of(settings.database))
     try:
         with looking(settings.database) as session:
-            there = keys.are_there(session)
+            there = api_keys.are_there(session)
         told = "there are API keys" if there else "there is no API key"
     except DatabaseUnusable as error:
         there = False

@@ -5,7 +5,7 @@ from service.security.door_checks import tried
 from service.security.exposed import credentials_asked, doors, written
 from service.settings import Settings
 from service.terminal import say, say_lines
-from storage.claim import DatabaseUnusable
+from storage.database.claim import DatabaseUnusable
 
 
 def report(settings: Settings, *, url: str | None = None) -> None:

@@ -21,9 +21,9 @@ from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import AuditedTransactions, plain
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 
 logger = logging.getLogger(__name__)
 

@@ -12,8 +12,8 @@ from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 
 from service.security.secret_files import KEY_BYTES, read_keys
-from storage.backup_file import sync_folder
-from storage.private_files import PRIVATE
+from storage.backup.backup_file import sync_folder
+from storage.database.private_files import PRIVATE
 
 SEALED = "sealed:"
 """With which every sealed secret begins."""

@@ -11,9 +11,9 @@ from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
-from storage.blocks import Samples
 from storage.clock import FUTURE_TOLERANCE
-from storage.packing import on_grid
+from storage.encoding.packing import on_grid
+from storage.encoding.sample_blocks import Samples
 
 LARGEST_AMPLITUDE = 0.02
 """No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""

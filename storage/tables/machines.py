@@ -20,7 +20,7 @@ class MachineRow(Base):
     slow_roll_version: Mapped[int | None]
     """Slow-roll vectors that new identifications subtract."""
     blocks_since: Mapped[int | None]
-    """Sample blocks that ended before that time were let go of, see `storage.retention`; null where none were."""
+    """Sample blocks that ended before that time were let go of, see `storage.operation.retention`; null where none were."""
 
 
 class SlowRollRow(Base):

@@ -24,8 +24,8 @@ from grafana_foundation_sdk.models.dashboard import Dashboard
 from service.cli import app
 from service.security.exposure import host_of
 from service.settings import Settings
-from storage import backup_file
-from storage.database import Database
+from storage.backup import backup_file
+from storage.database.engine import Database
 from tests.plant import sqlite_url
 
 ROOT = Path(__file__).parents[2]

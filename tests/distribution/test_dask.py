@@ -13,8 +13,9 @@ import pytest
 from estimator.machine.document import Machine
 from service.identifying import JobScheduler
 from service.settings import Settings
-from storage import identifications, jobs, machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import identifications, jobs
+from storage.machines import machines
 from tests.end_to_end.processes import free_port, process, python, until
 from tests.identification import chapter_3, close_run, counts
 

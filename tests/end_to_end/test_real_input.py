@@ -18,7 +18,7 @@ from service.stream import session as zenoh_session
 from service.stream import wait_connected
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, to_samples
 from storage.clock import now
-from storage.packing import QUANTUM
+from storage.encoding.packing import QUANTUM
 from tests.end_to_end.processes import DATA, Service, example, rundown, until
 
 ROSS = "thesis-chapter-3"

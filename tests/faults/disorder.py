@@ -18,9 +18,10 @@ from service.collection import Collector
 from service.task import IdentificationTask
 from service.wire import SampleBatch, encode_batch, source_key
 from service.worker import compute
-from storage import machines, runs, samples
-from storage.blocks import Samples, encode
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, encode
+from storage.machines import machines
+from storage.measurements import runs, samples
 from storage.tables import RunRow, SourceRow
 from tests.identification import chapter_3
 from tests.plant import SECOND, START, Document, assert_same_samples, batch

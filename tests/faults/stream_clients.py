@@ -12,7 +12,7 @@ from pathlib import Path
 
 import psutil
 
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import Service
 from tests.plant import document
 from tests.service.test_stuck_clients import AT_ONCE, opened, told

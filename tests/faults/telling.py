@@ -21,8 +21,9 @@ import zenoh
 from service import alerting
 from service.alerting import AlertFinding
 from service.stream import open_session
-from storage import alerts, deliveries, machines
-from storage.database import Database
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, START, identification, machine, sqlite_url, store_identification

@@ -20,9 +20,10 @@ from service.stream import wait_connected
 from service.task import IdentificationTask
 from service.wire import JSON, SampleBatch, encode_batch
 from service.worker import compute
-from storage import machines, runs
-from storage.blocks import Samples, encode
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, encode
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.databases import NewDatabase
 from tests.end_to_end.processes import Service, until

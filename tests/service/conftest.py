@@ -7,7 +7,7 @@ import zenoh
 
 from service.collection import Collector
 from service.stream import connected, session
-from storage.database import Database
+from storage.database.engine import Database
 from tests.plant import free_endpoint, wait_until
 from tests.prompt_journal import PromptJournal
 

@@ -15,7 +15,7 @@ import pytest
 from benchmarks.serving import serving
 from service.api import accepting
 from service.api.application import application
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import ROOT, Service, until
 
 MOST = 5

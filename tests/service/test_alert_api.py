@@ -17,8 +17,8 @@ from service import alerting
 from service.alerting import AlertFinding
 from service.api import event_stream
 from service.api.event_stream import Broadcaster, Told, stream
-from storage import alerts
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
 from storage.tables import AlertRow
 from tests.asking import Api
 from tests.plant import START, identification, store_identification, wait_until

@@ -13,8 +13,8 @@ from benchmarks.alert_life import check, live
 from service import alerting
 from service.alert_life import Forbidden, Severity, Suppression
 from service.alerting import AlertFinding, Person
-from storage import alerts, deliveries, suppressions
-from storage.database import Database
+from storage.alerts import alerts, deliveries, suppressions
+from storage.database.engine import Database
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow, IdentificationRow
 from tests.plant import SECOND, START, identification, store_identification
 from tests.storage.test_migrations import migrate

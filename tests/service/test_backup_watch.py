@@ -7,8 +7,8 @@ import pytest
 
 from service import backup_watch
 from service.backup_watch import BackupWatch
-from storage.backup import back_up
-from storage.database import Database
+from storage.backup.backup import back_up
+from storage.database.engine import Database
 from tests.plant import wait_until
 
 

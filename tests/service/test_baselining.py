@@ -4,8 +4,9 @@ import pytest
 
 from service import baselining
 from service.baselining import BaselineRefused
-from storage import alerts, baselines, machines
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
+from storage.machines import baselines, machines
 from storage.tables import IdentificationRow
 from tests.plant import START, identification, machine, store_identification
 from tests.service.test_watching import BASELINE, STIFFER, WEEK, Weeks

@@ -9,9 +9,11 @@ from sqlalchemy import select
 from estimator.runs.sample_selection import LARGEST_COUNT
 from service import run_samples
 from service.collection import Collector
-from storage import jobs, machines, runs
-from storage.blocks import Samples
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import CollectorRow, QuarantineRow, RunRow
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

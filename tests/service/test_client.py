@@ -15,8 +15,8 @@ from service.alerting import AlertFinding, Person
 from service.client import ChangedMeanwhile, Refused, Rundown
 from service.security import api_keys
 from service.security.principal import Role
-from storage import alerts
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
 from tests.asking import Api
 from tests.paths import ROOT
 from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification

@@ -15,9 +15,11 @@ from service.alerting import AlertFinding, Person
 from service.collection import Collector
 from service.collection_state import standing
 from service.delivery.dispatcher import Dispatcher
-from storage import alerts, deliveries, machines, runs, samples
+from storage.alerts import alerts, deliveries
 from storage.clock import to_datetime
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs, samples
 from storage.tables import AlertRow, RunRow, SourceRow
 from tests.asking import Api
 from tests.judging import judge

@@ -10,8 +10,9 @@ from service.closing import Closing
 from service.collection import Collector
 from service.journal import Journal
 from service.run_samples import Gathered, gathered
-from storage import jobs, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.plant import KEY, SECOND, START, arrived, batch, sweep_rpm, wait_until
 

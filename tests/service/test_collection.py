@@ -5,9 +5,11 @@ from typing import Any
 import pytest
 
 from service.collection import Collector
-from storage import jobs, machines, runs
-from storage.blocks import Samples
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import JobRow, RunRow
 from tests.plant import SECOND, START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

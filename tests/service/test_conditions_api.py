@@ -7,8 +7,9 @@ import pytest
 
 from benchmarks.serving import served
 from service.collection import Collector
-from storage import machines, quarantine
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import quarantine
 from tests.plant import START, arrived, batch, identification, machine, store_identification
 from tests.prompt_journal import PromptJournal
 

@@ -21,9 +21,12 @@ from service.store_watch import StoreWatch
 from service.submissions import Submissions
 from service.tiers import Tier
 from service.wire import JSON, encode_body
-from storage import jobs, looking, machines, quarantine, runs, timeline
-from storage.damage import is_damage, marker_of
-from storage.database import Database
+from storage.database import file_inspection
+from storage.database.damage import is_damage, marker_of
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import machines, timeline
+from storage.measurements import quarantine, runs
 from storage.tables import CollectorRow
 from tests.asking import PREFIX, Api, problem
 from tests.conftest import Stores
@@ -187,7 +190,7 @@ def test_what_postgresql_says_of_damage_is_heard(stores: Stores, tmp_path: Path,
 
 
 def test_a_check_that_is_not_at_its_end_clears_nothing(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(looking, "_STEPS", 1)
+    monkeypatch.setattr(file_inspection, "_STEPS", 1)
     database.damage.found(["something"])
     database.look_for_damage(within_s=0.0, stopped=lambda: False)
     database.look_for_damage(within_s=20.0, stopped=lambda: True)

@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.serving import served
 from service.api.dashboard import FOLDER, STAMP, files
-from storage.database import Database
+from storage.database.engine import Database
 from tests.paths import ROOT
 
 SOURCES = ROOT / "dashboard"

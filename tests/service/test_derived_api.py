@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.serving import served
 from estimator.updated_model.derived_quantities import Derived
-from storage import derived
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import derived
 from tests.plant import SECOND, START, identification, store_identification
 
 HOUR = 3600 * SECOND

@@ -17,8 +17,9 @@ from service import baselining
 from service.comparing import WEEK
 from service.limits import Limits
 from service.setting_limits import set_limits
-from storage import identifications, jobs, machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import identifications, jobs
+from storage.machines import machines
 from storage.tables import IdentificationRow
 from tests.plant import START, identification, machine, store_identification
 

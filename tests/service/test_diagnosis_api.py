@@ -5,7 +5,7 @@ from datetime import datetime
 import pytest
 from sqlalchemy import update
 
-from storage.database import Database
+from storage.database.engine import Database
 from storage.tables import AlertRow
 from tests.asking import Api, problem
 from tests.plant import KEY, START, identification, store_identification

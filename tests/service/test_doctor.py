@@ -15,10 +15,10 @@ from cryptography.hazmat.primitives.asymmetric import ec
 
 from service.doctor import CheckResult, examine
 from service.settings import Settings
-from storage import machines
-from storage.backup import back_up
-from storage.backup_file import described_by
-from storage.database import Database
+from storage.backup.backup import back_up
+from storage.backup.backup_file import described_by
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.conftest import Stores
 from tests.databases import Databases
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until

@@ -7,8 +7,8 @@ import pytest
 from service import alerting
 from service.alerting import AlertFinding
 from service.collection import Collector
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.asking import Api, fields
 from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
 from tests.prompt_journal import PromptJournal

@@ -12,8 +12,8 @@ from fastapi import Request, Response
 from service.api import fresh_answers
 from service.api.fresh_answers import LARGEST_KEPT_BYTES, MOST_KEPT_BYTES, ResponseCache
 from service.security.principal import OPEN
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.plant import machine
 
 TABLES = ("machines",)

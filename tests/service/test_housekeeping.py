@@ -18,9 +18,13 @@ from service.job_task import _earlier
 from service.settings import Settings
 from service.sharing import Whole
 from service.tiers import Blocks, Runs, tiers_of
-from storage import baselines, disk, identifications, jobs, machines, retention, runs
-from storage.database import Database
-from storage.disk import DiskUse
+from storage.database import disk
+from storage.database.disk import DiskUse
+from storage.database.engine import Database
+from storage.findings import identifications, jobs
+from storage.machines import baselines, machines
+from storage.measurements import runs
+from storage.operation import retention
 from storage.tables import CollectorRow, RunRow, SampleBlockRow
 from tests.asking import Api, problem
 from tests.conftest import Stores
@@ -276,7 +280,7 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
 def test_nobody_waits_for_a_round_that_lets_go_of_nothing(
     plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("storage.writer_turn.BUSY_TIMEOUT_MS", 100)
+    monkeypatch.setattr("storage.database.writer_turn.BUSY_TIMEOUT_MS", 100)
     feed(journal, 0, 20)
     add_runs(plant, 25)
     one = Housekeeping(plant, confirmed(plant, raw_days=30, run_days=1))

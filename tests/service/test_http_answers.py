@@ -13,8 +13,8 @@ import uvicorn
 from service.api.application import application
 from service.api.http_protocol import HttpProtocol
 from service.api.server import Server
-from storage import runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.measurements import runs
 from tests.asking import PREFIX, Api, fields, problem
 from tests.end_to_end.processes import until
 from tests.plant import KEY, SECOND, START, identification, samples, store_identification

@@ -22,10 +22,11 @@ from service.ingest import Ingest
 from service.journal import Journal
 from service.submissions import Busy, NotStoring, Submissions
 from service.wire import BINARY, ENCODINGS, JSON, LARGEST_MESSAGE, MESSAGEPACK, Reason, SampleBatch, encode_body
-from storage import machines, quarantine
-from storage import samples as sample_store
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import quarantine
+from storage.measurements import samples as sample_store
 from tests.asking import Api
 from tests.plant import KEY, SECOND, START, batch, machine, wait_until
 

@@ -11,7 +11,7 @@ import pytest
 from benchmarks.serving import served
 from service.api import http_protocol
 from service.api.http_protocol import LARGEST_HEAD
-from storage.database import Database
+from storage.database.engine import Database
 
 BEGUN = b"GET /api/v1/alive HTTP/1.1\r\nHost: here\r\n"
 WHOLE = BEGUN + b"\r\n"

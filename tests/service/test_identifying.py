@@ -25,8 +25,10 @@ from service.job_task import task
 from service.result_filing import ResultFiling
 from service.settings import Settings
 from service.task import IdentificationOutcome, IdentificationTask
-from storage import derived, identifications, jobs, limits, machines, quarantine, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import derived, identifications, jobs
+from storage.machines import limits, machines
+from storage.measurements import quarantine, runs
 from tests.asking import Api
 from tests.damage import damage
 from tests.identification import chapter_3, close_run, counts

@@ -24,7 +24,9 @@ STATES_AND_COUNTS = {
 """Modules of the estimator that hold data, count samples and follow the speed; their work does not grow with the model."""
 
 
-@pytest.mark.parametrize("module", ["service.ingest", "service.closing", "storage.runs", "storage.samples"])
+@pytest.mark.parametrize(
+    "module", ["service.ingest", "service.closing", "storage.measurements.runs", "storage.measurements.samples"]
+)
 def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
     found = imported_by(module)
     assert {one.removeprefix("estimator.") for one in found if one.startswith("estimator.")} <= STATES_AND_COUNTS

@@ -13,7 +13,7 @@ from service import inbox as inbox_module
 from service.inbox import Inbox, PublishedMessage
 from service.memory import give_back
 from service.wire import LARGEST_MESSAGE
-from storage.quarantine import KEPT_BYTES
+from storage.measurements.quarantine import KEPT_BYTES
 from tests.plant import listened_to, wait_until
 
 KEY = "inbox/test"

@@ -16,12 +16,14 @@ from service.collection import Collector
 from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.wire import SampleBatch, source_key
-from storage import jobs, machines, quarantine, runs
-from storage import samples as sample_store
-from storage.blocks import Samples
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import quarantine, runs
+from storage.measurements import samples as sample_store
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from storage.tables import QuarantineRow, SourceRow
 from tests.databases import Databases, NewDatabase, opened
 from tests.plant import (

@@ -13,12 +13,14 @@ from service import late
 from service.collection import Collector
 from service.holes import NEVER
 from service.late import BESIDE, LARGEST_COUNT, Window, add_late
-from storage import identifications, jobs, machines, quarantine, runs, trends
-from storage import samples as sample_store
-from storage.blocks import Samples
-from storage.database import Database
-from storage.identifications import Like, Origin
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.findings import identifications, jobs, trends
+from storage.findings.identifications import Like, Origin
+from storage.machines import machines
+from storage.measurements import quarantine, runs
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from storage.tables import JobRow, RunRow, SourceRow
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sweep_rpm

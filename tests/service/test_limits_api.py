@@ -10,7 +10,7 @@ import pytest
 from benchmarks.serving import served
 from service.limits import Limits
 from service.setting_limits import limits_in_force
-from storage.database import Database
+from storage.database.engine import Database
 
 URL = "/machines/pump-7/limits"
 PATIENT = {"misalignment": {"on_delay": 3, "danger": {"force": 900}}}

@@ -7,8 +7,9 @@ import pytest
 
 from service.collection import Collector
 from service.collection_state import standing
-from storage import machines, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs
 from tests.asking import Api
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm

@@ -10,8 +10,10 @@ from service import putting_off
 from service.collection import Collector
 from service.putting_off import LONGEST_PAUSE_S, Backoff
 from service.silence import AT_ONCE
-from storage import jobs, machines, quarantine, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import quarantine, runs
 from storage.tables import QuarantineRow, RunRow, SampleBlockRow
 from tests.plant import START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

@@ -18,11 +18,12 @@ from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
 from service import openapi_command
 from service.api.kept_answers import ComputedCache
-from storage import machines, runs
-from storage import samples as sample_store
-from storage.blocks import Samples
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines
+from storage.measurements import runs
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from storage.tables import EstimateRow
 from tests.asking import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened

@@ -4,7 +4,7 @@ import pytest
 
 from service import demo
 from service.api import dashboard
-from storage import schema
+from storage.database import schema
 
 
 def test_the_migrations_are_found() -> None:

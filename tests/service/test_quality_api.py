@@ -17,10 +17,11 @@ from service.documents import read_machine
 from service.recording import read_recording
 from service.task import IdentificationTask
 from service.wire import to_samples
-from storage import machines, runs
-from storage.blocks import DamagedBlock, Samples, encode
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import DamagedBlock, Samples, encode
+from storage.machines import machines
+from storage.measurements import runs
 from tests.asking import Api
 from tests.paths import ROOT
 

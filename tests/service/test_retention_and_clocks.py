@@ -21,8 +21,10 @@ from service.sharing import Whole
 from service.submissions import Submissions
 from service.tiers import Blocks
 from service.wire import JSON, encode_body
-from storage import audit, machines, retention, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs
+from storage.operation import audit, retention
 from storage.tables import CollectorRow, RunRow, SampleBlockRow
 from tests.asking import Api
 from tests.plant import KEY, SECOND, arrived, batch, machine, samples, wait_until

@@ -7,8 +7,10 @@ import pytest
 
 from service.collection import Collector
 from service.collection_state import standing
-from storage import identifications, jobs, machines, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import identifications, jobs
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, identification, machine, store_identification
@@ -100,7 +102,7 @@ def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_databas
 
 
 def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("storage.runs.end_collected", lambda *_args, **_more: None)
+    monkeypatch.setattr("storage.measurements.runs.end_collected", lambda *_args, **_more: None)
     send(journal, wander(3000, high=1500.0), 0, 3000)
     with rolling.reading() as session:
         now = standing(session, KEY.machine)

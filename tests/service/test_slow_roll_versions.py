@@ -21,11 +21,13 @@ from service.judging import compare
 from service.requesting import quality_rules
 from service.settings import Settings
 from service.task import IdentificationTask
-from storage import identifications, jobs, machines, runs, trends
-from storage.blocks import Samples, encode
-from storage.database import Database
-from storage.identifications import Like
-from storage.plant_scope import PlantScope
+from storage.database.engine import Database
+from storage.database.plant_scope import PlantScope
+from storage.encoding.sample_blocks import Samples, encode
+from storage.findings import identifications, jobs, trends
+from storage.findings.identifications import Like
+from storage.machines import machines
+from storage.measurements import runs
 from tests.asking import PREFIX, Api, problem
 from tests.estimator.trains import ROOT
 from tests.plant import (

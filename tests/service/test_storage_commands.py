@@ -15,10 +15,12 @@ from typer.testing import CliRunner
 
 from service.alerting import AlertFinding, raise_alert
 from service.cli import app
-from storage import calibrations, limits, machines, runs, suppressions
-from storage.blocks import Samples
+from storage.alerts import suppressions
 from storage.clock import to_datetime
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.machines import calibrations, limits, machines
+from storage.measurements import runs
 from storage.tables import (
     Base,
     BaselineRow,

@@ -12,8 +12,8 @@ from sqlalchemy import insert
 from benchmarks.serving import serving
 from service.api.application import application
 from service.api.event_stream import QUEUE_SIZE, Broadcaster
-from storage import alerts
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
 from storage.tables import AlertEventRow
 from tests.plant import KEY, START, identification, store_identification, wait_until
 

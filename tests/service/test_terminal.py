@@ -9,7 +9,7 @@ from service.logs import TextLines
 from service.security import api_keys
 from service.security.principal import Role
 from service.terminal import say, say_lines
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import ROOT, rundown
 
 STEERING = "a\x1b[2J\x07\x7f\x9b31m\u202etoor\u2066\u200f\nforged\r\u2028b\x00"

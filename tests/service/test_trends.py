@@ -20,10 +20,12 @@ from service.api.downsampling import min_max
 from service.api.formats import CSV, JSON, PARQUET, parquet_bytes
 from service.client import Rundown
 from service.known_parameters import MOST_REVISIONS
-from storage import baselines, jobs, machines, runs, timeline
-from storage import samples as sample_store
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import baselines, machines, timeline
+from storage.measurements import runs
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from tests.asking import Api, fields, problem
 from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 

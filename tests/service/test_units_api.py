@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from estimator.updated_model.derived_quantities import Derived
-from storage import derived, identifications, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.findings import derived, identifications
+from storage.measurements import runs
 from tests.asking import Api, fields
 from tests.plant import KEY, SECOND, START, identification, samples, store_identification, sweep_rpm
 

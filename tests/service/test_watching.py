@@ -6,9 +6,10 @@ import pytest
 from sqlalchemy.orm import Session
 
 from service import assessment_context
-from storage import alerts, diagnoses
-from storage.alerts import ListedAlert
-from storage.database import Database
+from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
+from storage.database.engine import Database
+from storage.findings import diagnoses
 from tests.judging import judge
 from tests.plant import KEY, SECOND, START, identification, store_identification
 

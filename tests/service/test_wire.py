@@ -19,8 +19,8 @@ from service.wire import (
     encode_batch,
     source_key,
 )
-from storage.packing import QUANTUM
-from storage.samples import SourceKey
+from storage.encoding.packing import QUANTUM
+from storage.measurements.samples import SourceKey
 from tests.plant import KEY, batch, few_examples
 from tests.service.wire_messages import body_of, converted, decoded, packed, reason_of
 

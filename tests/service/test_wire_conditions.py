@@ -15,7 +15,7 @@ from service.wire import (
     encode_batch,
     to_samples,
 )
-from storage.blocks import Samples
+from storage.encoding.sample_blocks import Samples
 from tests.plant import KEY, batch, machine
 from tests.service.wire_messages import NAN, NOW, converted
 

@@ -14,7 +14,7 @@ from estimator.simulation.simulated_plant import draw_truth, measured_phasors, s
 from service import worker
 from service.documents import read_machine
 from service.task import IdentificationOutcome, IdentificationTask
-from storage.blocks import Samples, encode
+from storage.encoding.sample_blocks import Samples, encode
 from tests.paths import EXAMPLES
 
 

@@ -17,7 +17,7 @@ from service.wire import (
     frame,
     to_samples,
 )
-from storage.blocks import Samples
+from storage.encoding.sample_blocks import Samples
 from tests.plant import KEY, START, machine
 
 NOW = START + 3600 * 10**9

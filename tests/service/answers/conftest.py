@@ -8,9 +8,9 @@ import pytest
 
 from service.alerting import AlertFinding, raise_alert
 from service.collection import Collector
-from storage import jobs
-from storage.database import Database
-from storage.quarantine import Rejection
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.measurements.quarantine import Rejection
 from tests.asking import Api
 from tests.databases import Databases, opened
 from tests.plant import (

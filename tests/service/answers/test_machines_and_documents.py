@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.asking import PREFIX, Api, fields, problem
 from tests.plant import (
     document,

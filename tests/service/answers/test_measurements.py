@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from storage import samples as sample_store
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from tests.asking import Api, problem
 from tests.plant import (
     SECOND,

@@ -5,7 +5,7 @@ import re
 import pytest
 from sqlalchemy import update
 
-from storage.database import Database
+from storage.database.engine import Database
 from storage.tables import RunRow
 from tests.asking import PREFIX, Api, fields, problem
 from tests.databases import Databases

@@ -4,8 +4,8 @@ import pytest
 
 from service import alerting
 from service.alerting import AlertFinding
-from storage import deliveries, suppressions
-from storage.database import Database
+from storage.alerts import deliveries, suppressions
+from storage.database.engine import Database
 from tests.asking import Api
 from tests.plant import KEY, SECOND, START, identification, store_identification
 

@@ -10,8 +10,8 @@ from estimator.machine.document import DocumentError
 from service.api.error_handlers import LISTED
 from service.api.error_status import STATUS, status_of
 from service.job_quota import QuotaExceeded
-from storage.blocks import DamagedBlock
-from storage.machines import MachineUnknown
+from storage.encoding.sample_blocks import DamagedBlock
+from storage.machines.machines import MachineUnknown
 
 
 def subclasses(kind: type[DomainError]) -> Iterator[type[DomainError]]:

@@ -8,7 +8,7 @@ import pytest
 from sqlalchemy import select, update
 from sqlalchemy.exc import DBAPIError
 
-from storage import idempotency
+from storage.operation import idempotency
 from storage.tables import IdempotencyKeyRow, TimelineRow
 from tests.asking import PREFIX, Api, fields, problem
 from tests.plant import SECOND, document

@@ -5,7 +5,9 @@ from typing import Any
 
 import pytest
 
-from storage import deliveries, fleet, jobs, machines
+from storage.alerts import deliveries
+from storage.findings import jobs
+from storage.machines import fleet, machines
 from tests.asking import Api, fields, value
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 from tests.service.conventions.asked import ANNA, NOTE

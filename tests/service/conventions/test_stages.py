@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from storage import deliveries, jobs
+from storage.alerts import deliveries
+from storage.findings import jobs
 from tests.asking import Api
 from tests.plant import KEY, START, identification, store_identification
 

@@ -13,8 +13,8 @@ from estimator.machine.document import Machine
 from service import alerting
 from service.alerting import AlertFinding
 from service.settings import Settings
-from storage import deliveries
-from storage.database import Database
+from storage.alerts import deliveries
+from storage.database.engine import Database
 from storage.tables import AlertRow, IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]

@@ -17,8 +17,8 @@ from service.alert_life import Severity
 from service.alerting import AlertFinding, Person
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
-from storage import alerts, deliveries
-from storage.database import Database
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
 from storage.tables import IdentificationRow
 from tests.plant import free_endpoint, machine, wait_until
 from tests.service.delivery.receivers import raise_one, settings, subscribe

@@ -26,8 +26,8 @@ from service.delivery.outbox import AT_ONCE
 from service.security.sealing import Sealing
 from service.sharing import Whole
 from service.stream import open_session
-from storage import alerts, deliveries
-from storage.database import Database
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
 from storage.tables import DeliveryRow, IdentificationRow
 from tests.plant import free_endpoint, machine, wait_until
 from tests.service.delivery.receivers import Receiver, raise_one, settings, subscribe

@@ -25,7 +25,7 @@ from service.edge.topic import Topic
 from service.edge.waveform_message import encode_waveforms
 from service.source import Source
 from service.wire import SampleBatch, decode_batch, to_samples
-from storage.blocks import Samples, join
+from storage.encoding.sample_blocks import Samples, join
 from tests.plant import KEY, assert_same_samples, listened_to, machine, wait_until
 from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors
 

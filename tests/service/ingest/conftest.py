@@ -9,7 +9,7 @@ from service import healing as healing_module
 from service import ingest_checks
 from service.ingest import Ingest
 from service.source import Source
-from storage.database import Database
+from storage.database.engine import Database
 from tests.plant import KEY
 from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 

@@ -16,10 +16,10 @@ from service.sharing import Whole
 from service.source import Source
 from service.source_backoff import SourceBackoff
 from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
-from storage import quarantine
-from storage import samples as sample_store
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.measurements import quarantine
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from storage.tables import SourceRow
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 

@@ -16,8 +16,8 @@ from service.sharing import Whole
 from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.wire import ALL_LIVE, Key
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.measurements.samples import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until
 from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, Surroundings, counts, heard, put_batch, received
 

@@ -24,10 +24,10 @@ from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.submissions import NotStoring, Submissions
 from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
-from storage import machines
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, arrived, batch, machine, wait_until
 from tests.refusing import refuse

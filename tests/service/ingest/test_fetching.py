@@ -13,8 +13,8 @@ from service.ingest import Ingest
 from service.source import Source
 from service.source_log import MemoryLog
 from service.wire import MESSAGEPACK, Key, encode_batch
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,

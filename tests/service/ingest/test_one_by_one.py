@@ -19,8 +19,8 @@ from service.sharing import lease_of
 from service.source_backoff import SourceBackoff
 from service.storing import WriteBatch
 from service.submissions import NotStoring
-from storage.database import Database
-from storage.quarantine import Rejection
+from storage.database.engine import Database
+from storage.measurements.quarantine import Rejection
 from tests.plant import KEY, SECOND, START, arrived, batch, wait_until
 from tests.service.ingest.plant_network import counts, heard, put_batch, received, rows
 

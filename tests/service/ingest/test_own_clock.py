@@ -14,7 +14,7 @@ from service.journal import Journal
 from service.source import Source
 from service.submissions import Submissions
 from service.wire import JSON, encode_body
-from storage.database import Database
+from storage.database.engine import Database
 from tests.asking import Api
 from tests.plant import KEY, SECOND, batch, wait_until
 from tests.service.ingest.plant_network import counts, heard, put_batch, received, rejected, rows

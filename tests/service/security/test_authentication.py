@@ -18,9 +18,9 @@ from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnava
 from service.security.principal import Author, Role
 from service.security.rate import RateLimit
 from service.security.tokens import Claims, TokenRefused, Tokens
-from storage import keys
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import api_keys as keys
 from storage.tables import ApiKeyRow, TimelineRow
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY

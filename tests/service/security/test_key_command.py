@@ -6,8 +6,8 @@ from typer.testing import CliRunner
 from service.cli import app
 from service.security import api_keys
 from service.security.principal import Role
-from storage import keys
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import api_keys as keys
 
 
 def refused(*arguments: str) -> str:

@@ -5,10 +5,12 @@ from typing import Any
 
 from service import alerting, baselining
 from service.alerting import AlertFinding
-from storage import calibrations, deliveries, machines, quarantine, runs, samples, suppressions
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.alerts import deliveries, suppressions
+from storage.database.engine import Database
+from storage.machines import calibrations, machines
+from storage.measurements import quarantine, runs, samples
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from tests.plant import SECOND, START, identification, machine, store_identification, sweep_rpm
 from tests.plant import samples as some_samples
 
