@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.chain import create_machines, publishing
 from benchmarks.closed_loop import latencies
-from service.collection_state import CollectionState
+from service.runs.collection_state import CollectionState
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines

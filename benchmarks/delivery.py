@@ -23,11 +23,11 @@ import zenoh
 from sqlalchemy.orm import Session
 
 from benchmarks.serving import served
-from service import alerting
-from service.alerting import AlertFinding, Person
+from service.alerts import transitions as alerting
+from service.alerts.transitions import AlertFinding, Person
+from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
-from service.settings import Settings
-from service.stream import open_session
+from service.messaging.session import open_session
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from storage.machines import machines

@@ -18,7 +18,7 @@ from benchmarks.chain import Usage, create_machines, publishing
 from estimator.fit.identify import Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.updated_model.derived_quantities import derived_quantities
-from service.settings import Settings
+from service.configuration.settings import Settings
 from storage.database.engine import Database
 from storage.findings import identifications
 from storage.machines import machines

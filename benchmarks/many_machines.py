@@ -14,8 +14,8 @@ import psutil
 
 from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publishing
 from estimator.machine.document import parse_machine
-from service.source import Source
-from service.stream import session, wait_connected
+from service.messaging.session import session, wait_connected
+from service.sources.publisher import Source
 from service.wire import Key
 from storage.database.engine import Database
 from storage.machines import machines

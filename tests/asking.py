@@ -9,7 +9,7 @@ from fastapi import FastAPI
 
 from service.api.application import application
 from service.delivery.signing_secrets import SigningSecrets
-from service.security.sealing import Sealing
+from service.secrets.sealing import Sealing
 from storage.database.engine import Database
 
 PREFIX = "/api/v1"

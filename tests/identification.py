@@ -7,7 +7,7 @@ import numpy as np
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
-from service.documents import read_machine
+from service.configuration.document_files import read_machine
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs

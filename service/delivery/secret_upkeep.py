@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from sqlalchemy.exc import DBAPIError
 
+from service.configuration.settings import Settings
 from service.delivery.signing import PREFIX
 from service.delivery.signing_secrets import SigningSecrets, is_plain, is_sealed
-from service.settings import Settings
 from storage.alerts import deliveries
 from storage.backup import scrubbing
 from storage.backup.scrubbing import NotScrubbed

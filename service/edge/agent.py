@@ -21,8 +21,8 @@ from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile
 from service.edge.files import read_chunks
 from service.edge.topic import Topic
-from service.source import Source
-from service.source_log import LogError
+from service.sources.publisher import Source
+from service.sources.replay_log import LogError
 from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import is_ahead
 

@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Callable
 
-from service.supervised_thread import SupervisedThread
+from service.resilience.supervised_thread import SupervisedThread
 from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import BEGINNING

@@ -11,13 +11,13 @@ from urllib.parse import parse_qs
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
+from service.resilience.rate_limit import RateLimit
 from service.security.api_keys import key_hash
 from service.security.authentication import SAFE_COOKIE, Authentication, Unauthenticated, cookie_name, session_cookie
 from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal, Role
-from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused

@@ -114,7 +114,7 @@ class LimitsRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     version: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
-    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    """As in `service.monitoring.limits`, whole: later defaults change nothing that was set."""
     at: Mapped[int]
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

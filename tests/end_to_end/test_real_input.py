@@ -12,10 +12,10 @@ import pytest
 
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
-from service.recording import split
-from service.source import Source
-from service.stream import session as zenoh_session
-from service.stream import wait_connected
+from service.messaging.session import session as zenoh_session
+from service.messaging.session import wait_connected
+from service.sources.publisher import Source
+from service.sources.recording import split
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, to_samples
 from storage.clock import now
 from storage.encoding.packing import QUANTUM

@@ -3,8 +3,8 @@
 import random
 from dataclasses import dataclass, replace
 
-from service.batch import Arrived
-from service.collection import Collector
+from service.journal.batch import Arrived
+from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.measurements import quarantine, samples

@@ -13,11 +13,11 @@ from estimator.fit.identify import Options
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
-from service.batch import Arrived
-from service.collection import Collector
-from service.task import IdentificationTask
+from service.identification.computation import compute
+from service.identification.task import IdentificationTask
+from service.journal.batch import Arrived
+from service.runs.collector import Collector
 from service.wire import SampleBatch, encode_batch, source_key
-from service.worker import compute
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines

@@ -18,9 +18,9 @@ from pathlib import Path
 import httpx
 import zenoh
 
-from service import alerting
-from service.alerting import AlertFinding
-from service.stream import open_session
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from service.messaging.session import open_session
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from storage.machines import machines
@@ -82,9 +82,9 @@ class Changing:
         with self.database.transaction() as session:
             row = alerts.open_alert(session, KEY.machine, rule=RULE, element=element)
             if row is None or self.rng.random() < 0.5:
-                alerting.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
+                transitions.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
             else:
-                alerting.clear_alert(session, row)
+                transitions.clear_alert(session, row)
 
     def _asked(self, client: httpx.Client) -> None:
         with self.database.reading() as session:
@@ -191,7 +191,7 @@ def _prepared(database: Database, target: str) -> tuple[int, int]:
         first = store_identification(session, identification(), run_id=1, measured_at=START).id
         for element in ELEMENTS:
             finding = AlertFinding("at the beginning", {}, first, START)
-            alerting.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
+            transitions.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
     return first, webhook
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from service import demo
-from service.api import dashboard
+from service.api.operation import dashboard
+from service.commands import demo
 from storage.database import schema
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from service.stream import open_session
+from service.messaging.session import open_session
 from storage.database.engine import Database
 from storage.tables import IdentificationRow
 from tests.plant import START, free_endpoint, identification, store_identification

@@ -7,8 +7,8 @@ import pytest
 import zenoh
 from sqlalchemy import text
 
-from service import ingest as ingest_module
-from service.ingest import Ingest
+from service.ingest import ingest_thread as ingest_module
+from service.ingest.ingest_thread import Ingest
 from service.wire import ALL_SAMPLES, Key, encode_batch
 from storage.database.engine import Database
 from storage.measurements import runs

@@ -8,11 +8,11 @@ import httpx
 import pytest
 import zenoh
 
-from service.collection import Collector
-from service.ingest import Ingest
-from service.journal import Journal
-from service.source import Source
-from service.submissions import Submissions
+from service.ingest.ingest_thread import Ingest
+from service.journal.http_queue import Submissions
+from service.journal.journal import Journal
+from service.runs.collector import Collector
+from service.sources.publisher import Source
 from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from tests.asking import Api

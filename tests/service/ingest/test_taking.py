@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 import zenoh
 
-from service.ingest import Ingest
+from service.ingest.ingest_thread import Ingest
 from service.wire import LARGEST_MESSAGE, encode_batch
 from storage.database.engine import Database
 from storage.machines import machines

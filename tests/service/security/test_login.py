@@ -9,8 +9,8 @@ import httpx
 import pytest
 from sqlalchemy import select
 
+from service.http.security_headers import NOTHING
 from service.security import api_keys
-from service.security.answer_headers import NOTHING
 from service.security.authentication import REMEMBERED_S
 from service.security.configuration import Security
 from service.security.login import PATIENCE_S

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from sqlalchemy import func, select, text
 
-from service.alerting import AlertFinding, raise_alert
-from service.api.event_stream import stream
+from service.alerts.transitions import AlertFinding, raise_alert
+from service.api.alerts.event_stream import stream
 from service.security.principal import Principal, Role
 from storage.alerts import deliveries
 from storage.database.engine import Database

@@ -10,7 +10,7 @@ from sqlalchemy import event, select
 
 from estimator.machine.document import Machine
 from estimator.machine.rules import Condition
-from service import baselining
+from service.monitoring import baseline_changes
 from storage.database.engine import Database
 from storage.database.schema import MIGRATIONS
 from storage.machines import machines
@@ -194,7 +194,7 @@ def test_neither_a_revision_nor_a_read_beside_it_costs_more_with_their_number(pl
     def revise(number: int) -> Callable[[], object]:
         def work() -> None:
             with plant.transaction() as session:
-                baselining.revise(session, machine(name=f"Pump {number}"))
+                baseline_changes.revise(session, machine(name=f"Pump {number}"))
 
         return work
 

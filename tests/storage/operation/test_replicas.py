@@ -2,9 +2,9 @@
 
 import pytest
 
-from service import leasing
-from service.leasing import Leasing
-from service.sharing import DELIVERY, INGEST, lease_of
+from service.replication import lease_keeper
+from service.replication.lease_keeper import Leasing
+from service.replication.work_share import DELIVERY, INGEST, lease_of
 from storage.database.engine import Database
 from storage.database.errors import NotHeld
 from storage.findings import jobs
@@ -96,7 +96,7 @@ class Confused(Leasing):
 
 
 def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(leasing, "ROUND_S", 0.02)
+    monkeypatch.setattr(lease_keeper, "ROUND_S", 0.02)
     plant.claim(shared=True)
     living = Confused(plant, "all")
     living.start()
