@@ -15,7 +15,7 @@ class DomainError(Exception):
 
     @property
     def detail(self) -> str:
-        """Say what is wrong, where, and what would be right."""
+        """Describe what is wrong, where, and what would be right."""
         return str(self.args[0]) if self.args else str(self)
 
     @property
@@ -25,35 +25,35 @@ class DomainError(Exception):
 
 
 class Invalid(DomainError, ValueError):
-    """What was given cannot be right, or nothing can be made of it."""
+    """Input that cannot be right, or of which nothing can be made."""
 
 
 class Missing(DomainError, LookupError):
-    """What was asked for is not there; the error's argument names it."""
+    """Something asked for that is not there; the error's argument names it."""
 
     subject: str
     """A word for what it is: `machine`."""
 
     @property
     def detail(self) -> str:
-        """Say what is not there."""
+        """Describe what is not there."""
         return f"no {self.subject} {super().detail}"
 
 
 class Conflict(DomainError, ValueError):
-    """What is there forbids what was asked for."""
+    """A request that is forbidden by what is there."""
 
 
 class Gone(DomainError):
-    """What was asked for was there once, and is deleted."""
+    """Something asked for that was there once, and is deleted."""
 
 
 class Outdated(DomainError):
-    """What was to be changed is no longer as it was read."""
+    """A change of something that is no longer as it was read."""
 
 
 class Unconditional(DomainError):
-    """A change does not say which state it replaces, and has to."""
+    """A change that does not say which state it replaces, and has to."""
 
 
 class LimitReached(DomainError):
@@ -61,11 +61,11 @@ class LimitReached(DomainError):
 
 
 class Damaged(DomainError, ValueError):
-    """What is stored cannot be read."""
+    """Stored data that cannot be read."""
 
     @property
     def detail(self) -> str:
-        """Say what cannot be read, and what to do."""
+        """Describe what cannot be read, and what to do."""
         return f"{super().detail}; look at the disk, and restore a backup"
 
 

@@ -104,7 +104,7 @@ class DocumentError(Invalid):
 
     @property
     def detail(self) -> str:
-        """Say what is wrong as a whole; `field_errors` has the rest."""
+        """Return what is wrong as a whole; `field_errors` has the rest."""
         return "the machine document is wrong"
 
     @property

@@ -48,7 +48,7 @@ class NotSlowRoll(Invalid):
 
     @property
     def detail(self) -> str:
-        """Say of which channels nothing can be captured, and why."""
+        """Describe of which channels nothing can be captured, and why."""
         return f"no slow roll: {self}"
 
 
