@@ -1,4 +1,16 @@
-"""The picture of the house: by room the rooms that it may import. Rooms stand bottom up; docs/developers.md draws the same."""
+"""The picture of the house: by room the rooms that it may import, from the bottom up.
+
+`python -m tests.rooms` draws it in docs/developers.md anew; tests/test_rooms.py says when that is due.
+"""
+
+import ast
+import re
+from pathlib import Path
+
+from tests.paths import ROOT
+
+PAGE = ROOT / "docs" / "developers.md"
+BEGIN, END = "<!-- rooms: drawn by `python -m tests.rooms` -->\n", "<!-- end of rooms -->"
 
 ROOMS: dict[str, tuple[str, ...]] = {
     "estimator": (),
@@ -463,3 +475,34 @@ ROOMS: dict[str, tuple[str, ...]] = {
         "service/http",
     ),
 }
+
+
+def first_sentence(package: Path) -> str:
+    """Return what the docstring of a room says lives there, up to the first full stop."""
+    text = ast.get_docstring(ast.parse((package / "__init__.py").read_text())) or ""
+    return re.split(r"[.;](?=\s)", " ".join(text.split()) + " ", maxsplit=1)[0]
+
+
+def picture() -> str:
+    """Return the table of rooms that docs/developers.md shows: what lives in each, and the rooms that it imports."""
+    lines = ["| room | what lives there | imports |", "|---|---|---|"]
+    for room, others in ROOMS.items():
+        package = room.split("/")[0]
+        own = [one.removeprefix(f"{package}/") for one in others if one.startswith(f"{package}/")]
+        floor = [
+            f"ground floor of `{one}`" if one == package else f"`{one}`"
+            for one in dict.fromkeys(one.split("/")[0] for one in others if not one.startswith(f"{package}/"))
+        ]
+        named = [f"`{one}`" for one in own] + floor
+        lines.append(f"| `{room}/` | {first_sentence(ROOT / room)} | {', '.join(named) or '—'} |")
+    return "\n".join(lines) + "\n"
+
+
+def drawn(page: str) -> str:
+    """Return a page with the picture between its marks drawn anew."""
+    head, rest = page.split(BEGIN, 1)
+    return head + BEGIN + picture() + END + rest.split(END, 1)[1]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(drawn(PAGE.read_text()))
