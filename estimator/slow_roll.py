@@ -48,7 +48,7 @@ class NotSlowRoll(Invalid):
 
     @property
     def detail(self) -> str:
-        """Say of which channels nothing can be captured, and why."""
+        """State why no channel shows a vector."""
         return f"no slow roll: {self}"
 
 
