@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 
 from service import alerting
 from service.alert_life import Forbidden, Severity, Suppression
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from storage import alerts, deliveries, machines, suppressions
 from storage.database import Database
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
@@ -56,7 +56,7 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
 
     def raised() -> None:
         severity = rng.choice(list(Severity))
-        finding = Finding("out", {}, identification_id, START, severity, latching=rng.random() < 0.3)
+        finding = AlertFinding("out", {}, identification_id, START, severity, latching=rng.random() < 0.3)
         alerting.raise_alert(session, MACHINE, rule=RULE, element=element, finding=finding)
 
     def suppressed() -> None:

@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.chain import create_machines, publishing
 from benchmarks.closed_loop import latencies
-from service.collection import Standing
+from service.collection_state import CollectionState
 from storage import alerts, machines, runs
 from storage.database import Database
 from storage.tables import CollectorRow
@@ -88,7 +88,7 @@ def fill(file: Path, *, seed: int) -> None:
             name = "weekly" if number == 0 else f"m{number:04d}"
             machines.create(session, machine(id=name, name=f"Machine {number}"))
             runs.open_run(session, name, revision=1, kind="run-up", direction=1, time_first=START + number)
-            session.add(CollectorRow(machine_id=name, state=Standing(revision=1, seen=START + WEEK).stored()))
+            session.add(CollectorRow(machine_id=name, state=CollectionState(revision=1, seen=START + WEEK).stored()))
         for number in range(LONG):
             outcome = identification({name: 1.0 + 0.01 * rng.standard_normal() for name in PARAMETERS})
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * WEEK // 20)

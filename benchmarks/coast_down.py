@@ -35,7 +35,7 @@ from estimator.measurement import Measurement
 from estimator.modes import modes
 from estimator.order_tracking import track_orders
 from estimator.quality import assess
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from estimator.speed_law import SpeedLaw
@@ -129,13 +129,13 @@ def swept(machine: Machine, rate_rpm_per_s: float, from_rpm: float = FROM_RPM) -
     )
 
 
-def recorded(machine: Machine, run: Swept, rng: np.random.Generator) -> tuple[Recorded, Measurement]:
+def recorded(machine: Machine, run: Swept, rng: np.random.Generator) -> tuple[RecordedRun, Measurement]:
     """The run with its noise."""
     noise = rng.standard_normal(run.phasor.shape) + 1j * rng.standard_normal(run.phasor.shape)
     phasor = run.phasor + NOISE / math.sqrt(2) * np.abs(run.phasor) * noise
     status = np.full(phasor.shape, ChannelStatus.GOOD, np.uint8)
     measurement = Measurement.of(speed=run.speed, phasor=phasor)
-    return Recorded(run.time, run.speed, phasor, status, measurement.scatter, machine.channels), measurement
+    return RecordedRun(run.time, run.speed, phasor, status, measurement.scatter, machine.channels), measurement
 
 
 def score(found: Identification, true: Document) -> Score:

@@ -19,7 +19,7 @@ import schemathesis
 from schemathesis.engine import Status, events, from_schema
 
 from service import alerting, baselining
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from service.wire import JSON, encode_body
 from storage import deliveries, runs, suppressions
 from storage import machines as machine_store
@@ -111,7 +111,7 @@ def fill(file: Path) -> None:
             outcome = identification({"coupling.C1.kxx": 1.0 + 0.01 * number})
             row = store_identification(session, outcome, run_id=run.id, measured_at=begin + RUN_SAMPLES * SECOND)
         for element in ("coupling.C1", "bearing.B2"):
-            finding = Finding("it moves", {"sigma": 6.1}, row.id, START, latching=True)
+            finding = AlertFinding("it moves", {"sigma": 6.1}, row.id, START, latching=True)
             alerting.raise_alert(session, KEY.machine, rule="misalignment", element=element, finding=finding)
         for rule in ("unbalance", "misfit"):
             suppressions.add(

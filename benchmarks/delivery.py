@@ -24,7 +24,7 @@ from sqlalchemy.orm import Session
 
 from benchmarks.serving import served
 from service import alerting
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from service.delivery.dispatcher import Dispatcher
 from service.settings import Settings
 from service.stream import open_session
@@ -112,7 +112,7 @@ def transition(session: Session, rng: random.Random, identification_id: int, num
     element = f"coupling.C{rng.randrange(40)}"
     row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
     if row is None:
-        finding = Finding(f"number {number}", {}, identification_id, START)
+        finding = AlertFinding(f"number {number}", {}, identification_id, START)
         row = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
     elif row.state == "unacknowledged":
         alerting.acknowledge(session, row, Person("anna"))

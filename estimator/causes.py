@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.change_columns import ChangeColumns
-from estimator.finding_kind import Change, FindingKind
+from estimator.finding_kind import ExpectedChange, FindingKind
 from estimator.finding_kinds import FINDING_KINDS
 from estimator.machine import Machine
 from estimator.parameters import Unknowns
@@ -56,7 +56,7 @@ def hypotheses(
     )
 
 
-def _hypothesis(kind: FindingKind, change: Change, count: int) -> Hypothesis:
+def _hypothesis(kind: FindingKind, change: ExpectedChange, count: int) -> Hypothesis:
     kind.require_element(change.element)
     rising = np.zeros((0, count)) if change.rising is None else change.rising
     return Hypothesis(kind.kind, change.element, change.variants, rising, change.moves, kind.linear)

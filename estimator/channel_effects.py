@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
-from estimator.fit import Fit, Problem, settled
+from estimator.fit import FitProblem, FitResult, settled
 from estimator.parameter_description import describe
 
 MOSTLY_LEFT_OUT = 0.3
@@ -44,7 +44,7 @@ class ChannelEffects:
     amplitude: tuple[float, ...]
 
 
-def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> ChannelEffects:
+def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
     """Compute the effects of every channel's gain and run-out that the fit did not identify along.
 
     Source: score and information after Rao (1948, doi:10.1017/S0305004100023987).
@@ -91,7 +91,7 @@ def channel_effects(problem: Problem, found: Fit, *, inflation: float = 1.0) -> 
     )
 
 
-def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
+def _mostly_left_out(problem: FitProblem) -> NDArray[np.bool_]:
     """Mark the channels that the fit has given up (m,)."""
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
@@ -99,7 +99,7 @@ def _mostly_left_out(problem: Problem) -> NDArray[np.bool_]:
 
 
 def _judged_alone(
-    problem: Problem,
+    problem: FitProblem,
     theta: Floats,
     doubtful: NDArray[np.bool_],
     added: NDArray[np.intp],
@@ -125,7 +125,7 @@ def _judged_alone(
     return bias, information, score
 
 
-def _with_every_channel(problem: Problem) -> Problem:
+def _with_every_channel(problem: FitProblem) -> FitProblem:
     """Return the problem with gain and run-out of each channel among its coordinates."""
     count = len(problem.train.channels)
     train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))

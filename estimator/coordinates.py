@@ -142,7 +142,7 @@ class Coordinates:
         Returns:
             The coordinates.
         """
-        return _Builder(train, unbalance_scale).build()
+        return _CoordinateBuilder(train, unbalance_scale).build()
 
     @property
     def size(self) -> int:
@@ -337,7 +337,7 @@ class Coordinates:
         return whole
 
 
-class _Builder:
+class _CoordinateBuilder:
     """Collects coordinates one by one."""
 
     def __init__(self, train: CondensedTrain, unbalance_scale: float) -> None:

@@ -16,7 +16,7 @@ Place = Literal["machine", "channels", "data"]
 
 
 @dataclass(frozen=True, eq=False)
-class Change:
+class ExpectedChange:
     """Change of the N quantities of a diagnosis that one finding at one element makes.
 
     Attributes:
@@ -112,7 +112,7 @@ class FindingKind:
     kind: str
     elements: tuple[ElementKind, ...]
     place: Place
-    changes: Callable[[ChangeColumns], Iterator[Change]] | None = None
+    changes: Callable[[ChangeColumns], Iterator[ExpectedChange]] | None = None
     data_fault: Callable[[Sequence[Observation], Sequence[Observation]], Iterator[DataFault]] | None = None
     fit_fault: Callable[[Sequence[Observation], frozenset[str]], Iterator[DataFault]] | None = None
     size: Callable[[Cause, BaselineValues], ChangeSize] | None = None

@@ -17,7 +17,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.change_columns import RISE, ChangeColumns
 from estimator.data_faults import lost_channels, many_outliers, misfit
 from estimator.deviation import element_of
-from estimator.finding_kind import BaselineValues, Cause, Change, ChangeSize, FindingKind
+from estimator.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
 from estimator.misalignment import neighbouring_bearings
 from estimator.parameter_description import describe
 
@@ -34,7 +34,7 @@ FORM_SIGNIFICANCE = 2.0
 # --- misalignment, a coupling or a bearing by itself -------------------------------------------------------------------------
 
 
-def _misalignments(columns: ChangeColumns) -> Iterator[Change]:
+def _misalignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the common growth of each coupling and of the bearings beside it."""
     for coupling in columns.machine.couplings:
         own = f"coupling.{coupling.id}"
@@ -44,30 +44,30 @@ def _misalignments(columns: ChangeColumns) -> Iterator[Change]:
             yield _misalignment(columns, own, beside)
 
 
-def _misalignment(columns: ChangeColumns, own: str, beside: list[str]) -> Change:
+def _misalignment(columns: ChangeColumns, own: str, beside: list[str]) -> ExpectedChange:
     elements = [own, *beside]
     together = RISE * sum(columns.growth(element) for element in elements)
     each = [UNEVEN * columns.growth(element) for element in elements]
     single = [column for element in elements for column in columns.single_coefficients(element)]
     variants = tuple(np.column_stack([together, *each, *more]) for more in ([], single))
     rising = np.stack([_mean_of(columns.direct_terms(element, "stiffness")) for element in elements])
-    return Change(own, variants, frozenset(elements), rising)
+    return ExpectedChange(own, variants, frozenset(elements), rising)
 
 
-def _couplings(columns: ChangeColumns) -> Iterator[Change]:
+def _couplings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     return _single_elements(columns, [f"coupling.{one.id}" for one in columns.machine.couplings])
 
 
-def _bearings(columns: ChangeColumns) -> Iterator[Change]:
+def _bearings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     bearings = [f"bearing.{one.id}" for one in columns.machine.bearings]
     return _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
 
 
-def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterator[Change]:
+def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterator[ExpectedChange]:
     """Yield the change of each element by itself, unless the document fixes all its coefficients or ties them to another's."""
     for element in elements:
         if columns.changes(element):
-            yield Change(element, columns.element_variants(element), frozenset([element]))
+            yield ExpectedChange(element, columns.element_variants(element), frozenset([element]))
 
 
 def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
@@ -130,13 +130,13 @@ def misalignment_form(cause: Cause) -> str | None:
 # --- unbalance ---------------------------------------------------------------------------------------------------------------
 
 
-def _unbalances(columns: ChangeColumns) -> Iterator[Change]:
+def _unbalances(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the unbalance in each plane, in any direction."""
     planes = [one for one in columns.unknowns.unbalances if columns.knows(one.name)]
     median = float(np.median([columns.magnitude(one.name) for one in planes])) if planes else 0.0
     for plane in planes:
         size = UNBALANCE * max(median, columns.magnitude(plane.name))
-        yield Change(plane.element, (columns.complex_pair(plane.name, size),))
+        yield ExpectedChange(plane.element, (columns.complex_pair(plane.name, size),))
 
 
 def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
@@ -156,12 +156,12 @@ def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
 # --- measuring channels ------------------------------------------------------------------------------------------------------
 
 
-def _gains(columns: ChangeColumns) -> Iterator[Change]:
+def _gains(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of gain and phase of each channel."""
     for probe in columns.machine.probes:
         name = f"probe.{probe.id}.gain"
         if columns.knows(name):
-            yield Change(f"probe.{probe.id}", (columns.complex_pair(name, GAIN),))
+            yield ExpectedChange(f"probe.{probe.id}", (columns.complex_pair(name, GAIN),))
 
 
 def _gain_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
@@ -173,21 +173,21 @@ def _gain_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     return ChangeSize(100.0 * abs(gain), quantities)
 
 
-def _run_outs(columns: ChangeColumns) -> Iterator[Change]:
+def _run_outs(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the run-out of each channel."""
     for probe in columns.machine.probes:
         if columns.knows(f"probe.{probe.id}.run_out"):
-            yield Change(f"probe.{probe.id}", (columns.run_out_pair(probe.id),))
+            yield ExpectedChange(f"probe.{probe.id}", (columns.run_out_pair(probe.id),))
 
 
-def _bows(columns: ChangeColumns) -> Iterator[Change]:
+def _bows(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     """Yield the change of the run-outs of all channels of each shaft."""
     for shaft in columns.machine.shafts:
         probes = [probe.id for probe in columns.machine.probes if probe.shaft == shaft.id]
         known = [one for one in probes if columns.knows(f"probe.{one}.run_out")]
         if len(known) > 1:
             together = np.concatenate([columns.run_out_pair(one) for one in known], axis=1)
-            yield Change(f"shaft.{shaft.id}", (together,))
+            yield ExpectedChange(f"shaft.{shaft.id}", (together,))
 
 
 def _run_out_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:

@@ -41,7 +41,7 @@ CONVERGED_DECREASE = 1e-3
 
 
 @dataclass(frozen=True)
-class Fit:
+class FitResult:
     """End of a fit from one start.
 
     Attributes:
@@ -69,7 +69,7 @@ class Fit:
 
 
 @dataclass(frozen=True)
-class Problem:
+class FitProblem:
     """One data set, one train, one set of coordinates.
 
     Attributes:
@@ -252,7 +252,7 @@ class Problem:
         result[free] += np.linalg.solve(block, gradient[free] - offset)
         return result
 
-    def without_outliers(self, theta: Floats, misfit: float) -> "Problem":
+    def without_outliers(self, theta: Floats, misfit: float) -> "FitProblem":
         """Return the problem without the phasors that cannot be noise at θ.
 
         Args:
@@ -272,7 +272,7 @@ class Problem:
         each = [outliers(size[:, [c]], self.measurement.usable[:, [c]]) for c in range(size.shape[1])]
         return replace(self, outlier=np.concatenate(each, axis=1))
 
-    def with_estimated_noise(self, theta: Floats) -> "Problem":
+    def with_estimated_noise(self, theta: Floats) -> "FitProblem":
         """Return the problem with the noise that the residuals at θ show, where the document asks for that.
 
         Args:
@@ -302,7 +302,7 @@ class Problem:
         return np.asarray(phasor * self.coordinates.gains(theta) + turned)
 
 
-def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
+def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
     """Fit from one start (Marquardt 1963, doi:10.1137/0111030; method in the module's docstring).
 
     Args:
@@ -336,7 +336,7 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
         if not converged or (steps == 0 and _settled(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
-    return Fit(
+    return FitResult(
         theta=theta,
         chi_square=chi_square,
         information=information,
@@ -349,7 +349,7 @@ def fit(problem: Problem, start: Floats, *, near: bool = False) -> Fit:
     )
 
 
-def settled(problem: Problem, found: Fit) -> Problem:
+def settled(problem: FitProblem, found: FitResult) -> FitProblem:
     """Return the problem with the noise and the outliers of a fit.
 
     Args:
@@ -362,14 +362,14 @@ def settled(problem: Problem, found: Fit) -> Problem:
     return replace(problem, outlier=found.outlier, noise=found.noise, channel_noise=found.channel_noise)
 
 
-def _misfit(problem: Problem, chi_square: float, weight: Floats) -> float:
+def _misfit(problem: FitProblem, chi_square: float, weight: Floats) -> float:
     whole = chi_square + 2.0 * outlier_limit(problem.measurement.usable) * np.count_nonzero(problem.outlier)
     if not problem.noise.estimated:
         return float(whole)
     return float(whole * np.exp(-2.0 * np.mean(np.log(weight[problem.used & (weight > 0.0)]))))
 
 
-def _settled(before: Problem, after: Problem) -> bool:
+def _settled(before: FitProblem, after: FitProblem) -> bool:
     """Check whether a pass has changed neither outliers nor noise."""
     return (
         np.array_equal(before.outlier, after.outlier)
@@ -379,7 +379,7 @@ def _settled(before: Problem, after: Problem) -> bool:
     )
 
 
-def descend(problem: Problem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
+def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
     """Run Levenberg-Marquardt at fixed weights.
 
     The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).

@@ -19,7 +19,7 @@ from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.noise import error_size
 from estimator.quality import Flag, Quality, assess, own_noise, too_few
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.rules import QualityRules
 from estimator.sweep_rate import SweepTransient, sweep_transient
 from estimator.updated_model import UpdatedModel, model_at, updated_model
@@ -78,7 +78,7 @@ class _Treatment:
 
 def identify_gated(
     machine: Machine,
-    runs: Sequence[Recorded],
+    runs: Sequence[RecordedRun],
     measurements: Sequence[Measurement],
     *,
     options: Options | None = None,
@@ -126,20 +126,20 @@ def identify_gated(
     return Gated(qualities, found, error)
 
 
-def _base(machine: Machine, run: Recorded, measurement: Measurement, quality: Quality) -> Measurement:
+def _base(machine: Machine, run: RecordedRun, measurement: Measurement, quality: Quality) -> Measurement:
     stated = "noise" in machine.model_fields_set
     scatter = measurement.scatter if stated else own_noise(run, quality)
     return replace(measurement, usable=measurement.usable & quality.usable, scatter=scatter)
 
 
-def _clock_trusted(run: Recorded, quality: Quality) -> bool:
+def _clock_trusted(run: RecordedRun, quality: Quality) -> bool:
     ascending = run.time is not None and run.time.size > 1 and bool(np.all(np.diff(run.time) > 0.0))
     return ascending and not quality.clock_doubted
 
 
 def _without_sweep(
     machine: Machine,
-    runs: Sequence[Recorded],
+    runs: Sequence[RecordedRun],
     base: Measurement,
     qualities: tuple[Quality, ...],
     options: Options | None,
@@ -176,7 +176,7 @@ def _without_sweep(
 
 
 def _by_the_document(
-    machine: Machine, runs: Sequence[Recorded], base: Measurement, options: Options | None, *, correct: bool
+    machine: Machine, runs: Sequence[RecordedRun], base: Measurement, options: Options | None, *, correct: bool
 ) -> tuple[Measurement, Identification]:
     """Find the usable points by the document's own model, and fit them: for sweeps with which nothing fits as it is."""
     model = model_at(machine, *expected_point(machine, base))
@@ -191,7 +191,7 @@ def _by_the_document(
     return base, identify(machine, base, options)
 
 
-def _pieces(runs: Sequence[Recorded]) -> list[slice]:
+def _pieces(runs: Sequence[RecordedRun]) -> list[slice]:
     """Return the slice of each run's samples among those of all."""
     ends = np.cumsum([run.speed.size for run in runs])
     return [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
@@ -204,7 +204,7 @@ def _identified_if_enough(machine: Machine, measurement: Measurement, options: O
         return None
 
 
-def _transient(model: UpdatedModel, runs: Sequence[Recorded], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
+def _transient(model: UpdatedModel, runs: Sequence[RecordedRun], base: Measurement, pieces: Sequence[slice]) -> SweepTransient:
     """Predict the transients of all runs, one after the other, each in its sense of rotation and with its trial weight."""
     each = []
     for run, piece in zip(runs, pieces, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.coordinates import Coordinates
-from estimator.fit import Fit, Problem
+from estimator.fit import FitProblem, FitResult
 from estimator.machine import Machine
 from estimator.modal_reduction import modal_basis
 from estimator.parameters import Coefficient, dense
@@ -21,7 +21,7 @@ SMALLEST_SHARE = 0.005
 MODES_ABOVE = 2.0
 """Multiple of the highest speed up to which a long train's reduction keeps its modes [-]; those above are only approximate."""
 
-Reasons = Callable[[Problem, Fit, Floats], Callable[[str], str]]
+Reasons = Callable[[FitProblem, FitResult, Floats], Callable[[str], str]]
 """Function that, for a fit and the covariance of its coordinates, returns the function that says why a coordinate is left
 open.
 """
@@ -38,7 +38,7 @@ class _Modes:
 class OpenParameters:
     """Reasons why a fit of a machine does not determine a coordinate."""
 
-    def __init__(self, machine: Machine, problem: Problem, found: Fit, covariance: Floats) -> None:
+    def __init__(self, machine: Machine, problem: FitProblem, found: FitResult, covariance: Floats) -> None:
         self.machine = machine
         self.problem = problem
         self.found = found

@@ -10,14 +10,14 @@ from estimator.condensation import CondensedTrain, condense
 from estimator.coordinates import Coordinates
 from estimator.document_size import FEWEST_SAMPLES, document_size
 from estimator.estimates import Estimate, determined, estimates
-from estimator.fit import STAGE_MISFITS, Problem
+from estimator.fit import STAGE_MISFITS, FitProblem
 from estimator.identifiability import Reasons, reasons_for
 from estimator.machine import Machine
 from estimator.measurement import Measurement
 from estimator.profile import flat
 from estimator.rules import Noise
 from estimator.starts import BestFit, best_fit
-from estimator.verdict import Remark, judge, remark
+from estimator.verdict import VerdictRemark, judge, remark
 
 LARGEST_SAMPLE_COUNT = 5000
 """Most samples that one fit uses; more are thinned out."""
@@ -194,7 +194,7 @@ def expected_phasors(machine: Machine, measurement: Measurement, point: Floats) 
     """
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    problem = Problem(train, measurement, coordinates, machine.noise, np.zeros_like(measurement.usable))
+    problem = FitProblem(train, measurement, coordinates, machine.noise, np.zeros_like(measurement.usable))
     return problem.model(coordinates.theta(point))
 
 
@@ -316,12 +316,12 @@ def _require_enough(machine: Machine, measurement: Measurement) -> None:
         raise ValueError(f"an amplitude of {largest:.3g} m: no shaft moves so far; are the units right?")
 
 
-def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, robust: bool) -> Problem:
+def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, robust: bool) -> FitProblem:
     """Build the fit problem, with the unbalances' scale taken from the data at the nominal coefficients."""
     # Unusable phasors become zero, so that arithmetic on whole arrays stays finite.
     silenced = replace(measurement, phasor=np.where(measurement.usable, measurement.phasor, 0.0))
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    problem = Problem(train, silenced, coordinates, noise, np.zeros_like(measurement.usable), robust)
+    problem = FitProblem(train, silenced, coordinates, noise, np.zeros_like(measurement.usable), robust)
     amplitude = problem.first_amplitude
     if not np.any(amplitude > 0.0):
         raise NotEnoughData("every usable phasor is zero: there is no response to identify from")
@@ -338,14 +338,14 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     return problem
 
 
-def _result(problem: Problem, best: BestFit, reasons: Reasons | None) -> Identification:
+def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None) -> Identification:
     coordinates, found = problem.coordinates, best.fit
     information = found.information + np.diag(coordinates.spread**-2)
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))
     verdict = judge(problem, found)
-    beside = remark(problem, found) if verdict.accepted else Remark()
+    beside = remark(problem, found) if verdict.accepted else VerdictRemark()
     covariance *= beside.inflation
     speed = problem.measurement.speed
     physical = covariance * np.outer(coordinates.unit, coordinates.unit)

@@ -59,7 +59,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class ModelComparison:
     """Views of one run, the best first.
 
     Attributes:
@@ -79,7 +79,7 @@ class Comparison:
 
 def compare_misalignment(
     machine: Machine, measurement: Measurement, *, baseline: Identification, coupling: str, options: Options | None = None
-) -> Comparison:
+) -> ModelComparison:
     """Compare "unchanged", "changed coefficients" and "equivalent load" at a coupling for a run after the baseline.
 
     Sources: thesis, Sinha, Lees and Friswell (2004), Schwarz (1978); module's docstring.
@@ -118,7 +118,7 @@ def compare_misalignment(
     ]
     views.sort(key=lambda view: view.criterion)
     preferred, verdict = _verdict(views)
-    return Comparison(
+    return ModelComparison(
         coupling, frozenset(suspects), tuple(views), preferred, verdict + _unbalances_moved(views[0].identification, baseline)
     )
 

@@ -77,7 +77,7 @@ class Observation:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class ObservedFit:
     """Parts of an identification that concern the machine, as `Identification` has them.
 
     Attributes:
@@ -113,7 +113,7 @@ def observed(identification: "Identification", channels: tuple[str, ...]) -> Obs
     Returns:
         The observation.
     """
-    fit = Fit(
+    fit = ObservedFit(
         coordinates=identification.coordinates,
         point=identification.point,
         covariance=identification.covariance,
@@ -127,7 +127,7 @@ def observed(identification: "Identification", channels: tuple[str, ...]) -> Obs
     return observation(fit, channels)
 
 
-def observation(fit: Fit, channels: tuple[str, ...]) -> Observation:
+def observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     """Build the observation of a fit.
 
     Args:

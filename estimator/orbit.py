@@ -92,7 +92,7 @@ class StationOrbits:
 
 
 @dataclass(frozen=True)
-class Finding:
+class OrbitFinding:
     """Fault of the wiring that the orbits show, or that they cannot show.
 
     Attributes:
@@ -130,7 +130,7 @@ def station_orbits(machine: Machine, measurement: Measurement) -> tuple[StationO
     return tuple(found)
 
 
-def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[Finding, ...]:
+def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[OrbitFinding, ...]:
     """Find swapped channels or a wrong sense of rotation, and the stations at which neither could be seen, with the reason.
 
     Only the part of each channel that grows with the speed as a response does is judged, so that a run-out or a slow roll does
@@ -144,7 +144,7 @@ def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[Finding,
         The findings.
     """
     backward: dict[tuple[str, ...], bool] = {}
-    findings: list[Finding] = []
+    findings: list[OrbitFinding] = []
     places = probe_stations(machine)
     try:
         expected = ExpectedOrbits.of(machine)
@@ -170,17 +170,17 @@ def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[Finding,
     return (*wrong, *findings)
 
 
-def _undetectable(place: ProbeStation, why: str) -> Finding:
+def _undetectable(place: ProbeStation, why: str) -> OrbitFinding:
     words = f"whether {_named(place)} {'are swapped' if len(place.channels) > 1 else 'is swapped'} cannot be seen: {why}"
-    return Finding("orbit_sense_undetectable", place.channels, words)
+    return OrbitFinding("orbit_sense_undetectable", place.channels, words)
 
 
-def _wrong(backward: list[ProbeStation], judged: int) -> list[Finding]:
+def _wrong(backward: list[ProbeStation], judged: int) -> list[OrbitFinding]:
     """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
         words = f"the orbits at all {judged} pairs of probes turn backward: the sense of rotation is wrong, or every pair"
-        return [Finding("wrong_rotation", channels, f"{words} is swapped")]
+        return [OrbitFinding("wrong_rotation", channels, f"{words} is swapped")]
     if 2 * len(backward) >= judged:
         others = "" if judged == 1 else f", as at {len(backward)} of {judged} pairs"
         rest = "" if judged == 1 else " and those of the other pairs are swapped"
@@ -189,7 +189,7 @@ def _wrong(backward: list[ProbeStation], judged: int) -> list[Finding]:
     else:
         others, meaning, code = " as at the other pairs", "these channels are swapped", "swapped_channels"
     return [
-        Finding(code, place.channels, f"the orbit at {_named(place)} turns backward, not forward{others}: {meaning}")
+        OrbitFinding(code, place.channels, f"the orbit at {_named(place)} turns backward, not forward{others}: {meaning}")
         for place in backward
     ]
 

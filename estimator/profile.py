@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit import Fit, Problem, descend, settled
+from estimator.fit import FitProblem, FitResult, descend, settled
 
 ENDS = 2.0
 """Standard errors by which a parameter is moved [-]."""
@@ -24,7 +24,7 @@ PINNED = 1e-3
 """Spread with which the moved parameter is held, in standard errors [-]."""
 
 
-def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]) -> frozenset[int]:
+def flat(problem: FitProblem, found: FitResult, covariance: Floats, places: Sequence[int]) -> frozenset[int]:
     """Find the coordinates whose interval the profile does not confirm (Venzon and Moolgavkar 1988, doi:10.2307/2347496).
 
     Args:
@@ -47,7 +47,7 @@ def flat(problem: Problem, found: Fit, covariance: Floats, places: Sequence[int]
     )
 
 
-def _rise(problem: Problem, found: Fit, covariance: Floats, weight: Floats, place: int, side: float) -> float:
+def _rise(problem: FitProblem, found: FitResult, covariance: Floats, weight: Floats, place: int, side: float) -> float:
     """Compute χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
     error = float(np.sqrt(covariance[place, place]))
     # Where a Gaussian's ridge would lead.
@@ -60,7 +60,7 @@ def _rise(problem: Problem, found: Fit, covariance: Floats, weight: Floats, plac
     return _cost(problem, theta, weight)
 
 
-def _cost(problem: Problem, theta: Floats, weight: Floats) -> float:
+def _cost(problem: FitProblem, theta: Floats, weight: Floats) -> float:
     coordinates = problem.coordinates
     prior = float(np.sum(((theta - coordinates.centre) / coordinates.spread) ** 2))
     return problem.chi_square(theta, weight) + prior

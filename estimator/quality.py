@@ -16,7 +16,7 @@ from estimator.channel_status import ChannelStatus
 from estimator.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
 from estimator.neighbours import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
 from estimator.noise import error_size
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.rules import Noise, QualityRules
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
@@ -86,7 +86,7 @@ FEWEST_USABLE = 20
 
 
 @dataclass(frozen=True)
-class ChannelNoise:
+class ChannelNoiseEstimate:
     """Noise of a channel as its neighbouring speeds show it; NaN where unknown.
 
     Attributes:
@@ -119,7 +119,7 @@ class Quality:
     channels: tuple[str, ...]
     flags: NDArray[np.uint16]
     findings: tuple[str, ...]
-    noise: dict[str, ChannelNoise]
+    noise: dict[str, ChannelNoiseEstimate]
     beats: tuple[Beat | None, ...] = field(default=())
     clock_doubted: bool = False
     """True where a beat shows a quite different sweep rate than the samples' times do."""
@@ -159,7 +159,7 @@ class Quality:
         return replace(self, flags=flags.astype(np.uint16), findings=(*self.findings, *findings))
 
 
-def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
+def assess(run: RecordedRun, *, noise: Noise, rules: QualityRules | None = None) -> Quality:
     """Assess the quality of a run without a model of the machine.
 
     Args:
@@ -190,7 +190,7 @@ def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) ->
         own = np.sqrt((relative * amplitude[:, c]) ** 2 + floor**2)
         used = flags[:, c] == 0
         typical, local = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
-        seen[channel] = ChannelNoise(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
+        seen[channel] = ChannelNoiseEstimate(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
     flags[_outliers(run, fits, stated, seen, flags == 0)] |= np.uint16(Flag.OUTLIER)
     flags[_not_accepted(run.speed, rules)] |= np.uint16(Flag.NOT_ACCEPTED)
     if rules.half_power:
@@ -201,7 +201,7 @@ def assess(run: Recorded, *, noise: Noise, rules: QualityRules | None = None) ->
     return replace(quality, findings=(*quality.findings, *_lost(run, quality), *_noise_findings(quality)))
 
 
-def own_noise(run: Recorded, quality: Quality) -> Floats:
+def own_noise(run: RecordedRun, quality: Quality) -> Floats:
     """Compute the scatter of a run whose source and document state none: each channel's noise as its neighbours show it.
 
     Args:
@@ -273,7 +273,7 @@ def _saturated(phasor: Complexes, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _outliers(
-    run: Recorded, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoise], good: NDArray[np.bool_]
+    run: RecordedRun, fits: list[LocalFit], stated: Floats, seen: dict[str, ChannelNoiseEstimate], good: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Mark phasors out of line with their neighbours, unless other channels are disturbed at the same speed."""
     found, disturbed = np.zeros(good.shape, dtype=bool), np.zeros(good.shape, dtype=bool)
@@ -297,7 +297,7 @@ def _not_accepted(speed: Floats, rules: QualityRules) -> NDArray[np.bool_]:
     return np.asarray((speed < low) | (speed > high))
 
 
-def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _within_half_power(run: RecordedRun, good: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Mark the phasors between the half-power points of each channel's peaks, as far as the curve shows both."""
     found = np.zeros(good.shape, dtype=bool)
     for c in range(good.shape[1]):
@@ -317,7 +317,7 @@ def _within_half_power(run: Recorded, good: NDArray[np.bool_]) -> NDArray[np.boo
     return found
 
 
-def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
+def _ringing(run: RecordedRun, quality: Quality, size: Floats) -> Quality:
     """Return the quality with the points flagged at which a beat is seen."""
     beats = find_beats(run.speed, np.where(quality.usable, run.phasor, 0.0), quality.usable)
     where = np.zeros(run.phasor.shape, dtype=bool)
@@ -338,7 +338,7 @@ def _ringing(run: Recorded, quality: Quality, size: Floats) -> Quality:
     return replace(quality.with_flag(Flag.SWEEP_RATE_BEAT, where, *words), beats=beats, clock_doubted=doubted)
 
 
-def _clock(run: Recorded, beat: Beat) -> str:
+def _clock(run: RecordedRun, beat: Beat) -> str:
     """Describe the sweep rate by the times, where it is not that of the beat."""
     if run.time is None or run.time[-1] <= run.time[0]:
         return ""
@@ -352,7 +352,7 @@ def _clock(run: Recorded, beat: Beat) -> str:
     return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} rpm/s and are not to be trusted"
 
 
-def _lost(run: Recorded, quality: Quality) -> tuple[str, ...]:
+def _lost(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
     """Report channels that gave nothing, or nothing for a part of the run."""
     source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
     words = []

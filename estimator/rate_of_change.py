@@ -25,7 +25,7 @@ CHANCE = 1e-4
 
 
 @dataclass(frozen=True)
-class Rate:
+class ParameterRate:
     """Rate of change of one coordinate.
 
     Attributes:
@@ -54,7 +54,7 @@ class Rate:
         return self.probability <= CHANCE
 
 
-def rates_of_change(readings: Sequence[Reading]) -> tuple[Rate, ...]:
+def rates_of_change(readings: Sequence[Reading]) -> tuple[ParameterRate, ...]:
     """Compute the rates of all coordinates of the newest reading that at least FEWEST of the newest WINDOW readings determine.
 
     Theil and Sen's slope, test of Mann and Kendall (sources in `slow_drift`).
@@ -85,7 +85,7 @@ def rates_of_change(readings: Sequence[Reading]) -> tuple[Rate, ...]:
         slope, lower, upper = (math.expm1(one) if is_direct(name) else one for one in slopes)
         first = float(time[known][0])
         count = int(np.count_nonzero(known))
-        found.append(Rate(name, element_of(name), slope, lower, upper, drift.probability, count, first))
+        found.append(ParameterRate(name, element_of(name), slope, lower, upper, drift.probability, count, first))
     return tuple(found)
 
 

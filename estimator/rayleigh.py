@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
-class RayleighDamping:
+class RayleighCoefficients:
     """Coefficients of C = αM + βK.
 
     Attributes:
@@ -49,7 +49,7 @@ class RayleighDamping:
 
 def rayleigh_damping(
     *, lower_frequency: float, lower_ratio: float, upper_frequency: float, upper_ratio: float
-) -> RayleighDamping:
+) -> RayleighCoefficients:
     """Solve for the damping that gives two modes the stated ratios (thesis Eq. B.2-B.3; Clough and Penzien 1993, §12-5).
 
     Args:
@@ -83,4 +83,4 @@ def rayleigh_damping(
             f"ratios {lower_ratio} and {upper_ratio} give a negative coefficient: upper_ratio must lie between "
             f"{smallest:.4g} and {largest:.4g} times lower_ratio"
         )
-    return RayleighDamping(mass_coefficient=max(alpha, 0.0), stiffness_coefficient=max(beta, 0.0))
+    return RayleighCoefficients(mass_coefficient=max(alpha, 0.0), stiffness_coefficient=max(beta, 0.0))

@@ -9,7 +9,7 @@ from estimator.arrays import Complexes, Floats
 
 
 @dataclass(frozen=True)
-class Recorded:
+class RecordedRun:
     """A run as it was measured, S samples of m channels in order of time.
 
     Attributes:
@@ -28,7 +28,7 @@ class Recorded:
     scatter: Floats
     channels: tuple[str, ...]
 
-    def pick(self, which: NDArray[np.bool_]) -> "Recorded":
+    def pick(self, which: NDArray[np.bool_]) -> "RecordedRun":
         """Return some of the samples.
 
         Args:
@@ -38,4 +38,4 @@ class Recorded:
             The run with these samples.
         """
         time = None if self.time is None else self.time[which]
-        return Recorded(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)
+        return RecordedRun(time, self.speed[which], self.phasor[which], self.status[which], self.scatter[which], self.channels)

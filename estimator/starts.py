@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.coordinates import Coordinates
-from estimator.fit import STAGE_MISFITS, Fit, Problem, fit
+from estimator.fit import STAGE_MISFITS, FitProblem, FitResult, fit
 
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start [-]."""
@@ -39,13 +39,13 @@ class BestFit:
         iterations: Number of steps spent in all of them.
     """
 
-    fit: Fit
+    fit: FitResult
     starts: int
     iterations: int
 
 
 def best_fit(
-    problem: Problem, *, starts: int, seed: int, good: Callable[[Fit], bool], beginning: Floats | None = None
+    problem: FitProblem, *, starts: int, seed: int, good: Callable[[FitResult], bool], beginning: Floats | None = None
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
@@ -63,7 +63,7 @@ def best_fit(
         FitFailed: No start leads to a finite misfit.
     """
     rng = np.random.default_rng(seed)
-    best: Fit | None = None
+    best: FitResult | None = None
     reached: list[float] = []
     iterations = 0
     for start_number in range(1, max(1, starts) + 1):
@@ -84,7 +84,7 @@ def best_fit(
     return BestFit(best, start_number, iterations)
 
 
-def _start(problem: Problem, rng: np.random.Generator, *, first: bool) -> Floats:
+def _start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Floats:
     """Choose the nominal values, else the best of some random candidates by their first-stage misfit."""
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])

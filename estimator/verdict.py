@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit import Fit, Problem, settled
+from estimator.fit import FitProblem, FitResult, settled
 
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
@@ -55,7 +55,7 @@ def accepted(chi_square: float, freedom: int) -> bool:
     return chi_square / freedom <= 1.0 + CHI_SQUARE_LIMIT * math.sqrt(2.0 / freedom)
 
 
-def judge(problem: Problem, found: Fit) -> Verdict:
+def judge(problem: FitProblem, found: FitResult) -> Verdict:
     """Judge a fit by its χ², its outliers and, where its noise is estimated, the order in its residuals.
 
     Args:
@@ -89,7 +89,7 @@ def judge(problem: Problem, found: Fit) -> Verdict:
 
 
 @dataclass(frozen=True)
-class Remark:
+class VerdictRemark:
     """Remark on an accepted fit.
 
     Attributes:
@@ -101,7 +101,7 @@ class Remark:
     inflation: float = 1.0
 
 
-def remark(problem: Problem, found: Fit) -> Remark:
+def remark(problem: FitProblem, found: FitResult) -> VerdictRemark:
     """Check whether the residuals show a pattern over speed, which χ² is not sharp enough for.
 
     Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
@@ -116,20 +116,22 @@ def remark(problem: Problem, found: Fit) -> Remark:
     """
     usable = int(np.count_nonzero(problem.measurement.usable & ~found.outlier))
     if found.noise.relative <= SMALLEST_ESTIMATED_NOISE or found.chi_square < usable:
-        return Remark()  # half of what the noise would leave, or less: the data were computed, and rounding has patterns
+        return (
+            VerdictRemark()
+        )  # half of what the noise would leave, or less: the data were computed, and rounding has patterns
     correlation, pairs = serial_correlation(problem, found)
     alike = float(np.sum(correlation * pairs) / max(1, pairs.sum()))
     if alike <= CHI_SQUARE_LIMIT / math.sqrt(2.0 * max(1, pairs.sum())):
-        return Remark()
+        return VerdictRemark()
     alike = min(alike, LARGEST_ALIKENESS)
     words = (
         f"; residuals of neighbouring speeds are alike (correlation {alike:.2g}): the model may be slightly wrong, or the "
         "samples overlap; intervals are widened"
     )
-    return Remark(words, (1.0 + alike) / (1.0 - alike))
+    return VerdictRemark(words, (1.0 + alike) / (1.0 - alike))
 
 
-def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> Verdict:
+def _judge_by_order(problem: FitProblem, found: FitResult, words: str, freedom: int) -> Verdict:
     """Judge by the order of the residuals.
 
     With estimated noise χ² is as expected by construction; a model that does not fit leaves a pattern over speed.
@@ -152,7 +154,7 @@ def _judge_by_order(problem: Problem, found: Fit, words: str, freedom: int) -> V
     return Verdict(False, f"the model does not fit the data: {message}; {words}", freedom)
 
 
-def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np.intp]]:
+def serial_correlation(problem: FitProblem, found: FitResult) -> tuple[Floats, NDArray[np.intp]]:
     """Compute the correlation of weighted residuals between neighbouring speeds of each channel.
 
     Args:
@@ -176,7 +178,7 @@ def serial_correlation(problem: Problem, found: Fit) -> tuple[Floats, NDArray[np
     return np.divide(product, power, out=np.zeros_like(power), where=power > 0.0), np.count_nonzero(both, axis=0)
 
 
-def _misfitting_channel(problem: Problem, found: Fit) -> str:
+def _misfitting_channel(problem: FitProblem, found: FitResult) -> str:
     """Name the channel that holds more than half of the excess of χ²."""
     final = settled(problem, found)
     model = final.model(found.theta)
@@ -190,7 +192,7 @@ def _misfitting_channel(problem: Problem, found: Fit) -> str:
     return f", most of it at {problem.train.channels[worst]}"
 
 
-def _noisy_channels(problem: Problem, found: Fit) -> str:
+def _noisy_channels(problem: FitProblem, found: FitResult) -> str:
     noisy = [
         f"{channel} {times:.1f} times that"
         for channel, times in zip(
@@ -201,7 +203,7 @@ def _noisy_channels(problem: Problem, found: Fit) -> str:
     return f", at {', '.join(noisy)}" if noisy else ""
 
 
-def _worst_channel(problem: Problem, found: Fit) -> str:
+def _worst_channel(problem: FitProblem, found: FitResult) -> str:
     """Name the channel with more than half of the outliers, if there is one."""
     counts = np.count_nonzero(found.outlier, axis=0)
     worst = int(np.argmax(counts))

@@ -1,12 +1,16 @@
-"""What came becomes a batch of a machine that is known, or is refused: kept in the quarantine, with the reason."""
+"""Admission: what came becomes a batch of a known machine, or is refused and kept in the quarantine with the reason."""
 
 import logging
-from collections.abc import Callable
+from dataclasses import replace
 
+import zenoh
+
+from service.batch import Arrived
 from service.clock_doubt import OwnClock
-from service.inbox import Message
-from service.journal import Arrived, Journal
-from service.own_faults import in_the_log
+from service.inbox import PublishedMessage
+from service.journal import Journal
+from service.own_faults import see_log
+from service.refusals import Refusals
 from service.submissions import UNFORESEEN, NotStoring, Submission
 from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
@@ -17,18 +21,18 @@ logger = logging.getLogger(__name__)
 
 
 class Admission:
-    """Decodes, and looks whether the machine is known. reject: takes what is to be kept of what was refused.
+    """Decode what came, and look whether the machine is known.
 
     own_clock: says what must wait until the clock is right. Such a batch is neither stored nor refused.
     """
 
-    def __init__(self, journal: Journal, *, reject: Callable[[Rejection], None], own_clock: OwnClock) -> None:
+    def __init__(self, journal: Journal, refusals: Refusals, own_clock: OwnClock) -> None:
         self._journal = journal
+        self._refusals = refusals
         self._own_clock = own_clock
-        self._reject = reject
 
-    def published(self, key: Key, message: Message) -> Arrived | None:
-        """A message that was published, or that a log has answered; None when it is refused or has to wait.
+    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
+        """Return a message that was published as a batch; None when it is refused or has to wait.
 
         Raises what concerns all.
         """
@@ -45,14 +49,21 @@ class Admission:
             if concerns_all(error):
                 raise
             logger.exception("a message under %s cannot be looked at", message.key)
-            self._refuse(message, key.machine, "unexpected_error", in_the_log(error))
+            self._refuse(message, key.machine, "unexpected_error", see_log(error))
             return None
         return Arrived(batch, message.key, message.payload, message.received_at)
 
+    def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
+        """Return what a log has answered as a batch; None when it is refused or has to wait. Raises what concerns all."""
+        return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
+
     def submitted(self, submission: Submission) -> Arrived:
-        """A body that came over HTTP. Raises Rejected or NotStoring when it is refused, and what concerns all."""
+        """Return a body that came over HTTP as a batch.
+
+        Raises Rejected or NotStoring when it is refused, and what concerns all.
+        """
         machine, body = submission.machine, submission.body
-        message = Message(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
+        message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
         try:
             require_size(message.size)
             batch = decode_body(body, message.encoding)
@@ -72,21 +83,21 @@ class Admission:
             if concerns_all(error):
                 raise
             logger.exception("%s: a batch over HTTP cannot be looked at", machine)
-            self._refuse(message, machine, "unexpected_error", in_the_log(error))
+            self._refuse(message, machine, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
         return Arrived(batch, message.key, body, message.received_at)
 
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):
             return False
-        self._journal.still_there(batch.machine)
+        self._journal.note_heard(batch.machine)
         return True
 
-    def refuse(self, message: Message, machine: str | None, rejected: Rejected) -> None:
+    def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
         """Keep a message that was not taken. machine: None where its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
-    def _refuse(self, message: Message, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
         rejection = Rejection.of_message(
             received_at=message.received_at,
             key=message.key,
@@ -96,7 +107,7 @@ class Admission:
             payload=message.payload,
             size=message.size,
         )
-        self._reject(rejection)
+        self._refusals.reject(rejection)
 
     def _require_machine(self, key: Key) -> None:
         plant = self._journal.plant_of(key.machine)

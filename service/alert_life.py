@@ -24,7 +24,7 @@ class Severity(IntEnum):
         return self.name.lower()
 
 
-class Condition(StrEnum):
+class AlertCondition(StrEnum):
     """Where an alert stands as to its cause and to the people who answer for it."""
 
     NORMAL = "normal"
@@ -46,18 +46,18 @@ class Suppression(StrEnum):
     SHELVED = "shelved"
 
 
-ACTIVE = frozenset({Condition.UNACKNOWLEDGED, Condition.ACKNOWLEDGED})
+ACTIVE = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.ACKNOWLEDGED})
 """Conditions in which the cause is there."""
-LATCHED = frozenset({Condition.LATCHED_UNACKNOWLEDGED, Condition.LATCHED_ACKNOWLEDGED})
-CALLING = frozenset({Condition.UNACKNOWLEDGED, Condition.RETURNED, Condition.LATCHED_UNACKNOWLEDGED})
+LATCHED = frozenset({AlertCondition.LATCHED_UNACKNOWLEDGED, AlertCondition.LATCHED_ACKNOWLEDGED})
+CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, AlertCondition.LATCHED_UNACKNOWLEDGED})
 """Conditions that wait for an acknowledgement."""
 
 
 @dataclass(frozen=True)
-class Standing:
+class AlertStanding:
     """Where an alert stands. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
 
-    condition: Condition = Condition.NORMAL
+    condition: AlertCondition = AlertCondition.NORMAL
     severity: Severity = Severity.ALERT
     latching: bool = False
     suppressions: frozenset[Suppression] = frozenset()
@@ -73,7 +73,7 @@ class Standing:
     @property
     def closed(self) -> bool:
         """Whether the episode is over. A suppression lives on without it."""
-        return self.condition is Condition.NORMAL
+        return self.condition is AlertCondition.NORMAL
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class Forbidden(Conflict):
     """The event is not allowed where the alert stands; the message says why and what would be right."""
 
 
-def advance(standing: Standing, event: Event) -> Standing:
+def advance(standing: AlertStanding, event: Event) -> AlertStanding:
     """The next standing; an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):
@@ -136,53 +136,53 @@ def advance(standing: Standing, event: Event) -> Standing:
             return _released(standing, suppression)
 
 
-def _raised(standing: Standing, severity: Severity) -> Standing:
+def _raised(standing: AlertStanding, severity: Severity) -> AlertStanding:
     worse = severity > standing.severity
-    if standing.condition is Condition.ACKNOWLEDGED and not worse:
+    if standing.condition is AlertCondition.ACKNOWLEDGED and not worse:
         return replace(standing, severity=severity)
-    return replace(standing, condition=Condition.UNACKNOWLEDGED, severity=severity)
+    return replace(standing, condition=AlertCondition.UNACKNOWLEDGED, severity=severity)
 
 
-def _cleared(standing: Standing) -> Standing:
+def _cleared(standing: AlertStanding) -> AlertStanding:
     if standing.condition not in ACTIVE:
         return standing
-    seen = standing.condition is Condition.ACKNOWLEDGED
+    seen = standing.condition is AlertCondition.ACKNOWLEDGED
     if standing.latching:
-        latched = Condition.LATCHED_ACKNOWLEDGED if seen else Condition.LATCHED_UNACKNOWLEDGED
+        latched = AlertCondition.LATCHED_ACKNOWLEDGED if seen else AlertCondition.LATCHED_UNACKNOWLEDGED
         return replace(standing, condition=latched)
     # Nobody was called while it was suppressed, so nobody need answer.
     gone = seen or bool(standing.suppressions)
-    return replace(standing, condition=Condition.NORMAL if gone else Condition.RETURNED)
+    return replace(standing, condition=AlertCondition.NORMAL if gone else AlertCondition.RETURNED)
 
 
-def _acknowledged(standing: Standing) -> Standing:
+def _acknowledged(standing: AlertStanding) -> AlertStanding:
     if standing.closed:
         raise Forbidden("the alert is closed: there is nothing to acknowledge")
     if standing.suppressions:
         raise Forbidden(f"the alert is {standing.state}: end that first")
     following = {
-        Condition.UNACKNOWLEDGED: Condition.ACKNOWLEDGED,
-        Condition.RETURNED: Condition.NORMAL,
-        Condition.LATCHED_UNACKNOWLEDGED: Condition.LATCHED_ACKNOWLEDGED,
+        AlertCondition.UNACKNOWLEDGED: AlertCondition.ACKNOWLEDGED,
+        AlertCondition.RETURNED: AlertCondition.NORMAL,
+        AlertCondition.LATCHED_UNACKNOWLEDGED: AlertCondition.LATCHED_ACKNOWLEDGED,
     }
     if standing.condition not in following:
         raise Forbidden("the alert is acknowledged already")
     return replace(standing, condition=following[standing.condition])
 
 
-def _reset(standing: Standing) -> Standing:
+def _reset(standing: AlertStanding) -> AlertStanding:
     if standing.condition not in LATCHED:
         raise Forbidden(f"the alert is {standing.condition}, not latched: only a latched alert is reset")
-    if standing.condition is Condition.LATCHED_UNACKNOWLEDGED:
+    if standing.condition is AlertCondition.LATCHED_UNACKNOWLEDGED:
         raise Forbidden("the alert is not acknowledged yet: acknowledge it, then reset it")
-    return replace(standing, condition=Condition.NORMAL)
+    return replace(standing, condition=AlertCondition.NORMAL)
 
 
-def _released(standing: Standing, suppression: Suppression) -> Standing:
+def _released(standing: AlertStanding, suppression: Suppression) -> AlertStanding:
     if suppression not in standing.suppressions:
         raise Forbidden(f"the alert is not {suppression}")
     left = standing.suppressions - {suppression}
     condition = standing.condition
-    if not left and condition is Condition.ACKNOWLEDGED:
-        condition = Condition.UNACKNOWLEDGED  # it calls again: who acknowledged it may long be gone
+    if not left and condition is AlertCondition.ACKNOWLEDGED:
+        condition = AlertCondition.UNACKNOWLEDGED  # it calls again: who acknowledged it may long be gone
     return replace(standing, condition=condition, suppressions=left)

@@ -13,15 +13,15 @@ from sqlalchemy.orm import Session
 from estimator.errors import Invalid
 from service.alert_life import (
     Acknowledged,
+    AlertCondition,
+    AlertStanding,
     Cleared,
-    Condition,
     Event,
     Forbidden,
     Raised,
     Released,
     Reset,
     Severity,
-    Standing,
     Suppressed,
     Suppression,
     advance,
@@ -52,7 +52,7 @@ class MomentRefused(Invalid):
 
 
 @dataclass(frozen=True)
-class Finding:
+class AlertFinding:
     """What an identification says for an alert: its message, evidence and severity."""
 
     message: str
@@ -71,17 +71,17 @@ class Person:
     comment: str = ""
 
 
-def standing(row: AlertRow) -> Standing:
+def standing(row: AlertRow) -> AlertStanding:
     """Where a stored alert stands."""
-    return Standing(
-        condition=Condition(row.condition),
+    return AlertStanding(
+        condition=AlertCondition(row.condition),
         severity=Severity(row.severity),
         latching=row.latching,
         suppressions=frozenset(Suppression(one) for one in row.suppressions),
     )
 
 
-def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, finding: Finding) -> AlertRow:
+def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, finding: AlertFinding) -> AlertRow:
     """The cause is there: open an episode, or bring the open one up to date."""
     row = alerts.open_alert(session, machine_id, rule=rule, element=element)
     if row is None:

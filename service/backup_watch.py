@@ -4,10 +4,10 @@ network does: so it has a thread of its own, for which nobody waits.
 
 import logging
 import math
-import threading
 from datetime import UTC, datetime
 from pathlib import Path
 
+from service.supervised_thread import SupervisedThread
 from storage.backup_file import newest_in
 
 logger = logging.getLogger(__name__)
@@ -15,21 +15,21 @@ logger = logging.getLogger(__name__)
 LOOK_S = 60.0
 
 
-class BackupWatch:
+class BackupWatch(SupervisedThread):
     """How old the newest backup of a folder is. No folder: nothing is looked at."""
 
     def __init__(self, folder: str) -> None:
+        super().__init__("backup watch", failure=f"backups in {folder} cannot be looked at", retry_s=LOOK_S)
         self._folder = folder
         self._newest: datetime | None = None
-        self._stop = threading.Event()
 
     def start(self) -> None:
-        """Begin."""
+        """Begin, where a folder is named."""
         if self._folder:
-            threading.Thread(target=self._run, name="backup watch", daemon=True).start()
+            super().start()
 
     def stop(self) -> None:
-        """Look no more."""
+        """Look no more. Waits for no look under way, which may hang."""
         self._stop.set()
 
     @property
@@ -40,11 +40,10 @@ class BackupWatch:
         age = math.inf if self._newest is None else (datetime.now(UTC) - self._newest).total_seconds()
         return {"rundown_backup_age_seconds": age}
 
-    def _run(self) -> None:
-        pause = 0.0
-        while not self._stop.wait(pause):
-            pause = LOOK_S
-            try:
-                self._newest = newest_in(Path(self._folder))
-            except OSError as error:
-                logger.warning("backups in %s cannot be looked at: %s", self._folder, error)
+    def turn(self) -> float:
+        """Look once."""
+        try:
+            self._newest = newest_in(Path(self._folder))
+        except OSError as error:
+            logger.warning("backups in %s cannot be looked at: %s", self._folder, error)
+        return LOOK_S

@@ -1,24 +1,24 @@
-"""What is known of many, and can be found out again: of so many at most."""
+"""A dictionary of limited size, for what is known of many and can be found out again."""
 
 from typing import TypeVar
 
 Key = TypeVar("Key")
 Value = TypeVar("Value")
 
-MOST = 100_000
+CAPACITY = 100_000
 """Ten starts of the sources of ten thousand machines."""
 
 
-class Bounded(dict[Key, Value]):
-    """A dictionary that forgets what was put in first when it holds too much."""
+class BoundedDict(dict[Key, Value]):
+    """A dictionary that drops its oldest entries beyond `CAPACITY`."""
 
     def __setitem__(self, key: Key, value: Value) -> None:
         super().__setitem__(key, value)
-        while len(self) > MOST:
+        while len(self) > CAPACITY:
             del self[next(iter(self))]
 
     def setdefault(self, key: Key, value: Value) -> Value:
-        """As of dict."""
+        """Return the value of a key, which is set first where there is none."""
         if key not in self:
             self[key] = value
         return self[key]

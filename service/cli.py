@@ -18,7 +18,7 @@ from estimator.identification import Identification
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
 from estimator.model_comparison import compare_misalignment
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.rules import QualityRules
 from estimator.simulation import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
 from estimator.thesis.machine_regression import regress
@@ -44,7 +44,7 @@ from service.release import VERSION
 from service.retention_command import retention_app
 from service.security.command import audit_app, key_app
 from service.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
-from service.simulator import BATCH_SAMPLES, Plan
+from service.simulator import BATCH_SAMPLES, SimulationPlan
 from service.simulator import simulate as run_simulation
 from service.source import Source
 from service.source_log import LogError
@@ -207,7 +207,7 @@ def simulate(
 ) -> None:
     """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
     log_to_terminal("INFO")
-    plan = Plan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
+    plan = SimulationPlan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
     stop = _stop_on_signal()
     try:
         parsed = [_machine_and_story(text) for text in machines]
@@ -421,7 +421,7 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
 
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
-) -> tuple[Machine, list[tuple[Recorded, Measurement]]]:
+) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
     """A document and its recorded runs, without the slow roll of a band where one is given."""
     described = read_machine(machine)
     runs, left_out = read_runs(described, files, sidecar)

@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from service.bounded import Bounded
+from service.bounded import BoundedDict
 from service.wire import SampleBatch
 from storage.clock import FUTURE_TOLERANCE, now, to_datetime
 
@@ -28,7 +28,7 @@ COST = 20_000
 
 
 def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
-    """Whether the own clock is to be doubted.
+    """Return whether the own clock is to be doubted.
 
     behind: it is behind the newest receipt of samples. ahead, agreeing: sources whose samples lie ahead of it, and those whose
     newest samples are of its present.
@@ -67,13 +67,13 @@ class OwnClock:
     def __init__(self, newest_receipt: Callable[[], int]) -> None:
         self._look_up = newest_receipt
         self._newest_receipt: int | None = None
-        self._sources: Bounded[tuple[str, str], _Source] = Bounded()
+        self._sources: BoundedDict[tuple[str, str], _Source] = BoundedDict()
         self._looked_at = 0
         self.doubt: str | None = None
         """Why it is doubted, and what is to be done; None while it is not."""
 
     def withholds(self, batch: SampleBatch) -> bool:
-        """Whether a batch must wait until the clock is right. Raises what the database raises."""
+        """Return whether a batch must wait until the clock is right. Raises what the database raises."""
         clock, monotonic = now(), time.monotonic_ns()
         first, last = min(batch.time_ns), max(batch.time_ns)
         if not clock - PLAUSIBLE <= first <= last <= clock + PLAUSIBLE:
@@ -94,7 +94,7 @@ class OwnClock:
         return before is not None and self.doubt is None
 
     def forget(self) -> None:
-        """Others may have stored samples: when they came last is looked up anew."""
+        """Forget when samples came last, for others may have stored some: it is looked up anew."""
         self._newest_receipt = None
 
     def _known_receipt(self) -> int:

@@ -5,18 +5,17 @@ then stored in one short transaction for each run: however much a run or a docum
 """
 
 import logging
-import threading
 import time
 
-from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service import late
 from service.collection import Collector
-from service.own_faults import damaged_blocks, unexpected
-from service.putting_off import PutOff
+from service.own_faults import damaged_blocks, unexpected_error
+from service.putting_off import Backoff
 from service.run_samples import Gathered, gathered
 from service.sharing import Share, Whole
+from service.supervised_thread import SupervisedThread
 from storage import jobs, machines, quarantine, runs
 from storage.damage import is_damage
 from storage.database import Database
@@ -36,34 +35,25 @@ AT_ONCE = 500
 """Machines that are looked at together."""
 
 
-class Closing:
+class Closing(SupervisedThread):
     """Closes the runs of the machines that this process stores. collector: the one that ends them."""
 
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
+        super().__init__("closing", failure="runs cannot be closed", retry_s=RETRY_S)
         self._database = database
         self._collector = collector
         self._share = share or Whole()
-        self._runs_put_off = PutOff[int]()
-        self._machines_put_off = PutOff[str]()
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="closing", daemon=True)
-        self.trouble: str | None = None
-        """Why runs cannot be closed at the moment."""
+        self._run_backoff = Backoff[int]()
+        self._machine_backoff = Backoff[str]()
+        self._next_late = 0.0
 
-    def start(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """End between two runs; what is left is closed after the next start."""
-        self._stop.set()
-        if self._thread.is_alive():
-            self._thread.join()
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
+    def turn(self) -> float:
+        """Close what has ended; now and then sort in what came late. A stop ends it between two runs."""
+        self.close_ended()
+        if time.monotonic() >= self._next_late:
+            self._next_late = time.monotonic() + LATE_CHECK_S
+            self.sort_in_late()
+        return CYCLE_S
 
     def close_ended(self) -> None:
         """Close all runs that have ended. One of which this fails holds up no other. Raises what concerns all."""
@@ -72,7 +62,7 @@ class Closing:
         for run_id, machine_id in ended:
             if self._stop.is_set():
                 return
-            if self._share.owns(machine_id) and self._runs_put_off.is_due(run_id):
+            if self._share.owns(machine_id) and self._run_backoff.is_due(run_id):
                 self._close(run_id, machine_id)
 
     def sort_in_late(self) -> None:
@@ -85,35 +75,16 @@ class Closing:
                 return
             try:
                 self._settle(machine_id)
-                self._machines_put_off.succeeded(machine_id)
+                self._machine_backoff.succeeded(machine_id)
             except NotHeld:
                 logger.info("%s: another replica sorts in what came late", machine_id)
             except Exception as error:
                 if concerns_all(error):
                     raise
                 self._note_damage(error, machine_id)
-                pause = self._machines_put_off.failed(machine_id)
+                pause = self._machine_backoff.failed(machine_id)
                 logger.exception("%s: late samples cannot be sorted in; tried again in %.0f s", machine_id, pause)
-                self._tell(machine_id, error, of=f"runs of {machine_id}", what="late samples cannot be sorted in")
-
-    def _run(self) -> None:
-        next_late = 0.0
-        while not self._stop.is_set():
-            try:
-                self.close_ended()
-                if time.monotonic() >= next_late:
-                    next_late = time.monotonic() + LATE_CHECK_S
-                    self.sort_in_late()
-                self.trouble = None
-                self._stop.wait(CYCLE_S)
-            except DBAPIError as error:
-                self.trouble = f"runs cannot be closed: {error.orig}"
-                logger.error("%s; trying again", self.trouble)
-                self._stop.wait(RETRY_S)
-            except Exception:
-                self.trouble = "runs cannot be closed: unexpected error; the log has it"
-                logger.exception("unexpected error in the closing thread")
-                self._stop.wait(RETRY_S)
+                self._quarantine(machine_id, error, of=f"runs of {machine_id}", what="late samples cannot be sorted in")
 
     def _close(self, run_id: int, machine_id: str) -> None:
         try:
@@ -124,40 +95,40 @@ class Closing:
                 self._share.require(session, [machine_id])
                 row = runs.get(session, run_id)
                 if _version(row) == version:
-                    _file(session, row, found)
-            self._runs_put_off.succeeded(run_id)
+                    _close_with(session, row, found)
+            self._run_backoff.succeeded(run_id)
         except NotHeld:
             logger.info("run %d is another replica's to close", run_id)
         except Exception as error:
             if concerns_all(error):
                 raise
             self._note_damage(error, machine_id)
-            pause = self._runs_put_off.failed(run_id)
+            pause = self._run_backoff.failed(run_id)
             logger.exception("%s: run %d cannot be closed; tried again in %.0f s", machine_id, run_id, pause)
-            self._tell(machine_id, error, of=f"run {run_id}", what="it cannot be closed")
+            self._quarantine(machine_id, error, of=f"run {run_id}", what="it cannot be closed")
 
     def _note_damage(self, error: Exception, machine_id: str) -> None:
         if is_damage(error):
             self._database.damage.concerns(machine_id)
 
-    def _tell(self, machine_id: str, error: Exception, *, of: str, what: str) -> None:
+    def _quarantine(self, machine_id: str, error: Exception, *, of: str, what: str) -> None:
         with self._database.transaction(beside_others=True) as session:
-            quarantine.add(session, [unexpected(error, of=of, machine_id=machine_id, what=what)])
+            quarantine.add(session, [unexpected_error(error, of=of, machine_id=machine_id, what=what)])
 
     def _with_late(self) -> list[str]:
-        """Machines of which late samples may wait."""
+        """Return the machines of which late samples may wait."""
         with self._database.reading() as session:
-            every = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
-        some = [machine_id for machine_id in every if self._collector.may_have_late(machine_id)]
-        for first in range(0, len(some), AT_ONCE):
-            self._note_settled(some[first : first + AT_ONCE])
-        return [one for one in some if self._collector.may_have_late(one) and self._machines_put_off.is_due(one)]
+            own = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
+        unsettled = [machine_id for machine_id in own if self._collector.late.may_wait(machine_id)]
+        for first in range(0, len(unsettled), AT_ONCE):
+            self._note_settled(unsettled[first : first + AT_ONCE])
+        return [one for one in unsettled if self._collector.late.may_wait(one) and self._machine_backoff.is_due(one)]
 
     def _note_settled(self, machine_ids: list[str]) -> None:
         """See by one look at all of them which have nothing late; where one spoils that, each is looked at alone."""
         try:
             with self._collector.lock, self._database.reading() as session:
-                self._collector.note_settled(session, machine_ids)
+                self._collector.late.note_settled(session, machine_ids)
         except Exception as error:
             if concerns_all(error):
                 raise
@@ -166,8 +137,8 @@ class Closing:
     def _settle(self, machine_id: str) -> None:
         """Sort in window by window, the runs that this ends closed in between: the next window may lie beside them."""
         with self._collector.lock, self._database.reading() as session:
-            patience = self._collector.late_patience(session, machine_id)
-            windows = [] if patience is None else self._collector.late_windows(session, machine_id)
+            patience = self._collector.late.patience(session, machine_id)
+            windows = [] if patience is None else self._collector.late.windows(session, machine_id)
             together = late.by_run(session, machine_id, windows)
         for window in together[:MOST_WINDOWS]:
             if patience is None or self._stop.is_set():
@@ -178,17 +149,17 @@ class Closing:
                 continue
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
-                if late.still_holds(session, plan) and self._collector.take_late(session, machine_id, window):
-                    late.carry_out(session, plan)
+                if late.still_holds(session, plan) and self._collector.late.take(session, machine_id, window):
+                    late.apply(session, plan)
             self.close_ended()
 
 
 def _version(row: RunRow) -> tuple[object, ...]:
-    """What changes when a run ends or is made anew."""
+    """Return what changes when a run ends or is made anew."""
     return row.state, row.time_first, row.time_last, row.times_reopened
 
 
-def _file(session: Session, row: RunRow, found: Gathered) -> None:
+def _close_with(session: Session, row: RunRow, found: Gathered) -> None:
     """Close a run with what was gathered, and ask for its identification; a run made anew is identified anew."""
     weakness, reason = found.weakness, row.reason or ""
     quarantine.add(session, damaged_blocks(found.damaged, run_id=row.id, machine_id=row.machine_id))

@@ -4,20 +4,18 @@ import logging
 import threading
 import time
 from collections.abc import Collection
-from dataclasses import dataclass, field
-from typing import Any, Self
 
-import msgspec
 import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine import Machine
-from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance, silence
+from estimator.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
 from estimator.segmentation import RunEnded, RunStarted
 from estimator.speed_bins import ROLLING, SpeedBins, filled
-from service.late import Window, noted, without
+from service.collection_state import CollectionState, standing, standings
+from service.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage import machines, runs, samples
 from storage.blocks import Samples
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
@@ -26,72 +24,8 @@ logger = logging.getLogger(__name__)
 
 ALIVE_PATIENCE = 10.0
 """A source that is connected is waited for this many times longer than one that is not."""
-LATE_PATIENCE_S = 10.0
-"""Late samples are sorted in when no more of them have come for this long, …"""
-LONGEST_LATE_PATIENCE = 10.0
-"""… or, where they do not cease, this many times as long after the first of them."""
 RECENT = 3_600_000_000_000
 """A sample no older than an hour [ns] tells what a machine does at present."""
-
-
-@dataclass
-class Standing:
-    """Where the collection of a machine stands; stored with the samples that brought it there.
-
-    revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
-    samples came late. bins, rolled_at: of rolling collection, and when it last began anew [ns].
-    """
-
-    revision: int
-    seen: int = 0
-    direction: int = 1
-    operating: OperatingState = field(default_factory=OperatingState)
-    late: list[Window] = field(default_factory=list)
-    bins: SpeedBins | None = None
-    rolled_at: int = 0
-
-    @classmethod
-    def restored(cls, stored: dict[str, Any]) -> Self:
-        """From what `stored` gave; an older release knew only the sweep."""
-        operating = stored.get("operating", {"sweep": stored.get("sweep", {})})
-        bins = stored.get("bins")
-        return cls(
-            revision=stored["revision"],
-            seen=stored["seen"],
-            direction=stored.get("direction", 1),
-            operating=OperatingState.restored(operating),
-            late=stored.get("late", []),
-            bins=None if bins is None else SpeedBins(tuple(tuple(one) for one in bins)),
-            rolled_at=stored.get("rolled_at", 0),
-        )
-
-    @property
-    def is_of_the_future(self) -> bool:
-        """Whether its newest sample lies ahead of the clock, which was ahead itself when that came."""
-        return is_ahead(self.seen)
-
-    @property
-    def is_under_way(self) -> bool:
-        """Whether it is known what the machine does, which its silence would end."""
-        return self.operating.mode != "unknown" or bool(self.operating.sweep.sweep)
-
-    def stored(self) -> dict[str, Any]:
-        """As plain data."""
-        return {
-            "revision": self.revision,
-            "seen": self.seen,
-            "direction": self.direction,
-            "operating": msgspec.to_builtins(self.operating),
-            "late": self.late,
-            "bins": None if self.bins is None else self.bins.times,
-            "rolled_at": self.rolled_at,
-        }
-
-
-def standing(session: Session, machine_id: str) -> Standing | None:
-    """Where the collection of a machine stands; None before its first sample."""
-    stored = runs.collector_state(session, machine_id)
-    return None if stored is None else Standing.restored(stored)
 
 
 class Collector:
@@ -100,28 +34,27 @@ class Collector:
     def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
         self.lock = threading.Lock()
         """Held while where a machine's collection stands is read and written: ingest and closing both do."""
-        self._late_s = late_s
+        self.late = LateArrivals(patience_s=late_s)
         self._heard: dict[str, float] = {}
-        self._heard_late: dict[str, tuple[float, float]] = {}  # the first that is not sorted in, and the last one
         self._silent: set[str] = set()
-        self._settled: set[str] = set()
 
     def forget(self) -> None:
         """Forget who was heard of when, as after a start."""
-        for known in (self._heard, self._heard_late, self._silent, self._settled):
-            known.clear()
+        self._heard.clear()
+        self._silent.clear()
+        self.late.forget()
 
-    def still_there(self, machine_id: str) -> None:
-        """A machine sends, though nothing of it is taken now."""
+    def note_heard(self, machine_id: str) -> None:
+        """Note that a machine sends, though nothing of it is taken now."""
         self._heard[machine_id] = time.monotonic()
 
     def look_again(self, machine_ids: Collection[str]) -> None:
-        """What was done for them is not stored: they are looked at once more."""
+        """Look once more at machines for which nothing of what was done is stored."""
         self._silent.difference_update(machine_ids)
-        self._settled.difference_update(machine_ids)
+        self.late.look_again(machine_ids)
 
     def seen(self, session: Session, machine_id: str) -> int:
-        """Time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
+        """Return the time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
         stored = runs.collector_state(session, machine_id)
         return 0 if stored is None or is_ahead(int(stored["seen"])) else int(stored["seen"])
 
@@ -129,15 +62,15 @@ class Collector:
         """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
-        now = standing(session, machine.id) or Standing(revision)
+        now = standing(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
-            self._revise(session, machine.id, now, revision)
+            _revise(session, machine.id, now, revision)
         if now.is_of_the_future and (recent := _recent(new.time)).size:
             _set_back(session, machine.id, now, seen=int(recent.min()) - 1)
         turning, late = now.direction, new.time <= now.seen
         if late.any():
-            self._note_late(session, machine, now, new.time[late])
+            self.late.note(session, machine.id, now, new.time[late])
         fresh = new.pick(~late)
         _, first = np.unique(fresh.time, return_index=True)
         fresh = fresh.pick(first)
@@ -151,29 +84,17 @@ class Collector:
         runs.save_collector_state(session, machine.id, now.stored())
 
     def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
-        """Whether a machine has newly sent nothing for so long; a source that is alive may take its time."""
+        """Return whether a machine has newly sent nothing for so long; a source that is alive may take its time."""
         heard = self._heard.setdefault(machine_id, time.monotonic())
         waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
         return waited and machine_id not in self._silent
 
-    def may_have_late(self, machine_id: str) -> bool:
-        """Whether late samples may wait to be sorted in."""
-        return machine_id not in self._settled
-
-    def let_rest(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Nothing is to be done, until samples come, for those of these machines of which it is not known what they do."""
-        known = self._known(session, machine_ids)
+    def note_idle(self, session: Session, machine_ids: Collection[str]) -> None:
+        """Leave alone, until samples come, those of these machines of which it is not known what they do."""
+        known = standings(session, machine_ids)
         self._silent |= {
             one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
         }
-
-    def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Nothing is to be sorted in, until samples come late, for those of these machines that have none."""
-        known = self._known(session, machine_ids)
-        self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
-
-    def _known(self, session: Session, machine_ids: Collection[str]) -> dict[str, Standing]:
-        return {row.machine_id: Standing.restored(row.state) for row in runs.some_collectors(session, machine_ids)}
 
     def end_silent(self, session: Session, machine_id: str) -> None:
         """End the open run of a machine that has fallen silent."""
@@ -186,58 +107,19 @@ class Collector:
             _set_back(session, machine_id, now, seen=samples.newest_time(session, machine_id, until=latest()) or 0)
         runs.save_collector_state(session, machine_id, now.stored())
 
-    def late_patience(self, session: Session, machine_id: str) -> float | None:
-        """How long more late samples of a machine are waited for [s]; None while they still come, or where there are none."""
-        now = standing(session, machine_id)
-        if now is None or not now.late:
-            self._settled.add(machine_id)
-            return None
-        moment = time.monotonic()
-        first, last = self._heard_late.setdefault(machine_id, (moment, moment))
-        if moment - last < self._late_s and moment - first < LONGEST_LATE_PATIENCE * self._late_s:
-            return None
-        del self._heard_late[machine_id]
-        return self._late_s
 
-    def late_windows(self, session: Session, machine_id: str) -> list[Window]:
-        """Where samples of a machine came late and are not sorted in, ascending."""
-        now = standing(session, machine_id)
-        return [] if now is None else now.late
-
-    def take_late(self, session: Session, machine_id: str, window: Window) -> bool:
-        """Note that a window, as of `late.by_run`, is sorted in; False where more came into it since."""
-        now = standing(session, machine_id)
-        left = None if now is None else without(now.late, window)
-        if now is None or left is None:
-            return False
-        now.late = left
-        runs.save_collector_state(session, machine_id, now.stored())
-        return True
-
-    def _note_late(self, session: Session, machine: Machine, now: Standing, times: NDArray[np.int64]) -> None:
-        """Remember what must be sorted in; what lies in the open run will be read when that is closed."""
-        row = runs.current(session, machine.id)
-        if row is not None:
-            times = times[times < row.time_first]
-        if times.size:
-            moment = time.monotonic()
-            first, _ = self._heard_late.get(machine.id, (moment, moment))
-            self._heard_late[machine.id] = first, moment
-            self._settled.discard(machine.id)
-            now.late = noted(now.late, now.revision, times.tolist())
-
-    def _revise(self, session: Session, machine_id: str, now: Standing, revision: int) -> None:
-        _silence(session, machine_id, now, reason="the machine's document was revised")
-        now.revision, now.bins, now.rolled_at = revision, None, 0
+def _revise(session: Session, machine_id: str, now: CollectionState, revision: int) -> None:
+    _silence(session, machine_id, now, reason="the machine's document was revised")
+    now.revision, now.bins, now.rolled_at = revision, None, 0
 
 
 def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Those that are of the present [ns]."""
+    """Return the times that are of the present [ns]."""
     last = latest()
     return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
 
 
-def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) -> None:
+def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: int) -> None:
     """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
     logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
     _silence(session, machine_id, now, reason="the clock was set back")
@@ -245,7 +127,7 @@ def _set_back(session: Session, machine_id: str, now: Standing, *, seen: int) ->
     now.seen, now.bins, now.rolled_at = seen, None, 0
 
 
-def _silence(session: Session, machine_id: str, now: Standing, *, reason: str) -> None:
+def _silence(session: Session, machine_id: str, now: CollectionState, *, reason: str) -> None:
     machine = machines.document(session, machine_id, now.revision)
     now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
     for event in events:
@@ -270,7 +152,7 @@ def _end(session: Session, machine_id: str, event: RunEnded) -> None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _roll(session: Session, machine: Machine, now: Standing, fresh: Samples, *, turned: bool) -> None:
+def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
     """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
     rules = machine.collection.rolling
     if now.bins is None or now.rolled_at == 0:

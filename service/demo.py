@@ -55,7 +55,7 @@ class DemoFailed(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StoryOutcome:
     """How one machine's story was told."""
 
     machine: str
@@ -226,7 +226,7 @@ def _tail(log: Path) -> str:
     return log.read_text(errors="replace")[-2000:]
 
 
-def _outcome(client: httpx.Client, name: str, story: str, truth_path: Path) -> Outcome:
+def _outcome(client: httpx.Client, name: str, story: str, truth_path: Path) -> StoryOutcome:
     truths = [line for line in map(json.loads, truth_path.read_text().splitlines()) if line["machine"] == name]
     identifications = client.get(f"/machines/{name}/identifications").json()
     errors: list[float] = []
@@ -237,7 +237,7 @@ def _outcome(client: httpx.Client, name: str, story: str, truth_path: Path) -> O
             if estimate["value"] is not None:
                 _compare(estimate, truth, errors, relative)
     alerts = client.get(f"/machines/{name}/alerts", params={"open": True}).json()
-    return Outcome(
+    return StoryOutcome(
         machine=name,
         story=story,
         identifications=len(identifications),
@@ -275,7 +275,7 @@ def _median_percent(values: list[float]) -> float:
     return 100.0 * float(np.median(values)) if values else math.nan
 
 
-def _print_summary(outcomes: list[Outcome], base: str, seconds: float) -> None:
+def _print_summary(outcomes: list[StoryOutcome], base: str, seconds: float) -> None:
     print(f"\nIdentified against the simulator's truth, after {seconds:.0f} s (medians over all runs):\n")
     columns = ("machine", "story", "runs", "accepted", "bearing k", "coupling k", "unbalance", "rms error/SE", "alert")
     rows = [

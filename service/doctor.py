@@ -21,7 +21,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
 from service.delivery.channels import is_channel
-from service.delivery.secret_upkeep import Look
+from service.delivery.secret_upkeep import SecretReport
 from service.delivery.signing_secrets import SigningSecrets
 from service.hosts import is_loopback
 from service.own_addresses import api_trust, api_url, endpoint_here
@@ -58,7 +58,7 @@ PAGES_S = 10.0
 
 
 @dataclass(frozen=True)
-class Finding:
+class CheckResult:
     """What was looked at, and what came of it."""
 
     level: Level
@@ -66,7 +66,7 @@ class Finding:
     words: str
 
 
-def examine(settings: Settings, *, url: str | None = None, api_key: str | None = None) -> Iterator[Finding]:
+def examine(settings: Settings, *, url: str | None = None, api_key: str | None = None) -> Iterator[CheckResult]:
     """Yield every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
     yield from _database(settings)
     yield from _certificates(settings)
@@ -82,7 +82,7 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
     yield from _stream(settings, machine)
 
 
-def _database(settings: Settings) -> Iterator[Finding]:
+def _database(settings: Settings) -> Iterator[CheckResult]:
     what = "database"
     try:
         engine = engine_of(settings.database)
@@ -90,17 +90,17 @@ def _database(settings: Settings) -> Iterator[Finding]:
         if path is None:
             yield from _server(settings, engine)
         elif not path.exists():
-            yield Finding("wrong", what, f"the file {path} is not there: start the service once, or mend RUNDOWN_DATABASE")
+            yield CheckResult("wrong", what, f"the file {path} is not there: start the service once, or mend RUNDOWN_DATABASE")
         elif in_use(path):
             yield from _file_in_use(settings, path)
         else:
             yield from _file(settings, path)
     except (SQLAlchemyError, DatabaseUnusable, OSError) as error:
         reason = words_of(error).strip().splitlines()[0]
-        yield Finding("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
+        yield CheckResult("wrong", what, f"cannot be reached: {reason}; is it running, and RUNDOWN_DATABASE right?")
 
 
-def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
+def _server(settings: Settings, engine: Engine) -> Iterator[CheckResult]:
     with engine.connect() as connection:
         yield from _version(engine)
         revision = schema.revision_of(connection)
@@ -108,7 +108,7 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
         yield from _keys(connection)
     yield _schema(revision)
     if skew > SKEW_S:
-        yield Finding("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
+        yield CheckResult("warning", "clocks", f"the database's clock differs by {skew:.1f} s: let both follow NTP")
     if revision is not None:
         yield from _webhook_secrets(settings, engine)
         yield from _subscription_kinds(engine)
@@ -117,22 +117,26 @@ def _server(settings: Settings, engine: Engine) -> Iterator[Finding]:
         yield _room(settings, lambda budget: _used(settings, budget))
 
 
-def _file_in_use(settings: Settings, path: Path) -> Iterator[Finding]:
+def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
     """Ask the service that has the file, and do not open it: who opens one whose log was deleted makes a new log."""
     require_own_name(path)
     if missing := missing_logs(path):
         names = " and ".join(one.name for one in missing)
         words = f"{names} is missing though a service runs on {path}: stop it cleanly, which saves all it has"
-        yield Finding("wrong", "database", f"{words}; do not open the file with anything before")
+        yield CheckResult("wrong", "database", f"{words}; do not open the file with anything before")
     else:
         yield from _version(engine_of(settings.database))
     yield from _readable(path)
     revision = revision_beside_a_service(path)
-    yield _schema(revision) if revision else Finding("ok", "schema", "is the running service's, and not in its main file yet")
+    yield (
+        _schema(revision)
+        if revision
+        else CheckResult("ok", "schema", "is the running service's, and not in its main file yet")
+    )
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
-def _file(settings: Settings, path: Path) -> Iterator[Finding]:
+def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
     """Read a file that nobody has open, and leave it as it is."""
     with looking_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
@@ -147,44 +151,48 @@ def _file(settings: Settings, path: Path) -> Iterator[Finding]:
     yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
-def _keys(connection: Connection) -> Iterator[Finding]:
+def _keys(connection: Connection) -> Iterator[CheckResult]:
     """Tell whether keys wait since a restore."""
     waiting = sum(one.expires_at < 0 and one.revoked_at is None for one in known_keys(connection).values())
     if waiting:
-        yield Finding("warning", "API keys", WAITING.format(waiting))
+        yield CheckResult("warning", "API keys", WAITING.format(waiting))
 
 
-def _pages(connection: sqlite3.Connection, path: Path) -> Finding:
+def _pages(connection: sqlite3.Connection, path: Path) -> CheckResult:
     """Tell whether the file is damaged."""
     found = damages(connection, within_s=PAGES_S)
     if found is None:
-        return Finding("ok", "pages", f"{path} was looked through for {PAGES_S:.0f} s, not to its end; a backup looks at all")
+        return CheckResult(
+            "ok", "pages", f"{path} was looked through for {PAGES_S:.0f} s, not to its end; a backup looks at all"
+        )
     if found:
-        return Finding("wrong", "pages", f"{path} is damaged: {'; '.join(found)}: look at the disk, and restore a backup")
-    return Finding("ok", "pages", f"{path} is whole")
+        return CheckResult("wrong", "pages", f"{path} is damaged: {'; '.join(found)}: look at the disk, and restore a backup")
+    return CheckResult("ok", "pages", f"{path} is whole")
 
 
-def _version(engine: Engine) -> Iterator[Finding]:
-    yield Finding("ok", "database", f"{named(engine)} answers")
+def _version(engine: Engine) -> Iterator[CheckResult]:
+    yield CheckResult("ok", "database", f"{named(engine)} answers")
     for objection in objections(engine):
-        yield Finding("warning", "database", objection)
+        yield CheckResult("warning", "database", objection)
 
 
-def _readable(path: Path) -> Iterator[Finding]:
+def _readable(path: Path) -> Iterator[CheckResult]:
     if files := readable_by_others(path):
         names = " ".join(map(str, files))
-        yield Finding("warning", "database file", f"others may read it, and secrets in it: chmod 600 {names}")
+        yield CheckResult("warning", "database file", f"others may read it, and secrets in it: chmod 600 {names}")
 
 
-def _schema(revision: str | None) -> Finding:
+def _schema(revision: str | None) -> CheckResult:
     known = schema.known_revisions()
     if revision is None:
-        return Finding("warning", "schema", "there is none yet: the service makes it at its first start")
+        return CheckResult("warning", "schema", "there is none yet: the service makes it at its first start")
     if revision == known[0]:
-        return Finding("ok", "schema", f"revision {revision}, as this release needs it")
+        return CheckResult("ok", "schema", f"revision {revision}, as this release needs it")
     if revision in known:
-        return Finding("warning", "schema", f"revision {revision}, older than {known[0]}: the next start brings it up to date")
-    return Finding("wrong", "schema", f"revision {revision} is of a newer release: upgrade this one, or restore a backup")
+        return CheckResult(
+            "warning", "schema", f"revision {revision}, older than {known[0]}: the next start brings it up to date"
+        )
+    return CheckResult("wrong", "schema", f"revision {revision} is of a newer release: upgrade this one, or restore a backup")
 
 
 def _skew(connection: Any) -> float:
@@ -198,86 +206,86 @@ def _used(settings: Settings, budget: int | None) -> DiskUse:
         return disk.used(database, budget=budget)
 
 
-def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Finding:
+def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckResult:
     try:
         use = used(int(settings.disk_budget_gb * 1e9) or None)
     except (DatabaseUnusable, SQLAlchemyError, OSError) as error:
-        return Finding("warning", "room", f"cannot be told: {error}")
+        return CheckResult("warning", "room", f"cannot be told: {error}")
     left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free"
     taken = f"the data take {use.data / 1e9:.2f} GB{left}"
     if use.part is None:
         unseen = "how much room they have is not seen from here, and disk_budget_gb is not set"
-        return Finding("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
+        return CheckResult("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
     level: Level = "ok" if use.part < FULL else "warning"
-    return Finding(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
+    return CheckResult(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
 
 
-def _subscription_kinds(engine: Engine) -> Iterator[Finding]:
+def _subscription_kinds(engine: Engine) -> Iterator[CheckResult]:
     """Yield what is wrong with subscriptions that another release made: of kinds that this one does not know."""
     what = "subscriptions"
     try:
         with Session(engine) as session:
             unknown = [(row.name, row.kind) for row in deliveries.every(session) if not is_channel(row.kind)]
     except SQLAlchemyError as error:
-        yield Finding("warning", what, f"cannot be looked at: {words_of(error)}")
+        yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
         return
     for name, kind in unknown:
-        yield Finding("wrong", what, f"'{name}' is told nothing: this release knows no subscriptions of kind '{kind}'")
+        yield CheckResult("wrong", what, f"'{name}' is told nothing: this release knows no subscriptions of kind '{kind}'")
 
 
-def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[Finding]:
+def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[CheckResult]:
     what = "webhook secrets"
     try:
         with Session(engine) as session:
             rows = deliveries.with_secret(session)
-            found = Look.at(rows, SigningSecrets.of(settings))
+            found = SecretReport.at(rows, SigningSecrets.of(settings))
     except SQLAlchemyError as error:
-        yield Finding("warning", what, f"cannot be looked at: {words_of(error)}")
+        yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
         return
     for words in found.unsigned:
-        yield Finding("wrong", what, words)
+        yield CheckResult("wrong", what, words)
     for words in found.plain:
-        yield Finding("warning", what, words)
+        yield CheckResult("warning", what, words)
     if rows and not found.unsigned and not found.plain:
-        yield Finding("ok", what, f"all of the {len(rows)} that there are can be had, and none lies plain in the database")
+        yield CheckResult("ok", what, f"all of the {len(rows)} that there are can be had, and none lies plain in the database")
 
 
-def _certificates(settings: Settings) -> Iterator[Finding]:
+def _certificates(settings: Settings) -> Iterator[CheckResult]:
     for what, file in (("API certificate", settings.tls_certificate), ("zenoh certificate", settings.zenoh_tls_certificate)):
         if file:
             yield _certificate(what, Path(file))
     if not settings.tls_certificate and not is_loopback(settings.host):
-        yield Finding("warning", "API certificate", "the API speaks plain HTTP beyond this machine: keys can be overheard")
+        yield CheckResult("warning", "API certificate", "the API speaks plain HTTP beyond this machine: keys can be overheard")
     try:
         StreamSecurity.of(settings)
     except AccessUnusable as error:
-        yield Finding("wrong", "zenoh access", str(error))
+        yield CheckResult("wrong", "zenoh access", str(error))
 
 
-def _certificate(what: str, file: Path) -> Finding:
+def _certificate(what: str, file: Path) -> CheckResult:
     try:
         until = good_until(file)
     except (OSError, ValueError) as error:
-        return Finding("wrong", what, f"{file} cannot be read: {error}")
+        return CheckResult("wrong", what, f"{file} cannot be read: {error}")
     days = (until - datetime.now(UTC)).days
     if days < 0:
-        return Finding("wrong", what, f"{file} has expired on {until:%Y-%m-%d}: make a new one")
+        return CheckResult("wrong", what, f"{file} has expired on {until:%Y-%m-%d}: make a new one")
     level: Level = "warning" if days < EXPIRES_SOON_DAYS else "ok"
-    return Finding(level, what, f"{file} is good for {days} days")
+    return CheckResult(level, what, f"{file} is good for {days} days")
 
 
-def _backups(folder: Path) -> Finding:
+def _backups(folder: Path) -> CheckResult:
     try:
         newest = newest_in(folder)
     except OSError as error:
-        return Finding("wrong", "backups", f"{folder} cannot be looked into: {error.strerror}")
+        return CheckResult("wrong", "backups", f"{folder} cannot be looked into: {error.strerror}")
     if newest is None:
-        return Finding("wrong", "backups", f"there is none in {folder}: rundown backup FILE makes one")
+        return CheckResult("wrong", "backups", f"there is none in {folder}: rundown backup FILE makes one")
     old = datetime.now(UTC) - newest > BACKUP_EVERY
-    return Finding("warning" if old else "ok", "backups", f"the newest in {folder} is of {newest:%Y-%m-%d %H:%M} UTC")
+    return CheckResult("warning" if old else "ok", "backups", f"the newest in {folder} is of {newest:%Y-%m-%d %H:%M} UTC")
 
 
-def _receivers(settings: Settings) -> Iterator[Finding]:
+def _receivers(settings: Settings) -> Iterator[CheckResult]:
     """Tell whom the service itself asks or tells."""
     if settings.smtp_host:
         yield _reaches("mail server", settings.smtp_host, settings.smtp_port)
@@ -288,42 +296,44 @@ def _receivers(settings: Settings) -> Iterator[Finding]:
         yield _reaches("Dask scheduler", where.hostname or "", where.port or 8786)
 
 
-def _reaches(what: str, host: str, port: int) -> Finding:
+def _reaches(what: str, host: str, port: int) -> CheckResult:
     try:
         socket.create_connection((host, port), timeout=CONNECT_S).close()
     except OSError as error:
-        return Finding("wrong", what, f"{host}:{port} does not answer: {error}")
-    return Finding("ok", what, f"{host}:{port} answers")
+        return CheckResult("wrong", what, f"{host}:{port} does not answer: {error}")
+    return CheckResult("ok", what, f"{host}:{port} answers")
 
 
-def _issuer(issuer: str) -> Finding:
+def _issuer(issuer: str) -> CheckResult:
     url = issuer.rstrip("/") + "/.well-known/openid-configuration"
     try:
         told = httpx.get(url, timeout=CONNECT_S).raise_for_status().json().get("issuer")
     except (httpx.HTTPError, ValueError) as error:
-        return Finding("wrong", "issuer", f"{url} does not answer as it should: {error}")
+        return CheckResult("wrong", "issuer", f"{url} does not answer as it should: {error}")
     if told != issuer:
-        return Finding("wrong", "issuer", f"it calls itself {told}, RUNDOWN_OIDC_ISSUER says {issuer}: they must be the same")
-    return Finding("ok", "issuer", f"{issuer} answers")
+        return CheckResult(
+            "wrong", "issuer", f"it calls itself {told}, RUNDOWN_OIDC_ISSUER says {issuer}: they must be the same"
+        )
+    return CheckResult("ok", "issuer", f"{issuer} answers")
 
 
-def _api(client: httpx.Client) -> Generator[Finding, None, bool]:
+def _api(client: httpx.Client) -> Generator[CheckResult, None, bool]:
     """Check whether the API answers, and return it."""
     try:
         answer = client.get("/api/v1/ready")
         told = answer.json()
     except (httpx.TransportError, ValueError, ssl.SSLError) as error:
-        yield Finding("wrong", "API", f"{client.base_url} does not answer: {error}; is the service running?")
+        yield CheckResult("wrong", "API", f"{client.base_url} does not answer: {error}; is the service running?")
         return False
     if not isinstance(told, dict) or "parts" not in told:
-        yield Finding("wrong", "API", f"what answers at {client.base_url} is not Rundown")
+        yield CheckResult("wrong", "API", f"what answers at {client.base_url} is not Rundown")
         return False
-    yield Finding("ok", "API", f"{client.base_url} answers")
+    yield CheckResult("ok", "API", f"{client.base_url} answers")
     for name, state in told["parts"].items():
-        yield Finding("ok" if state == "ok" else "wrong", name, state)
+        yield CheckResult("ok" if state == "ok" else "wrong", name, state)
     for warning in told.get("warnings", []):
         if not warning.startswith(("SQLite", "PostgreSQL")):  # said already
-            yield Finding("warning", "service", warning)
+            yield CheckResult("warning", "service", warning)
     return True
 
 
@@ -335,7 +345,7 @@ class _KeyNeeded(RuntimeError):
     """It says that to who has a key."""
 
 
-def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
+def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
     """Tell what the service knows of its machines; returns one of them, as plant and id."""
     try:
         first = _asked(client, "/api/v1/machines?limit=1")
@@ -344,19 +354,19 @@ def _machines(client: httpx.Client) -> Generator[Finding, None, Key | None]:
         words = (
             "the rest needs a key of a viewer or more: give one with --api-key-file (behind a restore, one that is confirmed)"
         )
-        yield Finding("warning", "API key", words)
+        yield CheckResult("warning", "API key", words)
         return None
     except _NoAnswer as error:
-        yield Finding("wrong", "machines", str(error))
+        yield CheckResult("wrong", "machines", str(error))
         return None
     if not first:
-        yield Finding("warning", "machines", "none is known: POST a document to /api/v1/machines")
+        yield CheckResult("warning", "machines", "none is known: POST a document to /api/v1/machines")
         return None
     for source in sources:
         if source.get("lost"):
             words = f"{source['lost']} samples never came: does it keep a log?"
-            yield Finding("warning", f"source {source['machine']}/{source['source']}", words)
-    yield Finding("ok", "machines", f"{first[0]['id']} and perhaps others are known")
+            yield CheckResult("warning", f"source {source['machine']}/{source['source']}", words)
+    yield CheckResult("ok", "machines", f"{first[0]['id']} and perhaps others are known")
     return Key(first[0]["plant"], first[0]["id"])
 
 
@@ -375,26 +385,30 @@ def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
     return told
 
 
-def _stream(settings: Settings, machine: Key | None) -> Iterator[Finding]:
+def _stream(settings: Settings, machine: Key | None) -> Iterator[CheckResult]:
     """Tell whether a zenoh session reaches the service, and by way of it the store."""
     endpoints = settings.zenoh_connect or [endpoint_here(one) for one in settings.zenoh_listen]
     what = "zenoh"
     try:
         with session(listen=[], connect=endpoints, security=StreamSecurity.of(settings)) as opened:
             if not _soon(lambda: connected(opened)):
-                yield Finding("wrong", what, f"nobody answers at {', '.join(endpoints)}: is a router or the service there?")
+                yield CheckResult(
+                    "wrong", what, f"nobody answers at {', '.join(endpoints)}: is a router or the service there?"
+                )
                 return
-            yield Finding("ok", what, f"{', '.join(endpoints)} answers")
+            yield CheckResult("ok", what, f"{', '.join(endpoints)} answers")
             if machine is None:
                 return
             replies = [reply.ok for reply in opened.get(machine.received, timeout=CONNECT_S) if reply.ok is not None]
     except (StreamUnusable, AccessUnusable) as error:
-        yield Finding("wrong", what, str(error))
+        yield CheckResult("wrong", what, str(error))
         return
     if replies:
-        yield Finding("ok", "way to the store", f"it is said over zenoh how far {machine.plant}/{machine.machine} is stored")
+        yield CheckResult(
+            "ok", "way to the store", f"it is said over zenoh how far {machine.plant}/{machine.machine} is stored"
+        )
     else:
-        yield Finding(
+        yield CheckResult(
             "wrong", "way to the store", f"nobody says over zenoh how far {machine.plant}/{machine.machine} is stored"
         )
 

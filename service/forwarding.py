@@ -6,7 +6,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import msgspec
 import zenoh
 
-from service.journal import Outcome
+from service.batch import StoreOutcome
 from service.sharing import Share
 from service.submissions import Busy, NotStoring, Submissions
 from service.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected
@@ -21,7 +21,7 @@ PATIENCE_S = 15.0
 """How long the other replica has to make one durable."""
 
 
-class Answer(msgspec.Struct, omit_defaults=True):
+class ForwardedAnswer(msgspec.Struct, omit_defaults=True):
     """What became of a body: exactly one of these. stored: received, duplicates, lost, and the faults."""
 
     stored: tuple[int, int, int, list[tuple[int, Reason, str]]] | None = None
@@ -53,7 +53,7 @@ class Forwarding:
         """As of Submissions."""
         return self._own.trouble
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """As of Submissions. Raises Busy or NotStoring."""
         if self._share.owns(machine):
             return self._own.offer(machine, body, encoding)
@@ -68,11 +68,11 @@ class Forwarding:
     def __len__(self) -> int:
         return len(self._own) + self._waiting
 
-    def _arrived(self, _promise: Future[Outcome]) -> None:
+    def _arrived(self, _promise: Future[StoreOutcome]) -> None:
         with self._lock:
             self._waiting -= 1
 
-    def _ask(self, machine: str, body: bytes, encoding: str) -> Outcome:
+    def _ask(self, machine: str, body: bytes, encoding: str) -> StoreOutcome:
         with self._database.reading() as session:
             try:
                 plant = machines.get(session, machine).plant
@@ -83,7 +83,7 @@ class Forwarding:
         )
         for reply in replies:
             if reply.ok is not None:
-                return _told(msgspec.json.decode(reply.ok.payload.to_bytes(), type=Answer))
+                return _told(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
         raise NotStoring(f"no replica takes samples of '{machine}' at present")
 
     def _asked(self, query: zenoh.Query) -> None:
@@ -96,32 +96,32 @@ class Forwarding:
         try:
             promise = self._own.offer(machine, query.payload.to_bytes(), str(query.encoding))
         except Busy as busy:
-            _reply(query, Answer(busy=str(busy)))
+            _reply(query, ForwardedAnswer(busy=str(busy)))
         except NotStoring as error:
-            _reply(query, Answer(not_storing=str(error)))
+            _reply(query, ForwardedAnswer(not_storing=str(error)))
         else:
             promise.add_done_callback(lambda done: _reply(query, _answer(done)))
 
 
-def _answer(done: Future[Outcome]) -> Answer:
+def _answer(done: Future[StoreOutcome]) -> ForwardedAnswer:
     error = done.exception()
     if isinstance(error, Rejected):
-        return Answer(rejected=(error.reason, error.detail))
+        return ForwardedAnswer(rejected=(error.reason, error.detail))
     if error is not None:
-        return Answer(not_storing=str(error))
+        return ForwardedAnswer(not_storing=str(error))
     outcome = done.result()
     if outcome.rejected is not None:
-        return Answer(rejected=(outcome.rejected.reason, outcome.rejected.detail))
+        return ForwardedAnswer(rejected=(outcome.rejected.reason, outcome.rejected.detail))
     faults = [(fault.index, fault.reason, fault.detail) for fault in outcome.faults]
-    return Answer(stored=(outcome.received, outcome.duplicates, outcome.lost, faults))
+    return ForwardedAnswer(stored=(outcome.received, outcome.duplicates, outcome.lost, faults))
 
 
-def _reply(query: zenoh.Query, answer: Answer) -> None:
+def _reply(query: zenoh.Query, answer: ForwardedAnswer) -> None:
     with query:
         query.reply(str(query.key_expr), msgspec.json.encode(answer), encoding=JSON)
 
 
-def _told(answer: Answer) -> Outcome:
+def _told(answer: ForwardedAnswer) -> StoreOutcome:
     """Raises Rejected, Busy, NotStoring."""
     if answer.rejected is not None:
         raise Rejected(*answer.rejected)
@@ -130,4 +130,4 @@ def _told(answer: Answer) -> Outcome:
     if answer.stored is None:
         raise NotStoring(answer.not_storing or "the other replica said nothing")
     received, duplicates, lost, faults = answer.stored
-    return Outcome(received, duplicates, lost, tuple(Fault(*fault) for fault in faults))
+    return StoreOutcome(received, duplicates, lost, tuple(Fault(*fault) for fault in faults))

@@ -1,4 +1,4 @@
-"""Ingest gives way: it pauses for a moment after each small step, so that nobody who asks waits for a whole cycle of it.
+"""Pacing of the ingest: a short pause after each small step, so that no request waits for a whole cycle of it.
 
 Threads of one interpreter take turns. Without pauses every turn of an answer that is being made meanwhile waits for one of
 the ingest's, and the slowest answers take several times as long.
@@ -15,18 +15,18 @@ LONGEST_IN_TRANSACTION_S = 0.01
 """Those within one transaction: on a busy machine a short pause may end 20 ms later, and other writers wait meanwhile."""
 
 
-class GivingWay:
-    """Called after each step. hurried: without any pause, while there is a backlog."""
+class Pacing:
+    """Bound the time that the pauses of a cycle take."""
 
     def __init__(self) -> None:
         self._left_s = 0.0
 
     def begin(self, *, hurried: bool) -> None:
-        """A cycle begins."""
+        """Begin a cycle. hurried: without pauses, while there is a backlog."""
         self._left_s = 0.0 if hurried else LONGEST_S
 
-    def __call__(self) -> None:
-        """Pause, if there is still time for it. What counts is how long it took, not how long it was meant to take."""
+    def pause(self) -> None:
+        """Pause after a step, if the cycle still has time for it: a pause counts as long as it took, not as it was meant."""
         if self._left_s > 0.0:
             began = time.monotonic()
             time.sleep(PAUSE_S)

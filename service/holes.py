@@ -1,51 +1,72 @@
-"""Numbers of a source that never came, while they may still come: out of order, or asked for again.
+"""Sequence gaps: numbers of a source that never came, while they may still come out of order or be recalled from its log."""
 
-A hole is [first, last, after, before]: the numbers, and the times between which their samples must lie [ns], those of the
-samples around them. Plain lists: they are stored with the source.
-"""
-
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-Hole = list[int]
-
 LARGEST_COUNT = 1_000
-"""Holes remembered of one source; older ones stay lost for good."""
+"""Gaps remembered of one source; older ones stay lost for good."""
 NEVER = 2**62
 """Time before which samples must lie where the sample behind them is not known."""
 
 
-@dataclass(frozen=True)
-class Piece:
-    """Samples start to before stop of a batch that fall into one hole."""
+class SequenceGap(NamedTuple):
+    """Numbers first to last that never came, and the times between which their samples must lie [ns]: those of the samples
+    around them.
+    """
 
-    hole: Hole
+    first: int
+    last: int
+    after: int
+    before: int
+
+
+@dataclass(frozen=True)
+class FilledPart:
+    """Samples start to before stop of a batch that fall into one gap."""
+
+    gap: SequenceGap
     start: int
     stop: int
 
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return self.stop - self.start
 
-def pieces(holes: Sequence[Hole], *, first: int, count: int) -> list[Piece]:
-    """What of a batch of `count` samples numbered from `first` fills holes, in ascending order."""
+
+def stored_gaps(stored: Iterable[Sequence[int]] | None) -> list[SequenceGap]:
+    """Return the gaps that are stored with a source, ascending."""
+    return [SequenceGap(*one) for one in stored or ()]
+
+
+def as_stored(gaps: Iterable[SequenceGap]) -> list[list[int]] | None:
+    """Return gaps as they are stored with a source."""
+    return [list(gap) for gap in gaps] or None
+
+
+def filled_parts(gaps: Sequence[SequenceGap], *, first: int, count: int) -> list[FilledPart]:
+    """Return the parts of a batch of `count` samples numbered from `first` that fill gaps, ascending."""
     found = []
-    for hole in holes:
-        start, stop = max(hole[0], first) - first, min(hole[1], first + count - 1) - first + 1
+    for gap in gaps:
+        start, stop = max(gap.first, first) - first, min(gap.last, first + count - 1) - first + 1
         if start < stop:
-            found.append(Piece(hole, start, stop))
+            found.append(FilledPart(gap, start, stop))
     return found
 
 
-def filled(holes: Sequence[Hole], piece: Piece, *, first: int, times: NDArray[np.int64]) -> list[Hole]:
-    """The holes left after a piece of the batch numbered from `first` came; times: of its samples that were taken [ns]."""
-    low, high, after, before = piece.hole
-    left = [low, first + piece.start - 1, after, int(times[0]) if times.size else before]
-    right = [first + piece.stop, high, int(times[-1]) if times.size else after, before]
-    rest = [one for one in (left, right) if one[0] <= one[1]]
-    return [new for hole in holes for new in (rest if hole is piece.hole else [hole])]
+def fill(gaps: Sequence[SequenceGap], part: FilledPart, *, first: int, times: NDArray[np.int64]) -> list[SequenceGap]:
+    """Return the gaps left after a part of the batch numbered from `first` came. times: of its samples that are taken [ns]."""
+    gap = part.gap
+    left = gap._replace(last=first + part.start - 1, before=int(times[0]) if times.size else gap.before)
+    right = gap._replace(first=first + part.stop, after=int(times[-1]) if times.size else gap.after)
+    rest = [one for one in (left, right) if one.first <= one.last]
+    return [new for one in gaps for new in (rest if one == gap else [one])]
 
 
-def noted(holes: Sequence[Hole], hole: Hole) -> list[Hole]:
-    """The holes with one more, which lies behind all others."""
-    return [*holes, hole][-LARGEST_COUNT:]
+def add_gap(gaps: Sequence[SequenceGap], gap: SequenceGap) -> list[SequenceGap]:
+    """Return the gaps with one more, which lies behind all others."""
+    return [*gaps, gap][-LARGEST_COUNT:]

@@ -1,7 +1,6 @@
 """Housekeeping: lets go of samples that are old enough, gives disk and memory back, and warns well before the disk is full."""
 
 import logging
-import threading
 import time
 from collections.abc import Callable
 
@@ -9,14 +8,15 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.cut_offs import CutOff, advanced
+from service.disk_watch import DiskWatch
 from service.memory import give_back
 from service.settings import Settings
 from service.sharing import RETENTION, Share, Whole
+from service.supervised_thread import SupervisedThread
 from service.tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
 from storage import disk, machines, retention
 from storage.clock import now, to_datetime
 from storage.database import Database
-from storage.disk import DiskUse
 from storage.errors import concerns_all
 
 logger = logging.getLogger(__name__)
@@ -29,24 +29,19 @@ PAUSE_S = 0.05
 """Between two transactions, for those who wait."""
 COUNTED_NS = 60_000_000_000
 """Time served is written down when it is more than this [ns]."""
-TIGHT, FULL = 0.80, 0.95
-"""Parts of the room from which on it is warned of, and urgently."""
 
 
-class Housekeeping:
+class Housekeeping(SupervisedThread):
     """The thread that keeps the store in bounds."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
+        super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
         self._share = Whole() if share is None else share
         self._database = database
-        self._settings = settings
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="housekeeping", daemon=True)
-        self._use: DiskUse | None = None
-        self._said = ""
-        self._level = 0
+        self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
         self._looked_at = time.monotonic()
-        self.trouble: str | None = None
+        self._next_round = 0.0
+        self.unfinished: str | None = None
         """Why the last round was not finished; it stands until one is."""
         self.unseen: str | None = None
         """Why the last look did not show how much room is left."""
@@ -61,47 +56,23 @@ class Housekeeping:
         self._waiting = 0
         self._said_of_waiting = ""
 
-    def start(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """End between two transactions."""
-        self._stop.set()
-        if self._thread.is_alive():
-            self._thread.join()
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
-
     @property
     def warnings(self) -> list[str]:
-        """What is to be said of the room, and why the store is not kept in bounds."""
-        hindered = [f"old samples are not let go of: {self.trouble}"] if self.trouble else []
+        """Warnings of too little room, and why the store is not kept in bounds."""
+        hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
-        return [words for words in (self._said, self._said_of_waiting) if words] + hindered + blind
+        return [words for words in (self._disk.warning, self._said_of_waiting) if words] + hindered + blind
 
     @property
     def gauges(self) -> dict[str, float]:
         """Figures for a monitoring system, by the name of the metric."""
-        found: dict[str, float] = {
+        own: dict[str, float] = {
             "rundown_released_sample_blocks": self.released[Blocks.name],
             "rundown_released_runs": self.released[Runs.name],
             "rundown_retention_waiting": self._waiting,
-            "rundown_housekeeping_working": int(self.trouble is None and self.unseen is None),
+            "rundown_housekeeping_working": int(self.unfinished is None and self.unseen is None),
         }
-        use = self._use
-        if use is not None:
-            found["rundown_database_bytes"] = use.data
-            known = {
-                "rundown_disk_used_ratio": use.part,
-                "rundown_disk_free_bytes": use.free,
-                "rundown_disk_budget_bytes": use.budget,
-            }
-            found |= {name: value for name, value in known.items() if value is not None}
-        return found
+        return own | self._disk.gauges
 
     def round(self) -> None:
         """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
@@ -132,30 +103,33 @@ class Housekeeping:
     def _goes_on(self, pause: float = 0.0) -> bool:
         """Wait, and look at disk and memory where that is due, as a round of a large fleet takes long; False to stop."""
         if time.monotonic() >= self._looked_at + LOOK_S:
-            self._look_at_all()
+            self.look()
         return not self._stop.wait(pause)
 
-    def _look_at_all(self) -> None:
+    def look(self) -> None:
+        """Look at disk and memory."""
         self._looked_at = time.monotonic()
         give_back()
-        self.unseen = _tried(self._look)
+        self.unseen = _tried(self._disk.look)
 
-    def _run(self) -> None:
-        next_round, pause = time.monotonic(), 0.0
-        while not self._stop.wait(pause):
-            pause = LOOK_S
-            self._look_at_all()
-            if not self._share.leads(RETENTION):
-                self._leave_to_another()
-            elif time.monotonic() >= next_round:
-                next_round = time.monotonic() + INTERVAL_S
-                self.trouble = _tried(self.round)
-        if self._counts and self.trouble is None and self._share.leads(RETENTION):
-            _tried(lambda: self._move_cut_offs([], now()))  # what was served since the last round counts after a restart, too
+    def turn(self) -> float:
+        """Look at disk and memory, and do a round where one is due. A stop ends it between two transactions."""
+        self.look()
+        if not self._share.leads(RETENTION):
+            self._leave_to_another()
+        elif time.monotonic() >= self._next_round:
+            self._next_round = time.monotonic() + INTERVAL_S
+            self.unfinished = _tried(self.round)
+        return LOOK_S
+
+    def finish(self) -> None:
+        """Keep the time served since the last round, so that it counts after a restart, too."""
+        if self._counts and self.unfinished is None and self._share.leads(RETENTION):
+            _tried(lambda: self._move_cut_offs([], now()))
 
     def _leave_to_another(self) -> None:
-        """It is another replica's; nothing of it is known here, nor is the time served counted twice."""
-        self.trouble, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
+        """Leave retention to another replica: nothing of it is known here, nor is the time served counted twice."""
+        self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
@@ -205,24 +179,6 @@ class Housekeeping:
         if machine_ids and not before:
             logger.warning(self._said_of_waiting)
 
-    def _look(self) -> None:
-        """See how much room is left, and say when that has become too little."""
-        budget = int(self._settings.disk_budget_gb * 1e9) or None
-        found = None  # old figures would look like good ones
-        try:
-            found = disk.used(self._database, budget=budget)
-        except OSError as error:
-            raise RuntimeError(f"the disk cannot be looked at: {error}") from error
-        finally:
-            self._use = found
-        self._said = warning(found)
-        used = found.part or 0.0
-        before, self._level = self._level, sum(used >= part for part in (TIGHT, FULL))
-        if self._level > before:
-            logger.warning(self._said)
-        elif self._level < before:
-            logger.info("there is more room on the disk again: %.0f %% are used", 100 * used)
-
 
 def _tried(work: Callable[[], None]) -> str | None:
     """Do it; returns why it was not finished. The next time may do better, and nothing else depends on this one."""
@@ -238,7 +194,7 @@ def _tried(work: Callable[[], None]) -> str | None:
 
 
 def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
-    """The cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
+    """Return the cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
     kept = retention.cut_off(session, tier.name)
     return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
@@ -250,17 +206,4 @@ def _waiting_words(machine_ids: set[str], moment: int) -> str:
         f"old samples of {named} wait to be let go of: by this machine's clock "
         f"({to_datetime(moment):%Y-%m-%d %H:%M} UTC) and the settings more of them are old than time has passed here. If both "
         "are right, `rundown retention confirm` shows them and lets them go"
-    )
-
-
-def warning(use: DiskUse) -> str:
-    """What is to be said of the room; empty where there is enough."""
-    if use.part is None or use.part < TIGHT:
-        return ""
-    urgent = "nearly full: samples will soon not be stored" if use.part >= FULL else "filling"
-    left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free on its disk"
-    budget = "" if use.budget is None else f" of {use.budget / 1e9:.1f} GB that it may take"
-    return (
-        f"the store is {urgent}: {100 * use.part:.0f} % are used; the database has {use.data / 1e9:.1f} GB{budget}{left}. "
-        "Shorten raw_days or run_days, or give it more room"
     )

@@ -4,12 +4,12 @@ A message that waits the way zenoh hands it over keeps the whole buffer that it 
 """
 
 import logging
-import threading
 from collections import deque
 from dataclasses import dataclass
 
 import zenoh
 
+from service.supervised_thread import SupervisedThread
 from service.wire import LARGEST_MESSAGE
 from storage.clock import now
 from storage.quarantine import KEPT_BYTES
@@ -26,8 +26,8 @@ LOOK_S = 0.02
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
-    """What was published. Of one that is larger than any that is taken, only the beginning; size: of all of it [bytes]."""
+class PublishedMessage:
+    """A published message; only the beginning of one that is larger than any that is taken. size: of all of it [bytes]."""
 
     key: str
     payload: bytes
@@ -36,74 +36,71 @@ class Message:
     received_at: int
 
     @classmethod
-    def of(cls, sample: zenoh.Sample) -> "Message":
-        """A copy of what zenoh holds, received now."""
+    def of(cls, sample: zenoh.Sample) -> "PublishedMessage":
+        """Return a copy of what zenoh holds, received now."""
         payload = sample.payload.to_bytes()
         kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
         return cls(str(sample.key_expr), kept, str(sample.encoding), len(payload), now())
 
 
-class Inbox:
-    """The thread that copies, and what waits. One other thread takes."""
+class Inbox(SupervisedThread):
+    """The thread that copies, and the messages that wait. One other thread takes them."""
 
     def __init__(self) -> None:
-        self._waiting: deque[Message] = deque()
+        super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
+        self._waiting: deque[PublishedMessage] = deque()
         self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
 
-    def start(self, session: zenoh.Session, key_expression: str) -> None:
+    def open(self, session: zenoh.Session, key_expression: str) -> None:
         """Subscribe and begin."""
         self._subscriber = session.declare_subscriber(key_expression, zenoh.handlers.FifoChannel(CHANNEL_SIZE))
-        self._thread.start()
+        self.start()
 
     def close(self) -> None:
         """Copy what has come by now and nothing after that; what has been copied can still be taken."""
-        if not self._closing.is_set():
-            self._closing.set()
-            self._thread.join()
+        if not self._stop.is_set():
+            self.stop()
             self._subscriber.undeclare()
 
     @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
-
-    @property
     def size(self) -> int:
-        """Of all that waits [bytes]."""
+        """Size of all that waits [bytes]."""
         return self._came_bytes - self._taken_bytes
 
     def __len__(self) -> int:
-        """Messages that wait."""
+        """Return how many messages wait."""
         return len(self._waiting)
 
-    def take(self) -> Message | None:
-        """The one that has waited longest."""
+    def take(self) -> PublishedMessage | None:
+        """Return the message that has waited longest."""
         if not self._waiting:
             return None
         message = self._waiting.popleft()
         self._taken_bytes += len(message.payload)
         return message
 
-    def put_back(self, message: Message) -> None:
-        """It could not be dealt with now, and is the next to be taken again."""
+    def put_back(self, message: PublishedMessage) -> None:
+        """Put a message that could not be dealt with now in the first place again."""
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
 
-    def _run(self) -> None:
-        closing = False
-        while not closing:
-            closing = self._closing.wait(LOOK_S)  # then once more
-            try:
-                self._copy()
-            except Exception:
-                # One message must never end the ingest of all others.
-                logger.exception("a message cannot be copied from zenoh and is dropped")
+    def turn(self) -> float:
+        """Copy what has come."""
+        self._copy()
+        return LOOK_S
+
+    def finish(self) -> None:
+        """Copy what has come by now."""
+        self._copy()
+
+    def failed(self, error: Exception) -> float:
+        """Go on: one message must never end the ingest of all others."""
+        logger.error("a message cannot be copied from zenoh and is dropped", exc_info=error)
+        return LOOK_S
 
     def _copy(self) -> None:
         while self._has_room and (sample := self._subscriber.try_recv()) is not None:
-            message = Message.of(sample)
+            message = PublishedMessage.of(sample)
             self._came_bytes += len(message.payload)
             self._waiting.append(message)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from estimator.machine import Machine
-from estimator.observation import Fit
+from estimator.observation import ObservedFit
 from estimator.point import Point
 from estimator.rules import Condition
 from service.alert_life import Severity
@@ -26,7 +26,7 @@ class AssessedRun:
     id: int
     measured_at: int
     conditions: Conditions
-    fit: Fit
+    fit: ObservedFit
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from service.assessment_task import assess_in_time
 from service.executor import Executor, TaskRefused
 from service.held_jobs import HeldJobs
 from service.judgement import Assessment, AssessmentContext
-from service.own_faults import unexpected
+from service.own_faults import unexpected_error
 from service.processes import Interrupted, Stuck
 from service.settings import Settings
 from service.time_limit import OutOfTime
@@ -172,4 +172,4 @@ def _record_unassessed(session: Session, due: DueAssessment, error: Exception) -
         exc_info=error,
     )
     of, what = f"identification {due.identification_id}", "it is stored, but no alert follows from it"
-    quarantine.add(session, [unexpected(error, of=of, machine_id=due.machine_id, what=what)])
+    quarantine.add(session, [unexpected_error(error, of=of, machine_id=due.machine_id, what=what)])

@@ -5,7 +5,7 @@ there that was collected before is reopened: made anew with all its samples and 
 such as a whole run-down after an hour without a network, becomes a run of its own. Each time a run was reopened it waits
 twice as long for more: samples that trickle in over a day cost a dozen identifications, not one each.
 
-`plan` reads and looks, which may take seconds; `carry_out` then writes what follows in no time.
+`plan` reads and looks, which may take seconds; `apply` then writes what follows in no time.
 """
 
 import logging
@@ -36,8 +36,8 @@ LARGEST_COUNT = 100
 """Windows remembered of one machine; beyond this the two oldest are looked at as one."""
 
 
-def noted(windows: list[Window], revision: int, times: list[int]) -> list[Window]:
-    """The windows with more late samples, ascending."""
+def add_late(windows: list[Window], revision: int, times: list[int]) -> list[Window]:
+    """Return the windows with more late samples, ascending."""
     merged: list[Window] = []
     for window in sorted([*windows, *([revision, time, time, 1] for time in times)]):
         if merged and merged[-1][0] == window[0] and window[1] - merged[-1][2] <= BESIDE:
@@ -54,8 +54,8 @@ def _joined(one: Window, other: Window) -> Window:
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What sorting in the samples of one window does to the runs of a machine.
+class LateSamplesPlan:
+    """Changes to the runs of a machine that sorting in the samples of one window causes.
 
     added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
     that each is now. joined: runs that become part of another one, by id. left_out: runs that cannot be made anew, and why
@@ -74,7 +74,7 @@ class Plan:
 
 
 def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
-    """The windows, ascending, those that lie in one run as one, so that it is made anew once."""
+    """Return the windows, ascending, those that lie in one run as one, so that it is made anew once."""
     merged: list[Window] = []
     inside: set[int] = set()
     for window in windows:
@@ -89,8 +89,8 @@ def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list
     return merged
 
 
-def without(windows: Sequence[Window], window: Window) -> list[Window] | None:
-    """The windows that are left when those that make up one of `by_run` are sorted in; None where more came into it since."""
+def remove_window(windows: Sequence[Window], window: Window) -> list[Window] | None:
+    """Return the windows left when those that make up one of `by_run` are sorted in; None where more came into it since."""
     revision, first, last, count = window
     inside = [one for one in windows if one[0] == revision and one[1] <= last and one[2] >= first]
     if sum(one[3] for one in inside) != count or any(one[1] < first or one[2] > last for one in inside):
@@ -98,7 +98,7 @@ def without(windows: Sequence[Window], window: Window) -> list[Window] | None:
     return [one for one in windows if one not in inside]
 
 
-def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> Plan | None:
+def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> LateSamplesPlan | None:
     """Look what is to be done for the samples of a window; None when they must wait.
 
     They wait for a run beside them that is not closed yet, and for one that was made anew not long ago: the first time for
@@ -106,7 +106,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
-    found = Plan(machine_id, window, basis=_basis(session, machine_id, window))
+    found = LateSamplesPlan(machine_id, window, basis=_basis(session, machine_id, window))
     if machine.collection.runs == ROLLING:
         return found
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
@@ -130,8 +130,8 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     return found
 
 
-def still_holds(session: Session, found: Plan) -> bool:
-    """Whether the runs beside a window, and how far back the blocks reach, are still as they were when the plan was made."""
+def still_holds(session: Session, found: LateSamplesPlan) -> bool:
+    """Return whether the runs beside a window, and how far back the blocks reach, are as they were for the plan."""
     return found.basis == _basis(session, found.machine_id, found.window)
 
 
@@ -143,7 +143,7 @@ def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, .
 
 
 def _match(
-    found: Plan,
+    found: LateSamplesPlan,
     beside: Sequence[RunRow],
     sweeps: Sequence[tuple[RunEnded, int]],
     concerned: Callable[[int, int], bool],
@@ -165,7 +165,7 @@ def _match(
             found.remade[row.id] = same
 
 
-def carry_out(session: Session, found: Plan) -> None:
+def apply(session: Session, found: LateSamplesPlan) -> None:
     """Do what a plan says; runs that are added or made anew have ended then, and get their samples when they are closed."""
     machine_id, (revision, _, _, count) = found.machine_id, found.window
     for run_id in found.left_out:
@@ -189,17 +189,17 @@ def carry_out(session: Session, found: Plan) -> None:
 
 
 def _is_unfinished(row: RunRow) -> bool:
-    """Whether a run has not got its samples yet."""
+    """Return whether a run has not got its samples yet."""
     return row.state in (runs.OPEN, runs.ENDED)
 
 
 def _holds(row: RunRow, first: int, last: int) -> bool:
-    """Whether some of the time from first to last [ns] is a run's."""
+    """Return whether some of the time from first to last [ns] is a run's."""
     return row.time_first <= last and (row.time_last or row.time_first) >= first
 
 
 def _waits(row: RunRow, patience_s: float) -> bool:
-    """Whether a run was made anew so short a time ago that more may come."""
+    """Return whether a run was made anew so short a time ago that more may come."""
     if row.reopened_at is None:
         return False
     return now() < row.reopened_at + 1e9 * patience_s * 2.0 ** (row.times_reopened or 0)

@@ -4,7 +4,6 @@ import logging
 import math
 import os
 import socket
-import threading
 from collections.abc import Collection
 
 from sqlalchemy.exc import DBAPIError
@@ -12,8 +11,8 @@ from sqlalchemy.orm import Session
 
 from service.settings import Role
 from service.sharing import DELIVERY, GATHERING, INGEST, RETENTION, lease_of
+from service.supervised_thread import SupervisedThread
 from storage import jobs, leases, replicas
-from storage.claim import DatabaseUnusable
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
@@ -22,41 +21,31 @@ ROUND_S = 2.0
 """How often a replica says that it lives, and looks whether the others do."""
 
 
-class Leasing:
+class Leasing(SupervisedThread):
     """A replica. What it owns is as of the last round; `require` tells for certain."""
 
     def __init__(self, database: Database, role: Role) -> None:
+        super().__init__("leasing", failure="this replica cannot say that it lives", retry_s=ROUND_S, first_pause_s=ROUND_S)
         self._database = database
         self._role = role
         self._number: int | None = None
         self._held: frozenset[str] = frozenset()
         self._changes = 0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="leasing", daemon=True)
-        self.trouble: str | None = None
-        """Why this replica cannot say that it lives."""
 
     def start(self) -> None:
         """Join the others, with a first share."""
         self._round()
-        self._thread.start()
+        super().start()
 
     def stop(self) -> None:
         """Leave; what was held is free at once."""
-        self._stop.set()
-        if self._thread.ident is not None:
-            self._thread.join()
+        super().stop()
         if self._number is not None:
             try:
                 with self._database.transaction() as session:
                     _bury(session, self._number)
             except DBAPIError as error:
                 logger.warning("the others are not told that this replica leaves; they will notice: %s", error.orig)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
 
     @property
     def holder(self) -> int | None:
@@ -80,17 +69,10 @@ class Leasing:
         """As of Share."""
         leases.require(session, {lease_of(one) for one in machine_ids}, holder=self._number or 0)
 
-    def _run(self) -> None:
-        while not self._stop.wait(ROUND_S):
-            try:
-                self._round()
-                self.trouble = None
-            except (DBAPIError, DatabaseUnusable) as error:
-                self.trouble = str(error.orig if isinstance(error, DBAPIError) else error)
-                logger.error("this replica cannot say that it lives, trying again: %s", self.trouble)
-            except Exception:
-                self.trouble = "unexpected error; the log has it"
-                logger.exception("unexpected error in the leasing thread")
+    def turn(self) -> float:
+        """Do a round."""
+        self._round()
+        return ROUND_S
 
     def _round(self) -> None:
         """Say that this replica lives, bury the dead, and take or give back what makes the shares fair."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.machine import Machine
 from estimator.measurement import Measurement, joined
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.documents import UnreadableFile
@@ -25,7 +25,7 @@ def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | No
 
 def read_runs(
     machine: Machine, files: Sequence[Path], sidecar: Path | None = None
-) -> tuple[list[tuple[Recorded, Measurement]], list[str]]:
+) -> tuple[list[tuple[RecordedRun, Measurement]], list[str]]:
     """Return the run of each file as it was recorded and as a measurement, and what was left out of them in words.
 
     sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
@@ -33,7 +33,7 @@ def read_runs(
     """
     if sidecar is not None and len(files) > 1:
         raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
-    runs: list[tuple[Recorded, Measurement]] = []
+    runs: list[tuple[RecordedRun, Measurement]] = []
     left_out: list[str] = []
     for file in files:
         recording = read_recording(file, sidecar)
@@ -66,8 +66,8 @@ def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
 
 
 def without_slow_roll(
-    machine: Machine, runs: Sequence[tuple[Recorded, Measurement]], band: str
-) -> tuple[Machine, list[tuple[Recorded, Measurement]], Capture]:
+    machine: Machine, runs: Sequence[tuple[RecordedRun, Measurement]], band: str
+) -> tuple[Machine, list[tuple[RecordedRun, Measurement]], Capture]:
     """Return a machine and its runs without the vectors of a band of all of them; raises as `captured`.
 
     The band's own samples are left out of what follows: they have said what they know.

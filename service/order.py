@@ -19,8 +19,10 @@ STRIKES = 3
 
 
 @dataclass
-class Order:
-    """What was last believed of one source. time [ns], speed [rad/s]; doubted: the last speed not believed.
+class Plausibility:
+    """What was last believed of one source, against which its next samples are checked.
+
+    time [ns], speed [rad/s]; doubted: the last speed not believed.
 
     before: time [ns] of a sample that comes later in number and is known already. set_back, back: the last time that
     was not believed [ns], and how many in a row ascend up to it.
@@ -35,7 +37,7 @@ class Order:
     back: int = 0
 
     def check(self, machine: Machine, samples: Samples, taken: NDArray[np.bool_]) -> list[Fault]:
-        """Go through a batch in order; clears `taken` where a sample is not believed and returns why."""
+        """Go through a batch in order; clear `taken` where a sample is not believed and return why."""
         highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
         faults: list[Fault] = []
         for index in np.flatnonzero(taken):
@@ -69,7 +71,7 @@ class Order:
         return Fault(index, "speed_out_of_order", detail)
 
     def _was_set_back(self, time: int) -> bool:
-        """Whether so many times in a row ascend that the one before them was ahead, or the clock was set back."""
+        """Return whether so many times in a row ascend that the one before was ahead, or the clock was set back."""
         ascends = self.set_back is not None and time > self.set_back
         self.back = self.back + 1 if ascends else 1
         self.set_back = time

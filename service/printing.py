@@ -9,7 +9,7 @@ from estimator.estimates import Estimate
 from estimator.identification import Identification
 from estimator.machine import Machine
 from estimator.measurement import Measurement
-from estimator.model_comparison import Comparison
+from estimator.model_comparison import ModelComparison
 from estimator.quality import Quality
 from estimator.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
@@ -76,7 +76,7 @@ def regression_text(found: PublishedEstimate) -> str:
     return "\n".join(lines + [f"{name:<{width}}  {value:+.4e} {unit}" for name, value, unit in rows])
 
 
-def comparison_text(comparison: Comparison) -> str:
+def comparison_text(comparison: ModelComparison) -> str:
     """Return the verdict, the views and what the best one found at the coupling."""
     lines = [comparison.verdict, ""]
     lines += [

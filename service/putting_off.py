@@ -1,9 +1,9 @@
-"""What failed for a reason of its own is tried again later, after twice the pause each time."""
+"""Exponential backoff: what failed for a reason of its own is retried later, after twice the pause each time."""
 
 import time
 from typing import Generic, TypeVar
 
-from service.bounded import Bounded
+from service.bounded import BoundedDict
 
 FIRST_PAUSE_S = 10.0
 LONGEST_PAUSE_S = 3600.0
@@ -11,28 +11,28 @@ LONGEST_PAUSE_S = 3600.0
 Name = TypeVar("Name")
 
 
-class PutOff(Generic[Name]):
-    """Which of many, by name, must wait before they are tried again. free: so many failures in a row cost no pause."""
+class Backoff(Generic[Name]):
+    """Say which of many, by name, may be tried now. free: so many failures in a row cost no pause."""
 
     def __init__(self, *, free: int = 0) -> None:
         self._free = free
-        self._failures: Bounded[Name, int] = Bounded()  # in a row
-        self._until: Bounded[Name, float] = Bounded()
+        self._failures: BoundedDict[Name, int] = BoundedDict()  # in a row
+        self._until: BoundedDict[Name, float] = BoundedDict()
 
     def __len__(self) -> int:
-        """How many failed when they were last tried."""
+        """Return how many failed when they were last tried."""
         return len(self._failures)
 
     def failures(self, name: Name) -> int:
-        """How often in a row it failed."""
+        """Return how often in a row one failed."""
         return self._failures.get(name, 0)
 
     def is_due(self, name: Name) -> bool:
-        """Whether it may be tried."""
+        """Return whether one may be tried now."""
         return self._until.get(name, 0.0) <= time.monotonic()
 
     def failed(self, name: Name, *, at_once: bool = False) -> float:
-        """It waits; at once also where that failure would be free. Returns how long [s]."""
+        """Count a failure; return the pause before the next try [s]. at_once: pause also where the failure would be free."""
         count = self._failures.get(name, 0) + 1
         if at_once:
             count = max(count, self._free + 1)
@@ -43,6 +43,6 @@ class PutOff(Generic[Name]):
         return pause
 
     def succeeded(self, name: Name) -> None:
-        """It need not wait any more."""
+        """Forget the failures of one."""
         self._failures.pop(name, None)
         self._until.pop(name, None)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from estimator.deviation import parameter_of
-from estimator.rate_of_change import Rate, rates_of_change
+from estimator.rate_of_change import ParameterRate, rates_of_change
 from estimator.trend_tests import Reading
 from service.alert_life import Severity
 from service.finding_rules import RATE_OF_CHANGE
@@ -16,7 +16,7 @@ class RateFinding:
     """An element whose fastest parameter drifts beyond a limit, beside the severity that this has."""
 
     element: str
-    rate: Rate
+    rate: ParameterRate
     severity: Severity
 
     @property
@@ -37,7 +37,7 @@ def rate_findings(
     readings: alike, in ascending order of time. present: severity of the open alert of this rule, by element. The delays of
     the rule are for the caller to count, with the readings up to each identification. Raises as `rates_of_change`.
     """
-    fastest: dict[str, Rate] = {}
+    fastest: dict[str, ParameterRate] = {}
     for rate in rates_of_change(readings):
         if not rate.certain or rate.element.split(".", 1)[0] not in RATE_OF_CHANGE.elements:
             continue

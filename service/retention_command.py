@@ -102,7 +102,7 @@ def _confirm(database: "Database", tiers: "list[Tier]", moment: int) -> None:
             cut_off = CutOff(moment - tier.kept)
             retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
             words = f"{tier.name} before {_time(cut_off.time)}"
-            audit.append(session, audit.Entry(COMMAND, "local", "confirm_retention", words, "done"))
+            audit.append(session, audit.AuditedOperation(COMMAND, "local", "confirm_retention", words, "done"))
 
 
 def _time(nanoseconds: int) -> str:

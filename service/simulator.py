@@ -44,7 +44,7 @@ HEALTHY_PART = 0.5
 
 
 @dataclass(frozen=True)
-class Plan:
+class SimulationPlan:
     """How a simulation goes: cycles of run-up and run-down, `interval_s` apart in the machines' time.
 
     samples: per sweep. rate: samples per second of the clock and machine, which makes the time between cycles vanish; None
@@ -83,7 +83,11 @@ class TruthFile:
 
 
 def simulate(
-    session: zenoh.Session, machines: list[tuple[Machine, Story]], plan: Plan, truth_path: Path | None, stop: threading.Event
+    session: zenoh.Session,
+    machines: list[tuple[Machine, Story]],
+    plan: SimulationPlan,
+    truth_path: Path | None,
+    stop: threading.Event,
 ) -> None:
     """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set.
 
@@ -115,7 +119,7 @@ class _Life:
         session: zenoh.Session,
         machine: Machine,
         story: Story,
-        plan: Plan,
+        plan: SimulationPlan,
         truths: TruthFile,
         rng: np.random.Generator,
         stop: threading.Event,

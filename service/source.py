@@ -12,7 +12,7 @@ from typing import Self
 
 import zenoh
 
-from service.source_log import LARGEST_REPLY_COUNT, Entry, LogError, MemoryLog, SourceLog
+from service.source_log import LARGEST_REPLY_COUNT, LogEntry, LogError, MemoryLog, SourceLog
 from service.wire import JSON, MESSAGEPACK, Key, SampleBatch, encode_batch
 
 logger = logging.getLogger(__name__)
@@ -64,7 +64,7 @@ class Source:
         """
         batch.source, batch.epoch, batch.sequence = self.name, self.log.epoch, self.log.next_sequence
         payload = encode_batch(batch, self._encoding)
-        self.log.append(Entry(batch.sequence, len(batch.time_ns), payload, self._encoding, position), logged=self._send)
+        self.log.append(LogEntry(batch.sequence, len(batch.time_ns), payload, self._encoding, position), logged=self._send)
 
     def close(self) -> None:
         """Send what is still to be logged, then leave the network."""
@@ -81,7 +81,7 @@ class Source:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def _send(self, entry: Entry) -> None:
+    def _send(self, entry: LogEntry) -> None:
         try:
             self._publisher.put(entry.payload, encoding=entry.encoding)
         except zenoh.ZError as error:

@@ -20,7 +20,7 @@ LARGEST_REPLY_COUNT = 2_000
 LARGEST_REPLY_BYTES = 8 << 20
 """… and bytes; the asker comes back for more."""
 
-Logged = Callable[["Entry"], None]
+Logged = Callable[["LogEntry"], None]
 """Called with each entry once it is in the log, in order."""
 
 
@@ -45,7 +45,7 @@ class LogOfAnother(LogError):
 
 
 @dataclass(frozen=True)
-class Entry:
+class LogEntry:
     """A batch as published: number of its first sample, how many samples, its payload and the payload's zenoh encoding.
 
     position: how far the source has read its own input when this batch is out, in its own words; None when it has none.
@@ -91,10 +91,10 @@ class SourceLog(Protocol):
     def position(self) -> str | None:
         """Return the position of the newest entry that has one."""
 
-    def append(self, entry: Entry, *, logged: Logged) -> None:
+    def append(self, entry: LogEntry, *, logged: Logged) -> None:
         """Accept an entry, which must begin at `next_sequence`. Raises LogError; then it was not accepted."""
 
-    def entries_from(self, first: int, limit: int) -> list[Entry]:
+    def entries_from(self, first: int, limit: int) -> list[LogEntry]:
         """Return entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
 
     def status(self) -> LogStatus:
@@ -107,7 +107,7 @@ class SourceLog(Protocol):
         """Accept no more."""
 
 
-def require_next(entry: Entry, next_sequence: int) -> None:
+def require_next(entry: LogEntry, next_sequence: int) -> None:
     """Raise ValueError for an entry that leaves a hole or overlaps."""
     if entry.first != next_sequence or entry.count < 1:
         raise ValueError(f"{entry.count} samples from number {entry.first} do not follow {next_sequence - 1}")
@@ -122,12 +122,12 @@ class MemoryLog:
         self.position: str | None = None
         self._samples = samples
         self._payload_bytes = payload_bytes
-        self._entries: deque[Entry] = deque()
+        self._entries: deque[LogEntry] = deque()
         self._held_samples = 0
         self._held_bytes = 0
         self._lock = threading.Lock()
 
-    def append(self, entry: Entry, *, logged: Logged) -> None:
+    def append(self, entry: LogEntry, *, logged: Logged) -> None:
         """As `SourceLog`."""
         with self._lock:
             require_next(entry, self.next_sequence)
@@ -142,7 +142,7 @@ class MemoryLog:
                 self._held_bytes -= len(oldest.payload)
         logged(entry)
 
-    def entries_from(self, first: int, limit: int) -> list[Entry]:
+    def entries_from(self, first: int, limit: int) -> list[LogEntry]:
         """As `SourceLog`."""
         with self._lock:
             wanted = (entry for entry in self._entries if entry.first + entry.count > first)

@@ -4,11 +4,11 @@ somebody met is looked for until a check is clean.
 
 import logging
 import sqlite3
-import threading
 import time
 
 from sqlalchemy.exc import DBAPIError
 
+from service.supervised_thread import SupervisedThread
 from storage import keys
 from storage.claim import DatabaseUnusable
 from storage.database import Database
@@ -27,38 +27,25 @@ CHECK_S = 300.0
 WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
 
 
-class StoreWatch:
+class StoreWatch(SupervisedThread):
     """The thread that looks after the store's files."""
 
     def __init__(self, database: Database) -> None:
+        super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
         self._database = database
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="store watch", daemon=True)
         self._said = ""
         self._check_at = self._keys_at = 0.0
         self._waiting = 0
 
-    def start(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Look no more."""
-        self._stop.set()
-        if self._thread.ident is not None:
-            self._thread.join()
-
     @property
     def warnings(self) -> list[str]:
-        """What is to be said of keys."""
+        """Warning of keys that wait."""
         return [WAITING.format(self._waiting)] if self._waiting else []
 
-    def _run(self) -> None:
-        while not self._stop.wait(LOOK_S):
-            try:
-                self._look()
-            except Exception:
-                logger.exception("unexpected error while the store is looked after, going on")
+    def turn(self) -> float:
+        """Look once."""
+        self._look()
+        return LOOK_S
 
     def _look(self) -> None:
         try:

@@ -38,7 +38,7 @@ class AccessUnusable(ValueError):
     """The file that says who may do what is wrong; the message says where."""
 
 
-class Access(BaseModel):
+class StreamAccess(BaseModel):
     """sources: what each certificate publishes for, as plant/machine; readers: what each may listen to, * for all;
     routers: certificates of routers and other services, which carry and see everything.
     """
@@ -75,7 +75,7 @@ class StreamSecurity:
     authority: str
     certificate: str
     key: str
-    access: Access | None = None
+    access: StreamAccess | None = None
 
     @classmethod
     def of(cls, settings: Settings) -> "StreamSecurity | None":
@@ -108,10 +108,10 @@ def from_environment() -> StreamSecurity | None:
         raise AccessUnusable(str(error)) from error
 
 
-def read_access(path: Path) -> Access:
+def read_access(path: Path) -> StreamAccess:
     """Read the file. Raises AccessUnusable."""
     try:
-        return Access.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
+        return StreamAccess.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         raise AccessUnusable(f"{path} cannot be read: {error}") from error
     except ValidationError as error:

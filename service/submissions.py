@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from estimator.errors import LimitReached, Unavailable
-from service.journal import Outcome
+from service.batch import StoreOutcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """What is answered to who waits."""
@@ -44,21 +44,21 @@ class Submission:
     machine: str
     body: bytes
     encoding: str
-    promise: Future[Outcome] = field(default_factory=Future)
+    promise: Future[StoreOutcome] = field(default_factory=Future)
 
 
 class Taking(Protocol):
-    """What takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
+    """Takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
 
     @property
     def trouble(self) -> str | None:
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Take a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
-        """How many wait here."""
+        """Return how many wait here."""
 
 
 class Submissions:
@@ -70,7 +70,7 @@ class Submissions:
         self.trouble: str | None = None
         """Why nothing can be stored at present."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[Outcome]:
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
         if self.trouble is not None:
             raise NotStoring(self.trouble)
@@ -88,7 +88,7 @@ class Submissions:
             self._arrival.clear()
 
     def take(self) -> Submission | None:
-        """The one that has waited longest and that somebody still waits for."""
+        """Return the submission that has waited longest and that somebody still waits for."""
         while True:
             try:
                 one = self._queue.get_nowait()

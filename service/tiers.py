@@ -7,7 +7,7 @@ from typing import Protocol
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from service.collection import standing
+from service.collection_state import standing
 from service.cut_offs import DAY_NS, CutOff, begun
 from service.late import BESIDE
 from service.settings import Settings

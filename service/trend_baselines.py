@@ -14,7 +14,7 @@ from service.comparing import baseline_of
 from storage import baselines, machines
 from storage.identifications import Like
 from storage.tables import BaselineRow
-from storage.trends import History
+from storage.trends import ParameterHistory
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class BaselineBand:
 
 
 def baseline_bands(
-    session: Session, machine_id: str, name: str, history: History, *, baseline_runs: int
+    session: Session, machine_id: str, name: str, history: ParameterHistory, *, baseline_runs: int
 ) -> list[BaselineBand]:
     """Bands over a parameter's history, oldest first; none where a baseline is not complete or does not know the parameter."""
     begun = sorted(baselines.of_machine(session, machine_id), key=lambda row: (row.since, row.id))
@@ -63,13 +63,13 @@ class _Key(NamedTuple):
     slow_roll_version: int
 
 
-def _key(history: History, place: int, begun: Sequence[BaselineRow]) -> _Key:
+def _key(history: ParameterHistory, place: int, begun: Sequence[BaselineRow]) -> _Key:
     number = bisect_right(begun, int(history.measured_at[place]), key=lambda row: row.since) - 1
     kind, revision = str(history.run_kind[place]), int(history.revision[place])
     return _Key(number, kind, revision, int(history.slow_roll_version[place]))
 
 
-def _band(name: str, history: History, ids: Sequence[int]) -> Band | None:
+def _band(name: str, history: ParameterHistory, ids: Sequence[int]) -> Band | None:
     at = np.flatnonzero(np.isin(history.identification, ids))
     value, imaginary = history.value[at], history.imaginary[at]
     if len(at) < len(ids) or not np.isfinite(value).all():

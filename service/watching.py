@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 
 from service import alerting
 from service.alert_life import Severity
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from service.assessment_context import MonitoringState, diagnosed_kind
 from service.diagnosis_rules import cause_severity
 from service.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule
@@ -33,7 +33,7 @@ class RaisedAlert:
 
     rule: str
     element: str
-    finding: Finding
+    finding: AlertFinding
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def _raised(
     )
     if severity is None:
         return None
-    finding = Finding(
+    finding = AlertFinding(
         message=one.words(),
         evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind, "baseline": baseline},
         identification_id=stored.id,
@@ -191,7 +191,7 @@ def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState)
 def _raised_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
     evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
-    finding = Finding(
+    finding = AlertFinding(
         message=one.message,
         evidence=evidence | {"identification": stored.id, "run_kind": stored.run_kind},
         identification_id=stored.id,

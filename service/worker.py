@@ -14,7 +14,7 @@ from estimator.noise import error_size
 from estimator.nominal_critical_speeds import crossed_critical_speeds
 from estimator.orbit import orbit_findings
 from estimator.quality import Quality
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.repeatability import EarlierRun, distances, repeatability_findings
 from estimator.second_order import Orders
 from estimator.slow_roll import corrected
@@ -85,7 +85,7 @@ def _gated(machine: Machine, samples: Samples, task: IdentificationTask) -> Gate
     return replace(gated, qualities=(quality,))
 
 
-def _compared(machine: Machine, run: Recorded, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
+def _compared(machine: Machine, run: RecordedRun, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
     """Add to a run's quality the findings of its comparison with an earlier run."""
     name, block = earlier
     before = decode(block)

@@ -30,7 +30,7 @@ LOCK = 0x525541554449
 
 
 @dataclass(frozen=True)
-class Entry:
+class AuditedOperation:
     """What happened. who: principal; operation: what was asked; target: on what; outcome: what became of it."""
 
     who: str
@@ -48,7 +48,7 @@ class Break:
     reason: str
 
 
-def append(session: Session, entry: Entry) -> AuditRow:
+def append(session: Session, entry: AuditedOperation) -> AuditRow:
     """Write an entry, in the transaction of what it tells of."""
     if session.get_bind().dialect.name == "postgresql":
         session.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": LOCK})

@@ -26,7 +26,7 @@ from storage.backup_file import (
 )
 from storage.claim import Claim, file_of
 from storage.database import lent_engine, shown
-from storage.restored_access import Access, KnownKey, amend, known_keys
+from storage.restored_access import KnownKey, RestoredAccess, amend, known_keys
 from storage.schema import require_known, revision_of, row_counts
 
 _NEVER = "a backup never replaces another one"
@@ -67,7 +67,7 @@ class Restored:
     """What was restored, and who gets in less than with the backup."""
 
     backup: Backup
-    access: Access
+    access: RestoredAccess
 
 
 def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
@@ -130,7 +130,7 @@ def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     return revision, rows
 
 
-def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> Access:
+def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
     with postgresql_archive.set_aside(engine):
         postgresql_archive.load(engine, file)
         with engine.connect() as connection:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from estimator.channel_status import ChannelStatus
 from estimator.errors import Damaged
 from estimator.measurement import Measurement
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from storage.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
@@ -63,9 +63,9 @@ class Samples:
         """Samples with first <= time <= last [ns]."""
         return self.pick((self.time >= first) & (self.time <= last))
 
-    def recorded(self, channels: tuple[str, ...]) -> Recorded:
+    def recorded(self, channels: tuple[str, ...]) -> RecordedRun:
         """What the quality of a run is judged by."""
-        return Recorded(self.time / 1e9, self.speed, self.phasor, self.status, self.scatter, channels)
+        return RecordedRun(self.time / 1e9, self.speed, self.phasor, self.status, self.scatter, channels)
 
     def measurement(self) -> Measurement:
         """What an identification is fed with."""

@@ -13,7 +13,7 @@ KEPT_NS = 24 * 3600 * 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Answer:
+class StoredResponse:
     """What was answered. headers: those that belong to the answer itself."""
 
     status: int
@@ -31,7 +31,7 @@ def claim(session: Session, key: str, fingerprint: str) -> IdempotencyKeyRow | N
     return row
 
 
-def answered(session: Session, key: str, answer: Answer) -> None:
+def answered(session: Session, key: str, answer: StoredResponse) -> None:
     """Keep what was answered under a key that was taken."""
     row = session.get_one(IdempotencyKeyRow, key)
     row.status, row.headers, row.body = answer.status, answer.headers, answer.body

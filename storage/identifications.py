@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.errors import Missing
 from estimator.identification import Identification
-from estimator.observation import Fit
+from estimator.observation import ObservedFit
 from estimator.parameter_description import is_direct
 from estimator.point import Point
 from storage import channel_effects
@@ -269,11 +269,11 @@ def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
     )
 
 
-def fit(row: IdentificationRow) -> Fit | None:
+def fit(row: IdentificationRow) -> ObservedFit | None:
     """What an identification says of its machine; None where an older release identified."""
     if row.point is None or row.channel_effects is None:
         return None
-    return Fit(
+    return ObservedFit(
         coordinates=tuple(row.coordinates),
         point=np.frombuffer(row.point, "<f8"),
         covariance=covariance(row),

@@ -28,14 +28,14 @@ class NotMoved(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Moved:
+class TransferReport:
     """What was taken over. rows: of each table; escaped: texts in which NUL was escaped, of each `table.column` with any."""
 
     rows: dict[str, int]
     escaped: dict[str, int]
 
 
-def move(source_url: str, target_url: str) -> Moved:
+def move(source_url: str, target_url: str) -> TransferReport:
     """Take over everything into a database that holds no data.
 
     The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also where there is no
@@ -61,7 +61,7 @@ def move(source_url: str, target_url: str) -> Moved:
             found = {table.name: _compared(table, reading, writing) for table in tables}
             for table in tables:
                 _go_on_counting(table, reading, writing)
-        return Moved(found, dict(escaped))
+        return TransferReport(found, dict(escaped))
 
 
 def _require_source(url: str) -> None:

@@ -24,7 +24,7 @@ class KnownKey:
 
 
 @dataclass(frozen=True)
-class Access:
+class RestoredAccess:
     """What became of who could get in. revoked, waiting: keys by their prefixes; sessions: how many were dropped."""
 
     revoked: tuple[str, ...]
@@ -46,7 +46,7 @@ def known_keys(connection: Connection, *, schema: str | None = None) -> dict[str
     return {row.prefix: KnownKey(row.hash, row.expires_at, row.revoked_at) for row in rows}
 
 
-def amend(connection: Connection, known: dict[str, KnownKey]) -> Access:
+def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
     """Take over what the replaced store knew of the keys of a backup that was read in, and let nobody stay logged in."""
     there = set(inspect(connection).get_table_names())
     sessions = 0
@@ -68,4 +68,4 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> Access:
             text(f"UPDATE {KEYS} SET expires_at = :expires_at, revoked_at = :revoked_at WHERE prefix = :prefix"),
             {"expires_at": min(key.expires_at, last.expires_at), "revoked_at": last.revoked_at, "prefix": prefix},
         )
-    return Access(tuple(revoked), tuple(waiting), sessions)
+    return RestoredAccess(tuple(revoked), tuple(waiting), sessions)

@@ -278,8 +278,8 @@ def newest_closed(session: Session, machine_id: str, *, revision: int, limit: in
     return session.scalars(query).all()
 
 
-def some_collectors(session: Session, machine_ids: Collection[str]) -> Sequence[CollectorRow]:
-    """The states of run collection of those of these machines that have one."""
+def collectors(session: Session, machine_ids: Collection[str]) -> Sequence[CollectorRow]:
+    """Return the states of run collection of those of these machines that have one."""
     return session.scalars(select(CollectorRow).where(CollectorRow.machine_id.in_(machine_ids))).all()
 
 

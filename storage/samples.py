@@ -213,8 +213,8 @@ def totals(session: Session) -> list[Totals]:
     return [Totals(name, *map(int, figures)) for name, *figures in session.execute(query)]
 
 
-def some_sources(session: Session, keys: Collection[SourceKey]) -> Sequence[SourceRow]:
-    """Those of these starts of sources that were heard of."""
+def known_sources(session: Session, keys: Collection[SourceKey]) -> Sequence[SourceRow]:
+    """Return those of these starts of sources that were heard of."""
     row = SourceRow
     wanted = [(key.machine_id, key.source, key.epoch) for key in keys]
     return session.scalars(select(row).where(tuple_(row.machine_id, row.source, row.epoch).in_(wanted))).all()

@@ -12,7 +12,7 @@ from storage.claim import DatabaseUnusable, file_of, require_logs, require_own_n
 from storage.damage import marker_of
 from storage.database import lent_engine
 from storage.private_files import PRIVATE
-from storage.restored_access import Access, KnownKey, amend, known_keys
+from storage.restored_access import KnownKey, RestoredAccess, amend, known_keys
 from storage.schema import require_known, revision_of, row_counts
 
 _PIECE = 1 << 20
@@ -45,7 +45,7 @@ def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
-def replace(engine: Engine, file: Path, found: Backup) -> Access:
+def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
     """Put a backup in the place of the database's file, which is the old one or the new one at any moment. For who has the
     claim on it only. Returns who gets in less than with the backup. Raises BackupUnusable, OSError, sqlite3.Error.
     """
@@ -95,7 +95,7 @@ def _keys_of(path: Path) -> dict[str, KnownKey]:
         return {}
 
 
-def _amended(part: Path, known: dict[str, KnownKey]) -> Access:
+def _amended(part: Path, known: dict[str, KnownKey]) -> RestoredAccess:
     with (
         lent_engine(URL.create("sqlite", database=str(part))) as engine,
         engine.execution_options(writing="alone").begin() as connection,

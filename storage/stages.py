@@ -23,7 +23,7 @@ from storage.tables import (
 
 
 @dataclass(frozen=True)
-class Figures:
+class StageFigures:
     """Counts since a time, if the name does not say that they are of now; latest times in ns since 1970, None before any."""
 
     machines_now: int
@@ -48,7 +48,7 @@ class Figures:
     given_up_deliveries: int
 
 
-def figures(session: Session, *, since: int, overdue: int) -> Figures:
+def figures(session: Session, *, since: int, overdue: int) -> StageFigures:
     """The counts since a time [ns]; overdue: deliveries whose next try should have been by that time [ns] are overdue."""
 
     def one(query: Any) -> Any:
@@ -60,7 +60,7 @@ def figures(session: Session, *, since: int, overdue: int) -> Figures:
     until = latest()
     heard = select(func.count(func.distinct(SourceRow.machine_id))).where(SourceRow.last_time.between(since, until))
     pending = DeliveryRow.state == PENDING
-    return Figures(
+    return StageFigures(
         machines_now=one(select(func.count()).select_from(MachineRow)) or 0,
         newest_sample=one(select(func.max(SourceRow.last_time)).where(SourceRow.last_time <= until)) or None,
         heard_machines=one(heard) or 0,

@@ -33,7 +33,7 @@ Stamp = tuple[int | None, ...]
 
 
 @dataclass(frozen=True)
-class History:
+class ParameterHistory:
     """One parameter or derived quantity at n identifications, oldest first; (n,) each. Times [ns since 1970]; NaN: no value.
 
     standard_error: of a parameter's value; imaginary: of an unbalance, whose value is the real part.
@@ -58,7 +58,7 @@ class History:
         return len(self.measured_at)
 
 
-def histories(session: Session, machine_id: str, names: Sequence[str], *, scope: str) -> dict[str, History]:
+def histories(session: Session, machine_id: str, names: Sequence[str], *, scope: str) -> dict[str, ParameterHistory]:
     """The whole history of each parameter or derived quantity: one point per run, see `identifications.counting`.
 
     Unknown ones are empty.
@@ -111,10 +111,10 @@ def stamp(session: Session, machine_id: str) -> Stamp:
     return tuple(row)
 
 
-def _history(rows: Sequence[Sequence[object]]) -> History:
+def _history(rows: Sequence[Sequence[object]]) -> ParameterHistory:
     columns = list(zip(*rows, strict=True)) or [()] * 14
     _, units, measured, value, lower, upper, error, imaginary, computed, accepted, kind, number, revision, version = columns
-    return History(
+    return ParameterHistory(
         unit=str(units[0]) if units else None,
         measured_at=np.array(measured, np.int64),
         computed_at=np.array(computed, np.int64),

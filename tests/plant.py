@@ -22,7 +22,7 @@ from estimator.machine import Machine, parse_machine
 from estimator.parameter_description import is_direct
 from estimator.rules import Noise
 from estimator.units import rpm_to_rad_per_s
-from service.journal import Arrived
+from service.batch import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from storage import identifications, jobs
 from storage.blocks import Samples

@@ -3,9 +3,10 @@
 from collections.abc import Set
 from typing import Any
 
+from service.batch import Arrived, StoreOutcome
 from service.closing import Closing
 from service.collection import Collector
-from service.journal import Arrived, Journal, Outcome
+from service.journal import Journal
 from storage.database import Database
 from storage.quarantine import Rejection
 
@@ -18,7 +19,7 @@ class PromptJournal(Journal):
         super().__init__(database, collector)
         self.closing = Closing(database, collector)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         """As of Journal."""
         outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()

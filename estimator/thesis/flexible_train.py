@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 from estimator.machine import Machine
 from estimator.parameters import Unknowns, dense, unknowns
-from estimator.rayleigh import RayleighDamping
+from estimator.rayleigh import RayleighCoefficients
 from estimator.rotor import Rotor, assemble_rotor
 from estimator.shaft import NODE_DOFS
 
@@ -64,7 +64,7 @@ class FlexibleTrain:
         return np.concatenate([self.bearing, np.setdiff1d(self.coupling, self.bearing)])
 
 
-def flexible_train(machine: Machine, *, rayleigh: RayleighDamping | None = None) -> FlexibleTrain:
+def flexible_train(machine: Machine, *, rayleigh: RayleighCoefficients | None = None) -> FlexibleTrain:
     """Assemble a machine (thesis Eq. 3.1-3.23).
 
     Args:

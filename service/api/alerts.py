@@ -88,7 +88,7 @@ def acknowledge_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """Note that a person has seen it."""
-    change = Change(request, response, alert_id, if_match)
+    change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.acknowledge(session, row, _person(said)))
 
 
@@ -97,7 +97,7 @@ def reset_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """Unlatch an acknowledged alert whose cause is gone."""
-    change = Change(request, response, alert_id, if_match)
+    change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.reset(session, row, _person(said)))
 
 
@@ -107,7 +107,7 @@ def shelve_alert(
 ) -> schemas.AlertOut:
     """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
     until = instant(said.until)
-    change = Change(request, response, alert_id, if_match)
+    change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.shelve(session, row, _person(said), until=until))
 
 
@@ -116,7 +116,7 @@ def unshelve_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
     """End a shelving before its time."""
-    change = Change(request, response, alert_id, if_match)
+    change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: alerting.unshelve(session, row, _person(said)))
 
 
@@ -124,12 +124,12 @@ def unshelve_alert(
 def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
     """Note something on an alert, open or closed."""
     person = Person(said.by, said.comment)
-    change = Change(request, response, alert_id, ANYTHING)
+    change = AlertChange(request, response, alert_id, ANYTHING)
     return change.made(lambda session, row: alerting.comment(session, row, person))
 
 
 @dataclass
-class Change:
+class AlertChange:
     """A change of an alert, as it was read; comments change nothing that others decide on."""
 
     request: Request

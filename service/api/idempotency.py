@@ -18,7 +18,7 @@ from service.api.problem import problem_response
 from service.security.sealing import SEALED, SealBroken, Sealing
 from storage import idempotency
 from storage.database import Database
-from storage.idempotency import Answer
+from storage.idempotency import StoredResponse
 
 LONGEST_KEY = 255
 KEY_PATTERN = r"^[!-~]+$"
@@ -123,7 +123,7 @@ class Idempotency:
                 parts.append(message.get("body", b""))
                 if not message.get("more_body", False):
                     # Kept before it is sent: a client that got it can rely on it.
-                    answer = Answer(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
+                    answer = StoredResponse(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
                     await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
             await send(message)
 
@@ -134,7 +134,7 @@ class Idempotency:
                 await asyncio.to_thread(self._release, place)
             raise
 
-    def _keep(self, place: str, answer: Answer, *, done: bool) -> None:
+    def _keep(self, place: str, answer: StoredResponse, *, done: bool) -> None:
         with self._database.transaction() as session:
             if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
                 idempotency.release(session, place)  # nothing was done, and what was wrong can be mended: the key stays good

@@ -14,7 +14,7 @@ from service.api.access import MachineId, Period, Reading
 from service.api.paging import ByTime
 from service.api.problems import RESPONSES
 from service.api.values import direction
-from service.collection import Standing, standing
+from service.collection_state import CollectionState, standing
 from service.security.requirement import VIEWER
 from storage import machines, runs
 from storage.clock import to_datetime
@@ -74,14 +74,14 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
     )
 
 
-def progress(kind: str, now: Standing, *, minimum_rpm: float, maximum_rpm: float) -> float:
+def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm: float) -> float:
     """Return the part of the speed range that lies behind a sweep, 0 to 1."""
     part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
     part = min(1.0, max(0.0, part))
     return part if kind == "run-up" else 1.0 - part
 
 
-def _open_run(session: Session, machine: Machine, now: Standing) -> OpenRun | None:
+def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:
     row = runs.current(session, machine.id)
     if row is None:
         return None

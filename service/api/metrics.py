@@ -37,7 +37,7 @@ OTHERS = "*"
 
 
 @dataclass(frozen=True)
-class _Kept:
+class _StoreFigures:
     """Figures from the store; none where it does not answer."""
 
     totals: list[Totals] = field(default_factory=list)
@@ -51,7 +51,7 @@ class _Kept:
 class _Figures(Collector):
     """One scrape: families of metrics from figures that were read before."""
 
-    def __init__(self, kept: _Kept, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
+    def __init__(self, kept: _StoreFigures, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
         self._totals = kept.totals
         self._ages = kept.ages
         self._silent = kept.silent
@@ -142,7 +142,7 @@ async def read_metrics(request: Request) -> Response:
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
     # Only the parts: the jobs that are counted there are of all plants, whoever asks.
     look = await looked_at(request)
-    parts, answers, kept = look.parts, look.answers, _Kept()
+    parts, answers, kept = look.parts, look.answers, _StoreFigures()
     if answers:
         try:
             kept = await run_in_threadpool(_kept, database(request))
@@ -156,7 +156,7 @@ async def read_metrics(request: Request) -> Response:
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
 
-def _kept(store: Store) -> _Kept:
+def _kept(store: Store) -> _StoreFigures:
     with store.reading() as session:
         totals = samples.totals(session)
         by_state = _of_every(jobs.STATES, jobs.count(session))
@@ -164,7 +164,7 @@ def _kept(store: Store) -> _Kept:
         rejected = _of_every((*get_args(Reason), *get_args(OwnFault)), quarantine.counts(session))
         ages = _ages(totals)
         silent = sum(seconds > SILENT_S for seconds in ages.values())
-        return _Kept(_bounded(totals), ages, silent, rejected, by_state, on_their_way)
+        return _StoreFigures(_bounded(totals), ages, silent, rejected, by_state, on_their_way)
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:

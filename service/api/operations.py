@@ -28,7 +28,7 @@ ENDED = "its thread has ended"
 
 
 @dataclass(frozen=True)
-class Look:
+class HealthReport:
     """State of each part, `ok` or what is wrong, the database too; the jobs of all plants by their state.
 
     answers: whether the database does. Where it is damaged in parts it does, and samples of others are taken.
@@ -39,7 +39,7 @@ class Look:
     answers: bool
 
 
-async def looked_at(request: Request) -> Look:
+async def looked_at(request: Request) -> HealthReport:
     """Look at how the parts are doing now."""
     kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
@@ -55,7 +55,7 @@ async def looked_at(request: Request) -> Look:
         if concerns_all(error):
             unanswered = f"the database does not answer: {error.orig}"
     parts["database"] = unanswered or kept.damage.trouble or "ok"
-    return Look(parts, counts, answers=unanswered is None)
+    return HealthReport(parts, counts, answers=unanswered is None)
 
 
 async def _health(request: Request) -> schemas.Health:

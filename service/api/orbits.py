@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
 from estimator.arrays import Floats
-from estimator.orbit import Finding, StationOrbits, orbit_findings, station_orbits
+from estimator.orbit import OrbitFinding, StationOrbits, orbit_findings, station_orbits
 from estimator.probe_axes import probe_stations
 from estimator.slow_roll import corrected
 from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -166,5 +166,5 @@ def _in_units(one: StationOrbits, sample: int, speed: Floats, units: Units | Non
     )
 
 
-def _finding(one: Finding) -> FindingOut:
+def _finding(one: OrbitFinding) -> FindingOut:
     return FindingOut(code=one.code, channels=list(one.channels), words=one.words)

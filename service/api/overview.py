@@ -12,7 +12,7 @@ from estimator.units import rad_per_s_to_rpm
 from service.alert_life import Severity
 from service.api.machine_state import progress
 from service.api.values import time_or_none
-from service.collection import Standing
+from service.collection_state import CollectionState
 from storage import fleet
 from storage.changes import Changes
 from storage.clock import to_datetime
@@ -26,7 +26,7 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class _Kept:
+class _KeptRow:
     """A row as JSON, and what it was made of. standing: where run collection stood, as JSON; None before samples."""
 
     glance: MachineGlance
@@ -40,7 +40,7 @@ class Overview:
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
         self._glances: tuple[Hashable, list[MachineGlance]] | None = None
-        self._rows: dict[str, _Kept] = {}
+        self._rows: dict[str, _KeptRow] = {}
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
@@ -63,13 +63,13 @@ class Overview:
     def _row(self, glance: MachineGlance, standing: str | None) -> msgspec.Raw:
         kept = self._rows.get(glance.machine.id)
         if kept is None or kept.standing != standing or (kept.glance is not glance and kept.glance != glance):
-            known = None if standing is None else Standing.restored(msgspec.json.decode(standing))
-            kept = _Kept(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
+            known = None if standing is None else CollectionState.restored(msgspec.json.decode(standing))
+            kept = _KeptRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
             self._rows[glance.machine.id] = kept
         return kept.row
 
 
-def _row(one: MachineGlance, standing: Standing | None) -> Row:
+def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
     # Encoded without a model: a thousand of them would be looked at field by field.
     readings = None if standing is None else standing.operating.sweep.readings
     known = readings is not None and readings.last_time is not None
@@ -91,7 +91,7 @@ def _row(one: MachineGlance, standing: Standing | None) -> Row:
     }
 
 
-def _open_run(one: MachineGlance, standing: Standing | None) -> Row | None:
+def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | None:
     run = one.last_run
     if standing is None or run is None or run.state != OPEN:
         return None

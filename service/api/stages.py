@@ -11,7 +11,7 @@ from service.api.access import Reading
 from service.api.values import time_or_none
 from service.security.requirement import VIEWER
 from storage.clock import now, to_datetime
-from storage.stages import Figures, figures
+from storage.stages import StageFigures, figures
 
 router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 
@@ -55,7 +55,7 @@ def read_stages(request: Request, session: Reading) -> Stages:
     return Stages(since=to_datetime(moment - A_DAY_NS), stages=[stage(held, parts) for stage in made])
 
 
-def _acquisition(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _acquisition(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     state, words = _state(parts, "ingest", busy=held.heard_machines > 0, idle="no machine sent samples in the last day")
     if state in ("ok", "idle") and parts.get("stream", "ok") != "ok":
         state, words = "degraded", parts["stream"]
@@ -72,7 +72,7 @@ def _acquisition(held: Figures, parts: Mapping[str, str]) -> Stage:
     )
 
 
-def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _manipulation(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     """Report on the stage at which samples become runs, and runs parameters."""
     busy = held.runs > 0 or held.identifications > 0
     state, words = _state(parts, "identifying", busy=busy, idle="no run began in the last day")
@@ -87,7 +87,7 @@ def _manipulation(held: Figures, parts: Mapping[str, str]) -> Stage:
     )
 
 
-def _detection(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _detection(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     """Report on the stage at which parameters are judged: does the model fit, and how far are they from the baseline."""
     idle = "nothing was identified in the last day"
     state, words = _state(parts, "identifying", busy=held.identifications > 0, idle=idle)
@@ -103,7 +103,7 @@ def _detection(held: Figures, parts: Mapping[str, str]) -> Stage:
     )
 
 
-def _assessment(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _assessment(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     idle = "nothing was diagnosed in the last day: no accepted run came, or baselines are not complete"
     state, words = _state(parts, "identifying", busy=held.diagnoses > 0, idle=idle)
     return Stage(
@@ -115,7 +115,7 @@ def _assessment(held: Figures, parts: Mapping[str, str]) -> Stage:
     )
 
 
-def _prognosis(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _prognosis(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     """Report on prognosis: computed by trend-tests when it is asked for, never stored."""
     busy = held.newest_diagnosis is not None
     state, words = _state(parts, "database", busy=busy, idle="no machine has a complete baseline yet")
@@ -124,7 +124,7 @@ def _prognosis(held: Figures, parts: Mapping[str, str]) -> Stage:
     return Stage(stage="prognostic_assessment", state=state, words=words, latest=None, figures={})
 
 
-def _advice(held: Figures, parts: Mapping[str, str]) -> Stage:
+def _advice(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     busy = held.newest_alert is not None
     state, words = _state(parts, "delivery", busy=busy, idle="there was no alert yet")
     if state == "ok" and (held.given_up_deliveries or held.overdue_deliveries_now):
@@ -150,5 +150,5 @@ def _latest(*moments: int | None) -> int | None:
     return max((one for one in moments if one is not None), default=None)
 
 
-def _some(held: Figures, *names: str) -> dict[str, int]:
+def _some(held: StageFigures, *names: str) -> dict[str, int]:
     return {name: getattr(held, name) for name in names}

@@ -18,7 +18,7 @@ from storage import machines, trends
 from storage.changes import Changes
 from storage.database import Database
 from storage.jobs import RUN
-from storage.trends import History, Integers, Stamp, Texts
+from storage.trends import Integers, ParameterHistory, Stamp, Texts
 
 MOST_KEPT = 512
 """Histories kept in memory; one of 2,000 points takes some 600 kB."""
@@ -36,7 +36,7 @@ class Columns:
     for each kind of run, accepted or not. complex: whether it is an unbalance.
     """
 
-    history: History
+    history: ParameterHistory
     measured_at: Texts
     computed_at: Texts
     value: Floats
@@ -51,7 +51,7 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class _Kept:
+class _KeptHistory:
     """A history; mark, stamp: of the whole store and of the machine before it was read."""
 
     mark: Hashable | None
@@ -66,7 +66,7 @@ class HistoryCache:
         self._database = database
         self._changes = Changes(database)
         self._baseline_runs = baseline_runs
-        self._kept: OrderedDict[tuple[str, str, str], _Kept] = OrderedDict()
+        self._kept: OrderedDict[tuple[str, str, str], _KeptHistory] = OrderedDict()
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
@@ -94,11 +94,11 @@ class HistoryCache:
                     bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
                 found[name] = _columns(history, bands)
         for name, columns in found.items():
-            self._keep((machine_id, name, scope), _Kept(mark, stamp, columns))
+            self._keep((machine_id, name, scope), _KeptHistory(mark, stamp, columns))
         return found
 
     def _still_good(
-        self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_Kept], bool]
+        self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_KeptHistory], bool]
     ) -> dict[str, Columns]:
         found = {}
         with self._lock:
@@ -109,7 +109,7 @@ class HistoryCache:
                     self._kept.move_to_end((machine_id, name, scope))
         return found
 
-    def _keep(self, key: tuple[str, str, str], kept: _Kept) -> None:
+    def _keep(self, key: tuple[str, str, str], kept: _KeptHistory) -> None:
         if not len(kept.columns):
             return  # anybody can ask for names that are not there
         with self._lock:
@@ -177,7 +177,7 @@ def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
     return dict(zip(("baseline_centre", "baseline_lower", "baseline_upper"), band.tolist(), strict=True))
 
 
-def _columns(history: History, bands: list[BaselineBand]) -> Columns:
+def _columns(history: ParameterHistory, bands: list[BaselineBand]) -> Columns:
     is_complex = bool(np.isfinite(history.imaginary).any())
     value = np.hypot(history.value, history.imaginary) if is_complex else history.value
     quality = np.where(history.accepted, np.where(np.isfinite(value), ACCEPTED, NOT_ESTIMABLE), NOT_ACCEPTED)

@@ -18,7 +18,7 @@ logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Look:
+class SecretReport:
     """What was found of the secrets. unsigned: webhooks to which nothing can be sent, and why; plain: those whose secret lies
     plain in the database; both in words.
     """
@@ -27,7 +27,7 @@ class Look:
     plain: Sequence[str] = ()
 
     @classmethod
-    def at(cls, rows: Sequence[SubscriptionRow], secrets: SigningSecrets) -> "Look":
+    def at(cls, rows: Sequence[SubscriptionRow], secrets: SigningSecrets) -> "SecretReport":
         """Look at subscriptions."""
         troubles = [(row.name, secrets.trouble(row)) for row in rows if row.state == deliveries.ACTIVE]
         why = f": {secrets.reason}" if secrets.sealing is None else ": the next start seals it"
@@ -43,12 +43,12 @@ class SecretWatch:
     def __init__(self, database: Database, secrets: SigningSecrets) -> None:
         self._database = database
         self._secrets = secrets
-        self._found = Look()
+        self._found = SecretReport()
 
     def look(self) -> None:
         """Look at all of them; what is new is logged. Raises DBAPIError."""
         with self._database.reading() as session:
-            found = Look.at(deliveries.with_secret(session), self._secrets)
+            found = SecretReport.at(deliveries.with_secret(session), self._secrets)
         for words in found.unsigned:
             if words not in self._found.unsigned:
                 logger.error(words)

@@ -16,8 +16,8 @@ from estimator.keyphasor import Threshold
 from estimator.order_tracking import Block
 from estimator.units import rad_per_s_to_rpm
 from estimator.waveform_fault import UNUSABLE
-from service.edge.blocks import BlockSettings, BlockStream, Outcome, Position
-from service.edge.condition import Conditions, Found
+from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
+from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile
 from service.edge.files import read_chunks
 from service.edge.topic import Topic
@@ -143,7 +143,7 @@ class Agent:
                 stop.wait(due - time.monotonic())
         return not stop.is_set()
 
-    def _take(self, outcome: Outcome, progress: Progress, stop: threading.Event) -> None:
+    def _take(self, outcome: BlockOutcome, progress: Progress, stop: threading.Event) -> None:
         """Take one outcome, in order."""
         self._blocks += 1
         found = list(outcome.found)
@@ -154,7 +154,7 @@ class Agent:
                 progress.time_ns = time_ns
                 self._add(outcome.block, time_ns, bad=any(one.name == "phase_reference_lost" for one in found))
             else:
-                found.append(Found("time_reversed", None, "the block is not later than what was published before"))
+                found.append(WaveformFinding("time_reversed", None, "the block is not later than what was published before"))
         self.conditions.block(found)
         self._progress = progress
         if self._batch is not None and (

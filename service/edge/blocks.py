@@ -1,6 +1,6 @@
 """Waveforms as they come, cut into blocks that become phasors: bounded memory, and nothing depends on how they come.
 
-Blocks follow each other without a hole, from the first sample on. Each is worked out from a window of samples around it and
+Blocks follow each other without a gap, from the first sample on. Each is worked out from a window of samples around it and
 from nothing else (with several marks per turn: and from the count of the marks), so that the same samples give the same
 phasors however they are cut into chunks, and wherever reading begins again after the agent was killed.
 """
@@ -9,9 +9,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from estimator.arrays import Floats
 from estimator.keyphasor import (
     Edge,
     InconsistentIntervals,
@@ -24,41 +21,23 @@ from estimator.keyphasor import (
 )
 from estimator.order_tracking import Block, LeftOut, track_block
 from estimator.units import rad_per_s_to_rpm
-from service.edge.condition import Found
+from service.edge.condition import WaveformFinding
+from service.edge.mark_count import ROUNDING, Mark, counted_from, last_mark
+from service.edge.sample_window import Chunk, SampleWindow
 from service.wire import OVERSPEED
 
 MARGIN = 0.5
 """Waveform on each side of a block of some seconds from which its shaft angle is read, part of the block's length."""
 MARGIN_TURNS = 3.0
 """The same of a block of some turns, at the machine's lowest speed."""
-SAME_MARK = 0.2
-"""How far from its time a mark is still the same [part of the interval between marks]."""
 STOPPING = 1.5
 """Below this multiple of the machine's lowest speed a keyphasor that falls silent means standstill; above, a broken one."""
-ROUNDING = 1e-9
-"""Of instants [s]."""
 
 KEYPHASOR_CONDITIONS: dict[type[KeyphasorError], str] = {
     NoPulses: "no_pulses",
     InconsistentIntervals: "inconsistent_pulses",
     SeveralPulses: "several_pulses",
 }
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """Consecutive samples of the keyphasor and the channels.
-
-    first: number of the first one in its input. values: (1 + C, N), the keyphasor's first. sampling_rate: [Hz]. Sample
-    `anchor` was taken at `anchor_ns` [ns, UTC]. follows: whether it goes on where the chunk before ended, if the numbers do.
-    """
-
-    first: int
-    values: Floats
-    sampling_rate: float
-    anchor: int
-    anchor_ns: int
-    follows: bool = True
 
 
 @dataclass(frozen=True)
@@ -90,18 +69,30 @@ class Position:
     sampling_rate: float
     anchor: int
     anchor_ns: int
-    mark: tuple[float, int] | None = None
+    mark: Mark | None = None
     lost: bool = False
     rpm: float = 0.0
 
+    def index(self, instant: float) -> int:
+        """Return the number, in the segment, of the first sample needed from an instant [s] on."""
+        return max(0, math.floor(instant * self.sampling_rate))
+
+    def seconds_to(self, number: int) -> float:
+        """Return the instant of a sample, by its number in the input, behind the segment's first one [s]."""
+        return float(number - self.segment) / self.sampling_rate
+
+    def time_ns(self, instant: float) -> int:
+        """Return the time of an instant behind the segment's first sample [ns, UTC]."""
+        return self.anchor_ns + round((instant - (self.anchor - self.segment) / self.sampling_rate) * 1e9)
+
 
 @dataclass(frozen=True)
-class Outcome:
+class BlockOutcome:
     """A stretch of waveform that was worked off: its block, None if it gave none; its time [ns]; what was wrong with it."""
 
     block: Block | None
     time_ns: int
-    found: tuple[Found, ...]
+    found: tuple[WaveformFinding, ...]
     position: Position
 
 
@@ -111,78 +102,77 @@ class BlockStream:
     def __init__(self, settings: BlockSettings, position: Position | None = None) -> None:
         self._settings = settings
         self._position = position
-        self._first = 0
-        self._values: Floats | None = None
+        self._window: SampleWindow | None = None
 
     def margin(self) -> float:
-        """Length of the window on each side of a block [s]."""
+        """Return the length of the window on each side of a block [s]."""
         if self._settings.seconds is not None:
             return MARGIN * self._settings.seconds
         return MARGIN_TURNS * 60.0 / self._settings.lowest_rpm
 
     def first_needed(self) -> int:
-        """Number of the first sample that must be read to go on."""
+        """Return the number of the first sample that must be read to go on."""
         at = self._position
-        return 0 if at is None else at.segment + self._index(at.begin - self.margin())
+        return 0 if at is None else at.segment + at.index(at.begin - self.margin())
 
-    def feed(self, chunk: Chunk) -> Iterator[Outcome]:
-        """Everything that can be worked off with this chunk."""
+    def feed(self, chunk: Chunk) -> Iterator[BlockOutcome]:
+        """Work off everything that can be with this chunk."""
         at = self._position
         goes_on = at is not None and chunk.sampling_rate == at.sampling_rate
-        if at is not None and self._values is None:
+        if at is not None and self._window is None:
             goes_on = goes_on and chunk.first == self.first_needed()
-        elif self._values is not None:
-            goes_on = goes_on and chunk.follows and chunk.first == self._first + self._values.shape[1]
+        elif self._window is not None:
+            goes_on = goes_on and chunk.follows and chunk.first == self._window.end
         if at is None or not goes_on:
             yield from self.finish()
-            # Behind a hole nobody knows how many marks have passed.
+            # Behind a gap nobody knows how many marks have passed.
             lost = at is not None and self._settings.pulses_per_turn > 1
             self._position = Position(chunk.first, 0.0, chunk.sampling_rate, chunk.anchor, chunk.anchor_ns, lost=lost)
-            self._values = None
+            self._window = None
         elif chunk.anchor > at.anchor:
             self._position = replace(at, anchor=chunk.anchor, anchor_ns=chunk.anchor_ns)
-        if self._values is None:
-            self._first, self._values = chunk.first, np.ascontiguousarray(chunk.values)
+        if self._window is None:
+            self._window = SampleWindow(chunk)
         else:
-            self._values = np.concatenate([self._values, np.ascontiguousarray(chunk.values)], axis=1)
+            self._window.append(chunk)
         yield from self._work(ended=False)
 
-    def finish(self) -> Iterator[Outcome]:
-        """Nothing follows any more: what is left over is worked off as far as it makes blocks."""
-        if self._values is not None:
+    def finish(self) -> Iterator[BlockOutcome]:
+        """Work off what is left over, as far as it makes blocks: nothing follows any more."""
+        if self._window is not None:
             yield from self._work(ended=True)
-        self._position = self._values = None
+        self._position = self._window = None
 
-    def _work(self, *, ended: bool) -> Iterator[Outcome]:
+    def _work(self, *, ended: bool) -> Iterator[BlockOutcome]:
         by_seconds = self._settings.seconds is not None
         while (outcome := self._by_seconds(ended) if by_seconds else self._by_turns(ended)) is not None:
             self._position = outcome.position
             yield outcome
-            self._forget()
+            self._samples.drop_before(self.first_needed())
 
-    def _by_seconds(self, ended: bool) -> Outcome | None:
+    def _by_seconds(self, ended: bool) -> BlockOutcome | None:
         at, length = self._at, self._settings.seconds or 0.0
         # A multiple of the length, not a sum of many.
         end = (round(at.begin / length) + 1) * length
-        if end + (0.0 if ended else self.margin()) > self._known() + ROUNDING:
+        if end + (0.0 if ended else self.margin()) > self._at.seconds_to(self._samples.end) + ROUNDING:
             return None
         angle, start = self._angle(at.begin - self.margin(), end + self.margin())
-        if isinstance(angle, Found):
+        if isinstance(angle, WaveformFinding):
             return self._without(at.begin, end, angle)
         inside = [(max(begin, at.begin), min(until, end)) for begin, until in angle.pieces]
         begin, until = max(inside, key=lambda one: one[1] - one[0])
         if until <= begin:
-            return self._without(at.begin, end, Found("keyphasor_gap", None, "the angle is not known in the block"))
+            return self._without(at.begin, end, WaveformFinding("keyphasor_gap", None, "the angle is not known in the block"))
         notes = []
         missing = (end - at.begin) - (until - begin)
         # The first block holds the first pulse; nothing is wrong with that.
         if at.begin > 0.0 and missing > ROUNDING and not (ended and until < end):
-            notes.append(Found("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
+            notes.append(WaveformFinding("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
         return self._with(angle, start, begin, until, end, notes)
 
-    def _by_turns(self, ended: bool) -> Outcome | None:
-        """Blocks from edge to edge; the window grows until the block's last edge is in it."""
-        begin, settings, known = self._at.begin, self._settings, self._known()
+    def _by_turns(self, ended: bool) -> BlockOutcome | None:
+        """Make a block from edge to edge; the window grows until the block's last edge is in it."""
+        begin, settings, known = self._at.begin, self._settings, self._at.seconds_to(self._samples.end)
         turns = settings.turns or 0
         shortest, longest = turns * 60.0 / settings.highest_rpm, turns * 60.0 / settings.lowest_rpm
         length = shortest
@@ -194,17 +184,19 @@ class BlockStream:
                 return None
             end = min(begin + length, known)
             found = self._from_edge_to_edge(*self._angle(begin - self.margin(), until), end)
-            if isinstance(found, Outcome):
+            if isinstance(found, BlockOutcome):
                 return found
             if length == longest or not complete:
                 return self._without(begin, end, found)
 
-    def _from_edge_to_edge(self, angle: ShaftAngle | Found, start: float, end: float) -> Outcome | Found:
-        """The block whose last edge lies before `end`, or why there is none yet."""
+    def _from_edge_to_edge(
+        self, angle: ShaftAngle | WaveformFinding, start: float, end: float
+    ) -> BlockOutcome | WaveformFinding:
+        """Return the block whose last edge lies before `end`, or why there is none yet."""
         at, turns = self._at, self._settings.turns or 0
-        if isinstance(angle, Found):
+        if isinstance(angle, WaveformFinding):
             return angle
-        gap = Found("keyphasor_gap", None, "the angle is not known")
+        gap = WaveformFinding("keyphasor_gap", None, "the angle is not known")
         first, last = next((piece for piece in angle.pieces if piece[1] > at.begin + ROUNDING), (math.inf, math.inf))
         if first > end:
             return gap
@@ -217,12 +209,14 @@ class BlockStream:
             return self._with(angle, start, float(time[0]), float(enough[0]), float(enough[0]), [])
         if last < min(end, angle.edge_time[-1]) - ROUNDING:
             return self._without(at.begin, last, gap)
-        return Found("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
+        return WaveformFinding("too_slow", None, f"no {turns} turns in {end - at.begin:.3g} s")
 
-    def _with(self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[Found]) -> Outcome:
-        """The block from `begin` to `until`; the next one begins at `end`."""
+    def _with(
+        self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[WaveformFinding]
+    ) -> BlockOutcome:
+        """Make the block from `begin` to `until`; the next one begins at `end`."""
         at, settings = self._at, self._settings
-        values = self._window(start)
+        values = self._samples.since(at.segment + round(start * at.sampling_rate))
         block = track_block(
             values[1:],
             sampling_rate=at.sampling_rate,
@@ -233,35 +227,37 @@ class BlockStream:
             rails=list(settings.rails),
         )
         if isinstance(block, LeftOut):
-            return self._without(at.begin, end, *found, Found("too_slow", None, block.reason))
+            return self._without(at.begin, end, *found, WaveformFinding("too_slow", None, block.reason))
         rpm = rad_per_s_to_rpm(block.speed)
         if rpm > OVERSPEED * settings.highest_rpm:
             detail = f"{rpm:.6g} rpm by the keyphasor, the machine goes up to {settings.highest_rpm:g} rpm"
-            return self._without(at.begin, end, *found, Found("speed_out_of_range", None, detail))
+            return self._without(at.begin, end, *found, WaveformFinding("speed_out_of_range", None, detail))
         repairs = [repair for repair in angle.repairs if begin <= repair.time < until]
         if repairs:
             kinds = " and ".join(f"{sum(r.kind == kind for r in repairs)} {kind}" for kind in ("missing", "extra"))
-            found.append(Found("pulses_repaired", None, f"{kinds} pulses in a block"))
+            found.append(WaveformFinding("pulses_repaired", None, f"{kinds} pulses in a block"))
         if at.lost:
-            found.append(Found("phase_reference_lost", None, "the phase counts from an unknown mark until the shaft stops"))
+            found.append(
+                WaveformFinding("phase_reference_lost", None, "the phase counts from an unknown mark until the shaft stops")
+            )
         for channel, fault in zip(settings.channels, block.faults, strict=True):
             if fault is not None:
-                found.append(Found(fault.replace(" ", "_"), channel, f"in the block of {until - begin:.3g} s"))
-        position = replace(at, begin=end, mark=self._mark(angle, end), rpm=rpm)
-        return Outcome(block, self._time_ns(block.time), tuple(found), position)
+                found.append(WaveformFinding(fault.replace(" ", "_"), channel, f"in the block of {until - begin:.3g} s"))
+        position = replace(at, begin=end, mark=last_mark(angle, end, per_turn=settings.pulses_per_turn), rpm=rpm)
+        return BlockOutcome(block, at.time_ns(block.time), tuple(found), position)
 
-    def _without(self, begin: float, end: float, *found: Found) -> Outcome:
+    def _without(self, begin: float, end: float, *found: WaveformFinding) -> BlockOutcome:
         at = self._at
         if any(one.name == "no_pulses" for one in found) and at.rpm < STOPPING * self._settings.lowest_rpm:
             at = replace(at, mark=None, lost=False)
-        return Outcome(None, self._time_ns((begin + end) / 2.0), found, replace(at, begin=end))
+        return BlockOutcome(None, at.time_ns((begin + end) / 2.0), found, replace(at, begin=end))
 
-    def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | Found, float]:
-        """The shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
+    def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | WaveformFinding, float]:
+        """Return the shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
         at, settings = self._at, self._settings
-        first = max(self._index(begin), self._first - at.segment)
+        first = max(at.index(begin), self._samples.first - at.segment)
         start = first / at.sampling_rate
-        signal = self._window(start)[0, : math.ceil(end * at.sampling_rate) - first]
+        signal = self._samples.since(at.segment + first)[0, : math.ceil(end * at.sampling_rate) - first]
         try:
             angle = read_keyphasor(
                 signal,
@@ -272,60 +268,26 @@ class BlockStream:
                 threshold=settings.threshold,
             )
         except KeyphasorError as error:
-            return Found(KEYPHASOR_CONDITIONS.get(type(error), "keyphasor_not_finite"), None, str(error)), start
+            return WaveformFinding(KEYPHASOR_CONDITIONS.get(type(error), "keyphasor_not_finite"), None, str(error)), start
         return self._counted(angle), start
 
     def _counted(self, angle: ShaftAngle) -> ShaftAngle:
-        """With several marks per turn: the angle counted from the same mark as before."""
+        """Return the angle counted from the same mark as before; where that is not found, the count begins anew."""
         at, per_turn = self._at, self._settings.pulses_per_turn
         if per_turn == 1 or at.mark is None:
             return angle
-        time, number = at.mark
-        nearest = int(np.argmin(np.abs(angle.edge_time - time)))
-        spacing = 2.0 * math.pi / per_turn
-        interval = spacing / float(angle.speed(angle.edge_time[nearest]))
-        if abs(float(angle.edge_time[nearest]) - time) > SAME_MARK * interval:
+        counted = counted_from(angle, at.mark, per_turn=per_turn)
+        if counted is None:
             self._position = replace(at, mark=None, lost=True)
             return angle
-        ahead = number - round(float(angle.edge_angle[nearest]) / spacing)
-        return replace(angle, edge_angle=angle.edge_angle + spacing * ahead)
-
-    def _mark(self, angle: ShaftAngle, before: float) -> tuple[float, int] | None:
-        """The last edge up to an instant, and its number in the turn."""
-        per_turn = self._settings.pulses_per_turn
-        known = np.flatnonzero(angle.edge_time <= before + ROUNDING)
-        if per_turn == 1 or not known.size:
-            return None
-        number = round(float(angle.edge_angle[known[-1]]) * per_turn / (2.0 * math.pi))
-        return float(angle.edge_time[known[-1]]), number % per_turn
+        return counted
 
     @property
     def _at(self) -> Position:
         assert self._position is not None
         return self._position
 
-    def _known(self) -> float:
-        """End of the samples at hand, behind the segment's begin [s]."""
-        assert self._values is not None
-        return float(self._first - self._at.segment + self._values.shape[1]) / self._at.sampling_rate
-
-    def _index(self, instant: float) -> int:
-        """Number, in the segment, of the first sample needed from an instant [s] on."""
-        assert self._position is not None
-        return max(0, math.floor(instant * self._position.sampling_rate))
-
-    def _window(self, start: float) -> Floats:
-        """Samples from an instant [s] on."""
-        assert self._values is not None
-        return self._values[:, round(start * self._at.sampling_rate) - (self._first - self._at.segment) :]
-
-    def _forget(self) -> None:
-        """Samples before the next block's window."""
-        assert self._values is not None
-        needless = self.first_needed() - self._first
-        if needless > 0:
-            self._values, self._first = self._values[:, needless:].copy(), self._first + needless
-
-    def _time_ns(self, instant: float) -> int:
-        at = self._at
-        return at.anchor_ns + round((instant - (at.anchor - at.segment) / at.sampling_rate) * 1e9)
+    @property
+    def _samples(self) -> SampleWindow:
+        assert self._window is not None
+        return self._window

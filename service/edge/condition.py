@@ -45,7 +45,7 @@ CONDITIONS = {
 
 
 @dataclass(frozen=True)
-class Found:
+class WaveformFinding:
     """A condition that was found: its name, in which channel or file (None: in all of it), the particulars in words."""
 
     name: str
@@ -57,11 +57,11 @@ class Conditions:
     """What holds now, and how often each condition was found. May be read from another thread."""
 
     def __init__(self) -> None:
-        self._holds: dict[tuple[str, str | None], tuple[Found, int]] = {}
+        self._holds: dict[tuple[str, str | None], tuple[WaveformFinding, int]] = {}
         self._counts: Counter[str] = Counter()
         self._lock = threading.Lock()
 
-    def block(self, found: Iterable[Found]) -> None:
+    def block(self, found: Iterable[WaveformFinding]) -> None:
         """Set what holds in the newest block; what held in the one before and is not among it has ended."""
         fresh = {(one.name, one.subject): one for one in found}
         with self._lock:
@@ -73,13 +73,13 @@ class Conditions:
     def begin(self, name: str, subject: str | None, detail: str) -> None:
         """Begin a condition, besides those of the newest block."""
         with self._lock:
-            self._hold(Found(name, subject, detail))
+            self._hold(WaveformFinding(name, subject, detail))
 
     def happened(self, name: str, subject: str | None, detail: str) -> None:
         """Note that something was wrong once."""
         with self._lock:
             self._counts[name] += 1
-        logger.warning("%s", _text(Found(name, subject, detail)))
+        logger.warning("%s", _text(WaveformFinding(name, subject, detail)))
 
     def holds(self, name: str) -> bool:
         """Tell whether a condition of this name holds."""
@@ -100,7 +100,7 @@ class Conditions:
             ]
             return {"conditions": lasting, "counts": dict(self._counts)}
 
-    def _hold(self, one: Found) -> None:
+    def _hold(self, one: WaveformFinding) -> None:
         self._counts[one.name] += 1
         key = one.name, one.subject
         if key not in self._holds:
@@ -108,6 +108,6 @@ class Conditions:
         self._holds[key] = one, self._holds[key][1] if key in self._holds else now()
 
 
-def _text(one: Found) -> str:
+def _text(one: WaveformFinding) -> str:
     where = f"{one.subject}: " if one.subject else ""
     return f"{where}{one.name}: {one.detail}"

@@ -23,11 +23,11 @@ SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav"}
 Range = tuple[Real, Real]
 
 
-class _Part(Written):
+class _ConfigurationPart(Written):
     model_config = ConfigDict(frozen=True)
 
 
-class ProbeChannel(_Part):
+class ProbeChannel(_ConfigurationPart):
     """A probe's waveform."""
 
     probe: Identifier = Field(description="id of the probe in the machine's document")
@@ -36,7 +36,7 @@ class ProbeChannel(_Part):
     rails: Range | None = Field(default=None, description="measuring range in the unit of the waveform; see `rails`")
 
 
-class KeyphasorChannel(_Part):
+class KeyphasorChannel(_ConfigurationPart):
     """The once-per-turn mark and how its edge is found."""
 
     column: str
@@ -52,7 +52,7 @@ class KeyphasorChannel(_Part):
         return self
 
 
-class BlockLength(_Part):
+class BlockLength(_ConfigurationPart):
     """How much of the waveform makes one sample: some seconds, or some turns."""
 
     seconds: Annotated[float, Field(gt=0, le=60)] | None = None
@@ -65,7 +65,7 @@ class BlockLength(_Part):
         return self
 
 
-class InputFile(_Part):
+class InputFile(_ConfigurationPart):
     """A recorded waveform."""
 
     path: Path
@@ -86,7 +86,7 @@ class InputFile(_Part):
         return start
 
 
-class Waveforms(_Part):
+class Waveforms(_ConfigurationPart):
     """Where the waveforms come from: files, one after the other, or a zenoh topic."""
 
     files: list[InputFile] = Field(default_factory=list)
@@ -103,7 +103,7 @@ class Waveforms(_Part):
         return self
 
 
-class LogFile(_Part):
+class LogFileSettings(_ConfigurationPart):
     """Where the samples are kept for replay, and how many."""
 
     path: Path
@@ -111,7 +111,7 @@ class LogFile(_Part):
     megabytes: Positive = LOG_BYTES / (1 << 20)
 
 
-class EdgeConfiguration(_Part):
+class EdgeConfiguration(_ConfigurationPart):
     """One agent: one machine, one keyphasor."""
 
     plant: Identifier
@@ -126,7 +126,7 @@ class EdgeConfiguration(_Part):
     channels: Annotated[list[ProbeChannel], Field(min_length=1, max_length=LARGEST_CHANNEL_COUNT)]
     rails: Range | None = Field(default=None, description="measuring range of all channels that have none of their own")
     block: BlockLength
-    log: LogFile
+    log: LogFileSettings
 
     @model_validator(mode="after")
     def _channels(self) -> Self:

@@ -8,13 +8,13 @@ from typing import Protocol
 import numpy as np
 
 from estimator.arrays import Floats
-from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.configuration import InputFile, Waveforms
 from service.edge.csv_file import CsvFile
 from service.edge.file_trouble import FileTrouble
 from service.edge.hdf5_file import Hdf5File
 from service.edge.npz_file import NpzFile
+from service.edge.sample_window import Chunk
 from service.edge.wav_file import WavFile
 from storage.clock import from_datetime
 

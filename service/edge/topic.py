@@ -9,9 +9,9 @@ from typing import Self
 
 import zenoh
 
-from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.files import RATE_TOLERANCE
+from service.edge.sample_window import Chunk
 from service.edge.waveform_message import BadMessage, WaveformMessage, decode_waveforms
 from storage.clock import is_ahead
 

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session
 
 from service.security.principal import Principal, Role
 from storage import audit, keys
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.clock import now
 from storage.tables import ApiKeyRow
 
@@ -47,7 +47,9 @@ def create(
         session, prefix=prefix, key_hash=key_hash(text), name=name, role=role.label, plants=plants, expires_at=expires_at
     )
     scope = "all plants" if plants is None else ", ".join(sorted(plants))
-    audit.append(session, Entry(COMMAND, address, "create_key", f"{prefix} {name}: {role.label} of {scope}", "done"))
+    audit.append(
+        session, AuditedOperation(COMMAND, address, "create_key", f"{prefix} {name}: {role.label} of {scope}", "done")
+    )
     return row, text
 
 
@@ -60,7 +62,7 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
     if not keys.valid(old, at=now()):
         raise ValueError(f"key {prefix} is revoked, has expired or waits for a confirmation: create a new one, or confirm it")
     keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
-    audit.append(session, Entry(COMMAND, "local", "rotate_key", prefix, "done"))
+    audit.append(session, AuditedOperation(COMMAND, "local", "rotate_key", prefix, "done"))
     return create(session, name=old.name, role=Role.of(old.role), plants=old.plants, days=days)
 
 
@@ -70,13 +72,13 @@ def confirm(session: Session, prefix: str) -> None:
     if not keys.waits(row):
         raise ValueError(f"key {prefix} does not wait for a confirmation")
     keys.confirm(row)
-    audit.append(session, Entry(COMMAND, "local", "confirm_key", prefix, "done"))
+    audit.append(session, AuditedOperation(COMMAND, "local", "confirm_key", prefix, "done"))
 
 
 def revoke(session: Session, prefix: str) -> None:
     """Raise KeyUnknown."""
     keys.revoke(keys.get(session, prefix))
-    audit.append(session, Entry(COMMAND, "local", "revoke_key", prefix, "done"))
+    audit.append(session, AuditedOperation(COMMAND, "local", "revoke_key", prefix, "done"))
 
 
 def principal(row: ApiKeyRow) -> Principal:

@@ -4,12 +4,10 @@ Who can write to the database could cut off the trail's end, head and all, and t
 """
 
 import logging
-import threading
 import time
 from collections.abc import Callable
 
-from sqlalchemy.exc import DBAPIError
-
+from service.supervised_thread import SupervisedThread
 from storage import audit
 from storage.audit import BEGINNING
 from storage.database import Database
@@ -20,27 +18,17 @@ LOOK_S = 600.0
 A_DAY_S = 86_400.0
 
 
-class AuditWatch:
-    """A thread that looks now and then."""
+class AuditWatch(SupervisedThread):
+    """The thread that looks now and then."""
 
     def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__("audit watch", failure="the audit trail cannot be looked at", retry_s=LOOK_S)
         self._database = database
         self._clock = clock
         self._noted = (0, BEGINNING)
         self._told_at: float | None = None
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="audit watch", daemon=True)
         self.warnings: list[str] = []
-        """What does not hold, for people; it stays until the next start."""
-
-    def start(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def stop(self) -> None:
-        """End."""
-        self._stop.set()
-        self._thread.join()
+        """Entries that do not hold, in words; they stay until the next start."""
 
     @property
     def gauges(self) -> dict[str, float]:
@@ -61,14 +49,11 @@ class AuditWatch:
             logger.info("audit trail: the newest entry is %d:%s", *newest)
             self._told_at = self._clock()
 
-    def _run(self) -> None:
-        self._try(tell=True)
-        while not self._stop.wait(LOOK_S):
-            self._try()
-        self._try(tell=True)  # what is cut off while the service does not run shows as well
+    def turn(self) -> float:
+        """Look once; the first look that succeeds tells the newest entry."""
+        self.look()
+        return LOOK_S
 
-    def _try(self, *, tell: bool = False) -> None:
-        try:
-            self.look(tell=tell)
-        except DBAPIError as error:
-            logger.warning("the audit trail cannot be looked at: %s", error.orig)
+    def finish(self) -> None:
+        """Tell the newest entry, so that what is cut off while the service does not run shows as well."""
+        self.look(tell=True)

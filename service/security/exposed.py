@@ -18,7 +18,7 @@ from service.delivery.signing_secrets import key_file
 from service.hosts import is_loopback
 from service.security.browser_origin import SAFE_METHODS
 from service.security.exposure import allowed_twice, beyond, credentials_needed
-from service.security.operations import Operation
+from service.security.operations import ApiOperation
 from service.settings import Settings
 from service.stream_access import AccessUnusable, read_access
 from storage import keys
@@ -88,7 +88,7 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     )
 
 
-def _api(settings: Settings, operations: Sequence[Operation]) -> Door:
+def _api(settings: Settings, operations: Sequence[ApiOperation]) -> Door:
     asked, told = credentials_asked(settings)
     reach, why = _reach_of_api(settings)
     encrypted = bool(settings.tls_certificate) or (reach == PROXY and settings.public_url.startswith("https:"))
@@ -126,7 +126,7 @@ def _twice(settings: Settings, level: Level) -> str:
     return "" if is_loopback(settings.host) else "; `rundown serve` refuses to start so"
 
 
-def _named(operations: Iterable[Operation]) -> str:
+def _named(operations: Iterable[ApiOperation]) -> str:
     return ", ".join(f"{min(one.methods - {'HEAD'}, default='HEAD')} {one.path}" for one in operations)
 
 

@@ -15,14 +15,14 @@ from service.api.problem import problem_response
 from service.security import browser_origin
 from service.security.authentication import Authentication, Credentials, Unauthenticated, cookie_name
 from service.security.key_set import KeysUnavailable
-from service.security.operations import Operation, Operations
+from service.security.operations import ApiOperation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
 from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
-from service.security.store import Recorded, plain
+from service.security.store import AuditedTransactions, plain
 from storage import audit
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
@@ -107,7 +107,7 @@ class Guard:
         await self._passed(who, given, operation, scope, receive, send)
 
     async def _principal(
-        self, scheme: str, headers: Mapping[bytes, bytes], operation: Operation | None
+        self, scheme: str, headers: Mapping[bytes, bytes], operation: ApiOperation | None
     ) -> tuple[Principal, Credentials | None]:
         try:
             given = Credentials.of(headers, cookie=cookie_name(scheme, public_url=self._public_url))
@@ -118,7 +118,7 @@ class Guard:
             raise
 
     def _refusal(
-        self, who: Principal, scope: Scope, headers: Mapping[bytes, bytes], operation: Operation | None
+        self, who: Principal, scope: Scope, headers: Mapping[bytes, bytes], operation: ApiOperation | None
     ) -> Response | None:
         if who.kind != "open" and (wait := self._requests.take(who.identity if who.known else _address(scope))):
             return _wait(wait)
@@ -141,7 +141,7 @@ class Guard:
             f"{'' if who.plants is None else ' for some plants'}: ask an administrator",
         )
 
-    async def _look(self, who: Principal, operation: Operation, parameters: Mapping[str, str]) -> None:
+    async def _look(self, who: Principal, operation: ApiOperation, parameters: Mapping[str, str]) -> None:
         wanted = {name: parameters[name] for name in operation.scoped}
         if wanted and not self._visibility.known(who, wanted):
             await asyncio.to_thread(self._visibility.require, who, wanted)
@@ -150,7 +150,7 @@ class Guard:
         self,
         who: Principal,
         given: Credentials | None,
-        operation: Operation | None,
+        operation: ApiOperation | None,
         scope: Scope,
         receive: Receive,
         send: Send,
@@ -160,7 +160,7 @@ class Guard:
         )
         recorded = None
         if operation is not None and changes:
-            recorded = Recorded(self._database, who.plants, _entry(who, scope, operation, "done"))
+            recorded = AuditedTransactions(self._database, who.plants, _entry(who, scope, operation, "done"))
 
         async def still() -> bool:
             return given is None or await self._authentication.still(given, who)
@@ -186,19 +186,19 @@ class Guard:
         if recorded is not None and operation is not None and not recorded.written and 0 < code < HTTPStatus.BAD_REQUEST:
             await self._write_down(_entry(who, scope, operation, f"answered {code}"))
 
-    async def _write_down(self, entry: Entry) -> None:
+    async def _write_down(self, entry: AuditedOperation) -> None:
         try:
             await asyncio.to_thread(self._append, entry)
         except DBAPIError as error:
             logger.error("not in the audit trail: %s: %s", entry, error.orig)
 
-    def _append(self, entry: Entry) -> None:
+    def _append(self, entry: AuditedOperation) -> None:
         with self._database.transaction() as session:
             audit.append(session, entry)
 
 
-def _entry(who: Principal, scope: Scope, operation: Operation, outcome: str) -> Entry:
-    return Entry(who.in_full, _address(scope), operation.name, f"{scope['method']} {scope['path']}", outcome)
+def _entry(who: Principal, scope: Scope, operation: ApiOperation, outcome: str) -> AuditedOperation:
+    return AuditedOperation(who.in_full, _address(scope), operation.name, f"{scope['method']} {scope['path']}", outcome)
 
 
 def _address(scope: Scope) -> str:

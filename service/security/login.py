@@ -22,7 +22,7 @@ from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
 from storage import audit, logins, sessions
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.clock import now
 from storage.database import Database
 from storage.tables import LoginRow
@@ -92,7 +92,7 @@ async def log_in(request: Request) -> Response:
     except Unauthenticated as error:
         wait = cast(RateLimit, request.app.state.failures).take(address)
         if not wait:
-            await asyncio.to_thread(_refused, request, Entry("unknown", address, "log_in", "API key", "refused"))
+            await asyncio.to_thread(_refused, request, AuditedOperation("unknown", address, "log_in", "API key", "refused"))
             return _page(request, f"Not logged in: {error}.", 401)
         answer = _page(request, "Too many tries: wait a little.", 429)
         answer.headers["Retry-After"] = str(round(wait) + 1)
@@ -143,7 +143,7 @@ def come_back(request: Request) -> Response:
         claims = security.tokens.checked(token, audience=security.open_id.client_id, nonce=begun.nonce)
         who = security.tokens.stands_for(claims)
     except (LoginFailed, TokenRefused, KeysUnavailable) as error:
-        _refused(request, Entry("unknown", address, "log_in", "issuer", "refused"))
+        _refused(request, AuditedOperation("unknown", address, "log_in", "issuer", "refused"))
         return _page(request, f"Not logged in: {error}.", 401)
     if who.role is None or who.role is Role.SOURCE:
         return _page(request, f"{who.name} has no role here: ask an administrator.", 403)
@@ -181,7 +181,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
             token=secrets.token_urlsafe(32),
             expires_at=now() + LASTS_S * 1_000_000_000,
         )
-        entry = Entry(who.in_full, address, "log_in", "page", "done")
+        entry = AuditedOperation(who.in_full, address, "log_in", "page", "done")
         if cast(RepeatedEntries, request.app.state.repeated).first(entry):
             audit.append(session, entry)
     answer = RedirectResponse("/", 303)
@@ -217,7 +217,7 @@ def _cookie_name(request: Request) -> str:
     return cookie_name(request.url.scheme, public_url=security.public_url)
 
 
-def _refused(request: Request, entry: Entry) -> None:
+def _refused(request: Request, entry: AuditedOperation) -> None:
     if not cast(RepeatedEntries, request.app.state.repeated).first(entry):
         return
     with cast(Database, request.app.state.database).transaction() as session:

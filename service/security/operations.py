@@ -18,7 +18,7 @@ class Undeclared(RuntimeError):
 
 
 @dataclass(frozen=True)
-class Operation:
+class ApiOperation:
     """A route. scoped: names of its path's parameters that belong to a plant."""
 
     name: str
@@ -38,10 +38,10 @@ class Operations:
         """scoped, free: parameters of paths that belong to a plant and that do not. Raises Undeclared."""
         self._all = tuple(_operations(app, public, scoped, free))
 
-    def __iter__(self) -> Iterator[Operation]:
+    def __iter__(self) -> Iterator[ApiOperation]:
         return iter(self._all)
 
-    def find(self, method: str, path: str) -> tuple[Operation, Mapping[str, str]] | None:
+    def find(self, method: str, path: str) -> tuple[ApiOperation, Mapping[str, str]] | None:
         """Return the operation of a request, with its path's parameters; of several that fit, the first, as it is routed."""
         for one in self._all:
             if method in one.methods and (match := one.pattern.match(path)):
@@ -51,7 +51,7 @@ class Operations:
 
 def _operations(
     app: FastAPI, public: Mapping[str, Requirement], scoped: frozenset[str], free: frozenset[str]
-) -> Iterator[Operation]:
+) -> Iterator[ApiOperation]:
     for context in iter_route_contexts(app.routes):
         route: Any = context
         path = str(getattr(route, "path", "") or "")
@@ -70,7 +70,7 @@ def _operations(
         unknown = [name for name in names if name not in scoped and name not in free]
         if unknown:
             raise Undeclared(f"route {path}: say in service.security.scope which plant {{{unknown[0]}}} belongs to")
-        yield Operation(
+        yield ApiOperation(
             name=str(getattr(route, "operation_id", None) or getattr(route, "name", None) or path),
             path=path,
             methods=methods,

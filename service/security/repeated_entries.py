@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from sqlalchemy.exc import DBAPIError
 
 from storage import audit
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.database import Database
 
 logger = logging.getLogger(__name__)
@@ -32,11 +32,11 @@ MANY = "many"
 @dataclass
 class _Minute:
     ends: float
-    latest: Entry
+    latest: AuditedOperation
     count: int = 0
     addresses: set[str] = field(default_factory=set)
 
-    def told(self) -> Entry:
+    def told(self) -> AuditedOperation:
         """Return the counted entries as one entry."""
         some = len(self.addresses)
         where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MOST_ADDRESSES else ''} addresses"
@@ -52,7 +52,7 @@ class RepeatedEntries:
         self._lock = threading.Lock()
         self._minutes: dict[tuple[str, str, str], _Minute] = {}
 
-    def first(self, entry: Entry) -> bool:
+    def first(self, entry: AuditedOperation) -> bool:
         """Tell whether an entry is the first of its minute, and to be written as it is; count it otherwise."""
         with self._lock:
             minute = self._minutes.get(_kind(entry))
@@ -99,7 +99,7 @@ class RepeatedEntries:
                 await asyncio.to_thread(self.write)
         await asyncio.to_thread(self.write, everything=True)
 
-    def _taken(self, *, everything: bool) -> list[Entry]:
+    def _taken(self, *, everything: bool) -> list[AuditedOperation]:
         now = self._clock()
         with self._lock:
             over = [kind for kind, minute in self._minutes.items() if everything or minute.ends <= now]
@@ -110,5 +110,5 @@ class RepeatedEntries:
             return [minute.told() for _, minute in counted]
 
 
-def _kind(entry: Entry) -> tuple[str, str, str]:
+def _kind(entry: AuditedOperation) -> tuple[str, str, str]:
     return entry.who, entry.operation, entry.outcome

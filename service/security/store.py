@@ -7,7 +7,7 @@ from typing import Protocol
 from sqlalchemy.orm import Session
 
 from storage import audit
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.database import Database
 from storage.plant_scope import Plants, PlantScope
 
@@ -25,10 +25,10 @@ class Store(Protocol):
         """Raise DatabaseUnusable."""
 
 
-class Recorded:
+class AuditedTransactions:
     """Each transaction ends with an entry in the audit trail: no change without it, and none of it without a change."""
 
-    def __init__(self, database: Database, plants: Plants | None, entry: Entry) -> None:
+    def __init__(self, database: Database, plants: Plants | None, entry: AuditedOperation) -> None:
         self._database = database
         self._store: Store = database if plants is None else PlantScope(database, plants)
         self._entry = entry

@@ -99,6 +99,6 @@ def test_a_story_told_wrong_is_not_right(change: dict[str, object]) -> None:
         "unbalance_percent": 0.6,
         "alerts": ["misalignment of coupling.C1"],
     }
-    assert demo.Outcome(**good).right
-    assert not demo.Outcome(**(good | change)).right
-    assert not demo.Outcome(**(good | {"story": "healthy"})).right
+    assert demo.StoryOutcome(**good).right
+    assert not demo.StoryOutcome(**(good | change)).right
+    assert not demo.StoryOutcome(**(good | {"story": "healthy"})).right

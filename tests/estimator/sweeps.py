@@ -12,7 +12,7 @@ from estimator.coast_down import CoastDown, coast_down
 from estimator.condensation import condense
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.response import response
 from estimator.speed_law import SpeedLaw
 from tests.estimator.trains import chapter_3_document
@@ -119,11 +119,13 @@ def fast_coast_down() -> CoastDown:
     return coast_down(light_chapter_3(), linear_law(first=576.0, last=52.0, duration=100.0), step=4e-3)
 
 
-def recorded(time: Floats | None, speed: Floats, phasor: Complexes, channels: tuple[str, ...]) -> tuple[Recorded, Measurement]:
+def recorded(
+    time: Floats | None, speed: Floats, phasor: Complexes, channels: tuple[str, ...]
+) -> tuple[RecordedRun, Measurement]:
     """A run in which everything is good, and its measurement."""
     status = np.full(phasor.shape, ChannelStatus.GOOD, np.uint8)
     measurement = Measurement.of(speed=speed, phasor=phasor)
-    return Recorded(time, speed, phasor, status, measurement.scatter, channels), measurement
+    return RecordedRun(time, speed, phasor, status, measurement.scatter, channels), measurement
 
 
 def noisy(clean: Complexes, seed: int, relative: float = 0.01) -> Complexes:

@@ -39,16 +39,16 @@ def test_a_step_to_where_nothing_can_be_condensed_is_shortened(
     train: Machine, measured: Measurement, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = identify(train, measured)
-    linearised, calls = fit_module.Problem.linearised, 0
+    linearised, calls = fit_module.FitProblem.linearised, 0
 
-    def sometimes_singular(self: fit_module.Problem, *arguments: object) -> object:
+    def sometimes_singular(self: fit_module.FitProblem, *arguments: object) -> object:
         nonlocal calls
         calls += sys._getframe(1).f_code.co_name == "descend"
         if calls in (2, 3):
             raise SingularCondensation("here")
         return linearised(self, *arguments)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(fit_module.Problem, "linearised", sometimes_singular)
+    monkeypatch.setattr(fit_module.FitProblem, "linearised", sometimes_singular)
     found = identify(train, measured)
     assert calls > 3
     assert found.accepted

@@ -7,12 +7,12 @@ import pytest
 
 from estimator.change_columns import ChangeColumns
 from estimator.data_faults import lost_channels
-from estimator.finding_kind import BaselineValues, Cause, Change, ChangeSize, FindingKind
+from estimator.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
 from estimator.finding_kinds import FINDING_KINDS, finding_kind
 
 
-def changes(columns: ChangeColumns) -> Iterator[Change]:
-    yield Change("disc.D1", (np.zeros((len(columns.names), 1)),))
+def changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    yield ExpectedChange("disc.D1", (np.zeros((len(columns.names), 1)),))
 
 
 def size(_cause: Cause, _baseline: BaselineValues) -> ChangeSize:

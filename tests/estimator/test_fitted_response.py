@@ -5,7 +5,7 @@ import pytest
 
 from estimator.condensation import condense
 from estimator.coordinates import Coordinates
-from estimator.fit import Problem
+from estimator.fit import FitProblem
 from estimator.fitted_response import fitted_response
 from estimator.forced_response import forced_response
 from estimator.machine import Machine
@@ -24,13 +24,13 @@ def with_chains() -> Machine:
     return plant_machine(probes=[*probes, *document()["probes"][2:]])
 
 
-def identified(machine: Machine, direction: float) -> tuple[Problem, np.ndarray, np.ndarray]:
+def identified(machine: Machine, direction: float) -> tuple[FitProblem, np.ndarray, np.ndarray]:
     """A fit's problem, a point somewhere (n,) and a covariance (n, n)."""
     turning = np.full(SPEED.size, direction)
     train = condense(machine, speed=SPEED, direction=turning)
     coordinates = Coordinates.of(train, unbalance_scale=1e-3)
     measurement = Measurement.of(speed=SPEED, phasor=np.ones((SPEED.size, len(machine.probes)), complex), direction=direction)
-    problem = Problem(train, measurement, coordinates, Noise(), np.zeros(measurement.phasor.shape, dtype=bool))
+    problem = FitProblem(train, measurement, coordinates, Noise(), np.zeros(measurement.phasor.shape, dtype=bool))
     rng = np.random.default_rng(5)
     theta = 0.3 * rng.standard_normal(coordinates.size)
     spread = rng.standard_normal((coordinates.size, coordinates.size)) * 1e-3 * coordinates.unit[:, None]

@@ -12,7 +12,7 @@ from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
 from estimator.parameters import unknowns
 from estimator.quality import Flag
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.rotor import assemble_rotor
 from estimator.rules import QualityRules
 from tests.estimator.sweeps import fast_coast_down, light_chapter_3, linear_law, noisy, recorded, steady
@@ -36,7 +36,7 @@ def held(found: Identification, machine: Machine) -> float:
 
 
 @cache
-def swept(seed: int) -> tuple[Recorded, Measurement]:
+def swept(seed: int) -> tuple[RecordedRun, Measurement]:
     """The coast-down at 50 rpm/s, 250 samples."""
     moved = fast_coast_down()
     time = np.linspace(5.0, 100.0, 250)
@@ -72,7 +72,7 @@ def test_without_the_gate_everything_is_used_and_still_told() -> None:
     assert gated.qualities[0].counts["sweep-rate"] > 20
 
 
-def slow(machine: Machine, *, duration: float, seed: int = 3) -> tuple[Recorded, Measurement]:
+def slow(machine: Machine, *, duration: float, seed: int = 3) -> tuple[RecordedRun, Measurement]:
     speed = np.linspace(576.0, 52.0, 150)
     phasor = noisy(steady(machine, speed), seed)
     return recorded(np.linspace(0.0, duration, 150), speed, phasor, machine.channels)
@@ -158,7 +158,7 @@ def test_a_gate_that_leaves_too_little_says_so() -> None:
 def test_a_run_without_times_is_judged_by_its_beats_alone() -> None:
     machine = light_chapter_3()
     run, measurement = swept(1)
-    no_clock = Recorded(None, run.speed, run.phasor, run.status, run.scatter, run.channels)
+    no_clock = RecordedRun(None, run.speed, run.phasor, run.status, run.scatter, run.channels)
     gated = identify_gated(machine, [no_clock], [measurement], options=ONE)
     assert "sweep-rate" not in gated.qualities[0].counts
 

@@ -6,7 +6,7 @@ import pytest
 from estimator.identification import Identification, identify
 from estimator.machine import parse_machine
 from estimator.measurement import Measurement
-from estimator.model_comparison import Comparison, as_identified, compare_misalignment
+from estimator.model_comparison import ModelComparison, as_identified, compare_misalignment
 from estimator.rotor import assemble_rotor
 from tests.estimator.trains import (
     Complexes,
@@ -31,7 +31,7 @@ def baseline() -> Identification:
     return identify(chapter_3(), measured(dense_response(chapter_3(), SPEED, direction=1), seed=0))
 
 
-def compared(phasor: Complexes, baseline: Identification) -> Comparison:
+def compared(phasor: Complexes, baseline: Identification) -> ModelComparison:
     return compare_misalignment(chapter_3(), measured(phasor, seed=1), baseline=baseline, coupling="C1")
 
 

@@ -9,7 +9,7 @@ import yaml
 
 from estimator.machine import Machine, parse_machine
 from estimator.measurement import Measurement
-from estimator.orbit import ExpectedOrbits, Finding, orbit_findings, station_orbits
+from estimator.orbit import ExpectedOrbits, OrbitFinding, orbit_findings, station_orbits
 from estimator.probe_axes import probe_stations
 from estimator.simulation import draw_truth, measured_phasors, speed_law
 from tests.estimator.trains import ROOT, Complexes, Document, Floats, chapter_3, chapter_3_document, one_disc_document
@@ -42,7 +42,7 @@ def swapped(measurement: Measurement, *pairs: tuple[int, ...]) -> Measurement:
     return Measurement.of(speed=measurement.speed, phasor=phasor)
 
 
-def wrong(findings: tuple[Finding, ...]) -> list[tuple[str, tuple[str, ...]]]:
+def wrong(findings: tuple[OrbitFinding, ...]) -> list[tuple[str, tuple[str, ...]]]:
     return [(one.code, one.channels) for one in findings if one.code != "orbit_sense_undetectable"]
 
 

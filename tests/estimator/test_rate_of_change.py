@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimator.point import Point
-from estimator.rate_of_change import CHANCE, FEWEST, WINDOW, Rate, rates_of_change
+from estimator.rate_of_change import CHANCE, FEWEST, WINDOW, ParameterRate, rates_of_change
 from estimator.trend_tests import Reading
 
 NAMES = ("bearing.B1.kxx", "bearing.B1.kxy", "bearing.B1.kyy", "disc.D1.unbalance.real", "disc.D1.unbalance.imaginary")
@@ -28,7 +28,7 @@ def readings(
     return found
 
 
-def by_name(found: tuple[Rate, ...]) -> dict[str, Rate]:
+def by_name(found: tuple[ParameterRate, ...]) -> dict[str, ParameterRate]:
     return {one.name: one for one in found}
 
 

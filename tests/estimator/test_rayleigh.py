@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from estimator.rayleigh import RayleighDamping, rayleigh_damping
+from estimator.rayleigh import RayleighCoefficients, rayleigh_damping
 
 
 def test_the_two_given_ratios_come_back() -> None:
@@ -36,7 +36,7 @@ def test_modes_of_a_chain_are_damped_as_the_closed_form_says() -> None:
     """Eigenvalues of three masses on four springs: -Re λ/|λ| is ζ(|λ|) for every mode."""
     mass = np.diag([1.0, 2.0, 1.5])
     stiffness = 1e4 * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 2.0]])
-    damping = RayleighDamping(mass_coefficient=3.0, stiffness_coefficient=2e-4)
+    damping = RayleighCoefficients(mass_coefficient=3.0, stiffness_coefficient=2e-4)
     matrix = damping.matrix(mass=mass, stiffness=stiffness)
     inverse = np.linalg.inv(mass)
     state = np.block([[np.zeros((3, 3)), np.eye(3)], [-inverse @ stiffness, -inverse @ matrix]])

@@ -8,7 +8,7 @@ import pytest
 
 from estimator.channel_status import ChannelStatus
 from estimator.quality import MEANING, Flag, assess, own_noise
-from estimator.recorded import Recorded
+from estimator.recorded import RecordedRun
 from estimator.rules import Noise, QualityRules
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
@@ -18,20 +18,20 @@ CHANNELS = ("X", "Y")
 SAMPLES = 120
 
 
-def run(seed: int = 1) -> Recorded:
+def run(seed: int = 1) -> RecordedRun:
     """A slow run-down through a well damped resonance, without anything wrong."""
     speed = np.linspace(300.0, 60.0, SAMPLES)
     clean = steady(single_mass(natural_frequency=150.0, damping_ratio=0.1), speed)
     return recorded(np.linspace(0.0, 6000.0, SAMPLES), speed, noisy(clean, seed), CHANNELS)[0]
 
 
-def flagged(one: Recorded, flag: Flag, rules: QualityRules | None = None) -> list[list[int]]:
+def flagged(one: RecordedRun, flag: Flag, rules: QualityRules | None = None) -> list[list[int]]:
     """Samples with a flag, per channel."""
     flags = assess(one, noise=NOISE, rules=rules).flags
     return [np.flatnonzero(column & np.uint16(flag)).tolist() for column in flags.T]
 
 
-def changed(one: Recorded, samples: slice, channel: int, value: Complexes | complex) -> Recorded:
+def changed(one: RecordedRun, samples: slice, channel: int, value: Complexes | complex) -> RecordedRun:
     phasor = one.phasor.copy()
     phasor[samples, channel] = value
     return replace(one, phasor=phasor)

@@ -3,8 +3,8 @@
 import random
 from dataclasses import dataclass, replace
 
+from service.batch import Arrived
 from service.collection import Collector
-from service.journal import Arrived
 from storage import quarantine, samples
 from storage.blocks import decode
 from storage.database import Database

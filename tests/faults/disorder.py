@@ -13,8 +13,8 @@ from estimator.identification import Options
 from estimator.machine import Machine
 from estimator.segmentation import RunKind
 from estimator.simulation import draw_truth, measured_phasors, speed_law
+from service.batch import Arrived
 from service.collection import Collector
-from service.journal import Arrived
 from service.task import IdentificationTask
 from service.wire import SampleBatch, encode_batch, source_key
 from service.worker import compute

@@ -13,8 +13,9 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from service.batch import Arrived
 from service.collection import Collector
-from service.journal import Arrived, Journal
+from service.journal import Journal
 from service.wire import (
     BINARY,
     ENCODINGS,

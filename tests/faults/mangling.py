@@ -5,7 +5,7 @@ import random
 import zenoh
 
 from service.source import Source
-from service.source_log import Entry
+from service.source_log import LogEntry
 from tests.plant import KEY, listened_to
 
 TWICE, SWAPPED, FLIPPED, DROPPED = 0.10, 0.10, 0.05, 0.05
@@ -18,7 +18,7 @@ class Mangler:
     def __init__(self, session: zenoh.Session, *, seed: int) -> None:
         self._rng = random.Random(seed)
         self._publisher = session.declare_publisher(KEY.samples, congestion_control=zenoh.CongestionControl.BLOCK)
-        self._held: Entry | None = None
+        self._held: LogEntry | None = None
         self.intact: set[int] = set()
         self.flipped = 0
         self.twice = 0
@@ -29,7 +29,7 @@ class Mangler:
         """Whether anybody listens."""
         return listened_to(self._publisher)
 
-    def send(self, entry: Entry) -> None:
+    def send(self, entry: LogEntry) -> None:
         """Deliver a message, or not, or otherwise."""
         held, self._held = self._held, None
         if held is None and self._rng.random() < SWAPPED:
@@ -40,7 +40,7 @@ class Mangler:
         if held is not None:
             self._deliver(held)
 
-    def finish(self, entry: Entry) -> None:
+    def finish(self, entry: LogEntry) -> None:
         """The last message arrives as it is, so that nothing is left that nobody knows of."""
         if self._held is not None:
             self._deliver(self._held)
@@ -51,7 +51,7 @@ class Mangler:
         """No more."""
         self._publisher.undeclare()
 
-    def _deliver(self, entry: Entry) -> None:
+    def _deliver(self, entry: LogEntry) -> None:
         chance = self._rng.random()
         if chance < DROPPED:
             return
@@ -66,7 +66,7 @@ class Mangler:
             self.twice += 1
             self._put(entry, entry.payload)
 
-    def _put(self, entry: Entry, payload: bytes) -> None:
+    def _put(self, entry: LogEntry, payload: bytes) -> None:
         self._publisher.put(payload, encoding=entry.encoding)
         self.intact |= set(range(entry.first, entry.first + entry.count))
 
@@ -78,5 +78,5 @@ class MangledSource(Source):
         super().__init__(session, KEY, name="edge")
         self.mangler = mangler
 
-    def _send(self, entry: Entry) -> None:
+    def _send(self, entry: LogEntry) -> None:
         self.mangler.send(entry)

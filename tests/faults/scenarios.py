@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from service.source_log import Entry
+from service.source_log import LogEntry
 from service.stream import session, wait_connected
 from service.wire import MESSAGEPACK, encode_batch
 from tests.end_to_end.processes import Service, until
@@ -115,7 +115,7 @@ def mangled_without_log(folder: Path, *, seed: int, samples: int) -> Mangler:
         mangler = Mangler(stream, seed=seed)
         until(lambda: mangler.heard, within_s=20, what="the service listens")
         for first in range(0, samples, SIZE):
-            entry = Entry(first, SIZE, encode_batch(measured(first, source="edge", epoch=1)), MESSAGEPACK)
+            entry = LogEntry(first, SIZE, encode_batch(measured(first, source="edge", epoch=1)), MESSAGEPACK)
             (mangler.send if first + SIZE < samples else mangler.finish)(entry)
             time.sleep(PACE_S)
         gone = samples - len(mangler.intact)

@@ -19,7 +19,7 @@ import httpx
 import zenoh
 
 from service import alerting
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from service.stream import open_session
 from storage import alerts, deliveries, machines
 from storage.database import Database
@@ -77,7 +77,7 @@ class Changing:
                         self._asked(client)
 
     def _found(self, element: str) -> None:
-        finding = Finding(f"finding {self.count}", {}, self.identification, START, latching=self.rng.random() < 0.2)
+        finding = AlertFinding(f"finding {self.count}", {}, self.identification, START, latching=self.rng.random() < 0.2)
         with self.database.transaction() as session:
             row = alerts.open_alert(session, KEY.machine, rule=RULE, element=element)
             if row is None or self.rng.random() < 0.5:
@@ -189,7 +189,7 @@ def _prepared(database: Database, target: str) -> tuple[int, int]:
         deliveries.subscribe(session, kind="zenoh", name="network", target="", secret=None)
         first = store_identification(session, identification(), run_id=1, measured_at=START).id
         for element in ELEMENTS:
-            finding = Finding("at the beginning", {}, first, START)
+            finding = AlertFinding("at the beginning", {}, first, START)
             alerting.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
     return first, webhook
 

@@ -14,7 +14,7 @@ from sqlalchemy import text
 
 from benchmarks.serving import served
 from service import alerting
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from service.api import event_stream
 from service.api.event_stream import Broadcaster, Told, stream
 from storage import alerts
@@ -41,7 +41,7 @@ def raised(database: Database, element: str = "coupling.C1", *, latching: bool =
             if known
             else store_identification(session, identification(), run_id=1, measured_at=START).id
         )
-        finding = Finding("Coupling C1 is going out of alignment", {}, number, START, latching=latching)
+        finding = AlertFinding("Coupling C1 is going out of alignment", {}, number, START, latching=latching)
         return alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding).id
 
 

@@ -6,15 +6,15 @@ from hypothesis import strategies as st
 
 from service.alert_life import (
     Acknowledged,
+    AlertCondition,
+    AlertStanding,
     Cleared,
-    Condition,
     Event,
     Forbidden,
     Raised,
     Released,
     Reset,
     Severity,
-    Standing,
     Suppressed,
     Suppression,
     advance,
@@ -39,19 +39,19 @@ EVENTS: tuple[tuple[Event, bool], ...] = (
     (Reset(), False),
 )
 CASES = [
-    (Condition(condition), event, latching, expected)
+    (AlertCondition(condition), event, latching, expected)
     for condition, row in ROWS.items()
     for (event, latching), expected in zip(EVENTS, row, strict=True)
 ]
 
 
 def test_the_table_names_every_condition() -> None:
-    assert set(ROWS) == set(Condition)
+    assert set(ROWS) == set(AlertCondition)
 
 
 @pytest.mark.parametrize(("condition", "event", "latching", "expected"), CASES)
-def test_transitions_of_the_standard(condition: Condition, event: Event, latching: bool, expected: str) -> None:
-    standing = Standing(condition, latching=latching)
+def test_transitions_of_the_standard(condition: AlertCondition, event: Event, latching: bool, expected: str) -> None:
+    standing = AlertStanding(condition, latching=latching)
     if expected == "-":
         with pytest.raises(Forbidden):
             advance(standing, event)
@@ -60,27 +60,27 @@ def test_transitions_of_the_standard(condition: Condition, event: Event, latchin
 
 
 def test_an_acknowledged_alert_that_gets_worse_calls_again() -> None:
-    seen = Standing(Condition.ACKNOWLEDGED, Severity.ALERT)
-    assert advance(seen, Raised(Severity.DANGER)) == Standing(Condition.UNACKNOWLEDGED, Severity.DANGER)
-    worst = Standing(Condition.ACKNOWLEDGED, Severity.DANGER)
-    assert advance(worst, Raised(Severity.ALERT)) == Standing(Condition.ACKNOWLEDGED, Severity.ALERT)
+    seen = AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
+    assert advance(seen, Raised(Severity.DANGER)) == AlertStanding(AlertCondition.UNACKNOWLEDGED, Severity.DANGER)
+    worst = AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.DANGER)
+    assert advance(worst, Raised(Severity.ALERT)) == AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
 
 
 @pytest.mark.parametrize("suppression", Suppression)
 def test_a_suppressed_alert_calls_nobody_and_follows_its_cause(suppression: Suppression) -> None:
-    quiet = advance(Standing(Condition.ACKNOWLEDGED), Suppressed(suppression))
+    quiet = advance(AlertStanding(AlertCondition.ACKNOWLEDGED), Suppressed(suppression))
     assert quiet.state == suppression.value
     assert advance(quiet, Cleared()).closed
     with pytest.raises(Forbidden, match="end that first"):
         advance(quiet, Acknowledged())
-    assert advance(quiet, Released(suppression)).condition is Condition.UNACKNOWLEDGED  # it calls again
-    risen = advance(advance(Standing(), Suppressed(suppression)), Raised())
+    assert advance(quiet, Released(suppression)).condition is AlertCondition.UNACKNOWLEDGED  # it calls again
+    risen = advance(advance(AlertStanding(), Suppressed(suppression)), Raised())
     assert risen.state == suppression.value
     assert advance(risen, Released(suppression)).state == "unacknowledged"
 
 
 def test_several_suppressions_hold_until_the_last_one_ends() -> None:
-    standing = Standing(Condition.ACKNOWLEDGED)
+    standing = AlertStanding(AlertCondition.ACKNOWLEDGED)
     for suppression in reversed(Suppression):
         standing = advance(standing, Suppressed(suppression))
     shown = []
@@ -93,12 +93,12 @@ def test_several_suppressions_hold_until_the_last_one_ends() -> None:
 
 def test_what_is_not_suppressed_is_not_released() -> None:
     with pytest.raises(Forbidden, match="not shelved"):
-        advance(Standing(Condition.UNACKNOWLEDGED), Released(Suppression.SHELVED))
+        advance(AlertStanding(AlertCondition.UNACKNOWLEDGED), Released(Suppression.SHELVED))
 
 
 def test_a_latched_alert_is_acknowledged_before_it_is_reset() -> None:
     with pytest.raises(Forbidden, match="acknowledge it, then reset it"):
-        advance(Standing(Condition.LATCHED_UNACKNOWLEDGED), Reset())
+        advance(AlertStanding(AlertCondition.LATCHED_UNACKNOWLEDGED), Reset())
 
 
 events = st.one_of(
@@ -113,7 +113,7 @@ events = st.one_of(
 
 @given(st.booleans(), st.lists(events, max_size=60))
 def test_laws_of_any_life(latching: bool, lived: list[Event]) -> None:
-    standing, cause, quiet = Standing(latching=latching), False, set[Suppression]()
+    standing, cause, quiet = AlertStanding(latching=latching), False, set[Suppression]()
     for event in lived:
         try:
             after = advance(standing, event)
@@ -126,10 +126,10 @@ def test_laws_of_any_life(latching: bool, lived: list[Event]) -> None:
         if isinstance(event, Released):
             quiet.remove(event.suppression)
         # Its cause shows, nothing is suppressed by itself, and only a person or a vanished cause closes it.
-        assert (after.condition in (Condition.UNACKNOWLEDGED, Condition.ACKNOWLEDGED)) == cause
+        assert (after.condition in (AlertCondition.UNACKNOWLEDGED, AlertCondition.ACKNOWLEDGED)) == cause
         assert after.suppressions == quiet
         if after.closed and not standing.closed:
             assert isinstance(event, Cleared | Acknowledged | Reset)
             assert not latching or isinstance(event, Reset | Acknowledged)
-        assert advance(after, Raised(after.severity)).condition in (Condition.UNACKNOWLEDGED, Condition.ACKNOWLEDGED)
+        assert advance(after, Raised(after.severity)).condition in (AlertCondition.UNACKNOWLEDGED, AlertCondition.ACKNOWLEDGED)
         standing = after

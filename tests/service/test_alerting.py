@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from benchmarks.alert_life import check, live
 from service import alerting
 from service.alert_life import Forbidden, Severity, Suppression
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from storage import alerts, deliveries, suppressions
 from storage.database import Database
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow, IdentificationRow
@@ -31,8 +31,8 @@ def found(plant: Database) -> IdentificationRow:
 
 def finding(
     row: IdentificationRow, *, severity: Severity = Severity.ALERT, latching: bool = False, text: str = "out"
-) -> Finding:
-    return Finding(text, {"identification": row.id}, row.id, row.measured_at, severity, latching)
+) -> AlertFinding:
+    return AlertFinding(text, {"identification": row.id}, row.id, row.measured_at, severity, latching)
 
 
 def raised(session: Session, row: IdentificationRow, *, element: str = ELEMENT, **how: Any) -> AlertRow:

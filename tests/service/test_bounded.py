@@ -2,12 +2,12 @@
 
 import pytest
 
-from service.bounded import Bounded
+from service.bounded import BoundedDict
 
 
 def test_the_oldest_is_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.bounded.MOST", 3)
-    known: Bounded[str, int] = Bounded()
+    monkeypatch.setattr("service.bounded.CAPACITY", 3)
+    known: BoundedDict[str, int] = BoundedDict()
     for number, name in enumerate("abc"):
         known[name] = number
     known["a"] = 10  # no new one

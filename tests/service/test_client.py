@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.serving import served
 from service import alerting
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from service.client import ChangedMeanwhile, Refused, Rundown
 from service.security import api_keys
 from service.security.principal import Role
@@ -29,7 +29,7 @@ def rundown(plant: Database) -> Rundown:
         for number, factor in enumerate((1.0, 1.0, 1.2)):
             outcome = identification({"coupling.C1.kxx": factor})
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * SECOND)
-        finding = Finding("Coupling C1 is going out of alignment", {}, row.id, START)
+        finding = AlertFinding("Coupling C1 is going out of alignment", {}, row.id, START)
         alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     http = Api(plant).http
     del http.headers["if-match"]

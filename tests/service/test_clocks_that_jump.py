@@ -11,8 +11,9 @@ from sqlalchemy.orm import Session
 from benchmarks.serving import served
 from service import alerting, baselining
 from service.alert_life import Suppression
-from service.alerting import Finding, Person
-from service.collection import Collector, standing
+from service.alerting import AlertFinding, Person
+from service.collection import Collector
+from service.collection_state import standing
 from service.delivery.dispatcher import Dispatcher
 from storage import alerts, deliveries, machines, runs, samples
 from storage.clock import to_datetime
@@ -54,7 +55,7 @@ def off(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 def raised(session: Session) -> AlertRow:
     found = store_identification(session, identification(), run_id=1, measured_at=START)
-    finding = Finding("Coupling C1 is going out of alignment", {}, found.id, START)
+    finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, START)
     return alerting.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
 
 

@@ -88,7 +88,7 @@ def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
         found = gathered(session, row)
         monkeypatch.setattr(closing, "gathered", gathered)
         threading.Thread(target=lambda: send(journal, 50, 60)).start()
-        wait_until(lambda: collector.may_have_late(KEY.machine))
+        wait_until(lambda: collector.late.may_wait(KEY.machine))
         return found
 
     send(journal, 0, 50)

@@ -13,7 +13,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 
-from service.doctor import Finding, examine
+from service.doctor import CheckResult, examine
 from service.settings import Settings
 from storage import machines
 from storage.backup import back_up
@@ -41,7 +41,7 @@ def found_without_the_service(settings: Settings) -> dict[str, tuple[str, str]]:
     return worst_of(itertools.takewhile(lambda one: one.what != "API", examine(settings)))
 
 
-def worst_of(findings: Iterable[Finding]) -> dict[str, tuple[str, str]]:
+def worst_of(findings: Iterable[CheckResult]) -> dict[str, tuple[str, str]]:
     """Level and words by what was looked at."""
     order = ["ok", "warning", "wrong"]
     worst: dict[str, tuple[str, str]] = {}

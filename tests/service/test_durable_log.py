@@ -15,7 +15,7 @@ import zenoh
 
 from service.durable_log import DurableLog
 from service.source import Source
-from service.source_log import Entry, LogDamaged, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
+from service.source_log import LogDamaged, LogEntry, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
 from service.wire import decode_batch
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
@@ -24,11 +24,11 @@ def opened(path: Path, **bounds: int) -> DurableLog:
     return DurableLog(path, source="edge", **bounds)
 
 
-def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | None = None) -> Entry:
-    return Entry(first, count, payload, "application/msgpack", position)
+def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | None = None) -> LogEntry:
+    return LogEntry(first, count, payload, "application/msgpack", position)
 
 
-def ignored(_: Entry) -> None:
+def ignored(_: LogEntry) -> None:
     """Nothing is sent."""
 
 
@@ -83,7 +83,7 @@ def test_a_batch_is_sent_only_when_it_is_in_the_log_and_in_order(path: Path) -> 
     log = opened(path)
     seen: list[tuple[int, bool]] = []
 
-    def sent(one: Entry) -> None:
+    def sent(one: LogEntry) -> None:
         seen.append((one.first, bool(log.entries_from(one.first, 1))))
 
     for number in range(0, 400, 2):
@@ -169,7 +169,7 @@ def test_a_full_disk_is_named_and_what_was_refused_can_be_given_again(path: Path
     """SQLite's own limit of pages stands for the disk's: the same error comes of it."""
     log = opened(path)
     sent: list[int] = []
-    (limit,) = log._database.execute("pragma max_page_count = 20").fetchone()
+    (limit,) = log._file._database.execute("pragma max_page_count = 20").fetchone()
     assert limit == 20
 
     def fill() -> None:
@@ -183,7 +183,7 @@ def test_a_full_disk_is_named_and_what_was_refused_can_be_given_again(path: Path
         log.append(entry(log.next_sequence), logged=ignored)
     before = log.next_sequence
     assert sent == list(range(0, before - 2, 2))  # the one that met the limit waits, unsent
-    log._database.execute("pragma max_page_count = 1000")
+    log._file._database.execute("pragma max_page_count = 1000")
     wait_until(lambda: len(sent) == before // 2)
     log.append(entry(before), logged=ignored)
     assert firsts(log) == list(range(0, before + 2, 2))
@@ -263,15 +263,15 @@ def test_many_batches_a_second_are_logged(path: Path) -> None:
     payload = os.urandom(25 * 8 * 16)
     log = opened(path)
     commits = 0
-    commit = log._commit
+    commit = log._file.add
 
-    def counted(entries: list[Entry]) -> None:
+    def counted(entries: list[LogEntry]) -> None:
         nonlocal commits
         commits += 1
         time.sleep(0.01)  # a slow disk
         commit(entries)
 
-    log._commit = counted  # type: ignore[method-assign]
+    log._file.add = counted  # type: ignore[method-assign]
     for number in range(0, 50_000, 25):
         log.append(entry(number, 25, payload=payload), logged=ignored)
     log.flush()

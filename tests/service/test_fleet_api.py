@@ -5,7 +5,7 @@ from datetime import UTC, datetime, timedelta
 import pytest
 
 from service import alerting
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from service.collection import Collector
 from storage import machines
 from storage.database import Database
@@ -24,7 +24,7 @@ def api(plant: Database) -> Api:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
         row = store_identification(session, identification(), run_id=100, measured_at=START)
         for element, severe in (("coupling.C1", False), ("bearing.B1", True)):
-            finding = Finding("it moves", {}, row.id, START)
+            finding = AlertFinding("it moves", {}, row.id, START)
             alert = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
             alert.severity = 2 if severe else 1
         alerting.acknowledge(session, alert, alerting.Person("anna"))

@@ -12,7 +12,8 @@ from sqlalchemy import select, text
 from service import housekeeping, tiers
 from service.collection import Collector
 from service.cut_offs import DAY_NS
-from service.housekeeping import Housekeeping, warning
+from service.disk_watch import warning
+from service.housekeeping import Housekeeping
 from service.job_task import _earlier
 from service.settings import Settings
 from service.sharing import Whole
@@ -319,7 +320,7 @@ def test_room_is_given_back_to_the_file_system(plant: Database, journal: PromptJ
 def test_the_room_is_shown_and_warned_of(plant: Database, caplog: pytest.LogCaptureFixture) -> None:
     one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001))
     api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
-    one._look()
+    one.look()
     (said,) = [words for words in api.value("/health")["warnings"] if words.startswith("the store is")]
     assert "nearly full" in said
     assert "of 0.0 GB that it may take" in said
@@ -359,8 +360,8 @@ def test_it_runs_in_the_background_and_ends_when_told(plant: Database, journal: 
     feed(journal, 0, DAYS)
     one = Housekeeping(plant, confirmed(plant, raw_days=30))
     one.start()
-    wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.trouble is not None, seconds=30)
-    assert one.trouble is None
+    wait_until(lambda: one.released[Blocks.name] == DAYS - 31 or one.unfinished is not None, seconds=30)
+    assert one.unfinished is None
     assert one.alive
     one.stop()
     assert not one.alive
@@ -375,7 +376,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
     one.start()
-    wait_until(lambda: one.trouble is not None, seconds=30)
+    wait_until(lambda: one.unfinished is not None, seconds=30)
     began = time.monotonic()
     while time.monotonic() < began + 0.5:
         assert one.gauges["rundown_housekeeping_working"] == 0
@@ -384,7 +385,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
     assert any(words.startswith("old samples are not let go of") for words in api.value("/health")["warnings"])
-    wait_until(lambda: one.trouble is None, seconds=30)
+    wait_until(lambda: one.unfinished is None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 1
     one.stop()
 
@@ -406,9 +407,9 @@ def test_what_hindered_it_is_forgotten_where_another_replica_does_it(plant: Data
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines RENAME TO machines_elsewhere"))
     one.start()
-    wait_until(lambda: one.trouble is not None, seconds=30)
+    wait_until(lambda: one.unfinished is not None, seconds=30)
     share.leading = False
-    wait_until(lambda: one.trouble is None, seconds=30)
+    wait_until(lambda: one.unfinished is None, seconds=30)
     one.stop()
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
@@ -441,6 +442,6 @@ def test_no_part_is_shown_of_room_that_is_not_known(stores: Stores, tmp_path: Pa
         url = stores.databases(kind).copy(stores.empty(kind), tmp_path / "rundown.db")
         with closing(Database(url)) as database:
             one = Housekeeping(database, Settings(database=url, disk_budget_gb=budget))
-            one._look()
+            one.look()
             assert ("rundown_disk_used_ratio" in one.gauges) == shown, (kind, budget)
             assert one.gauges["rundown_database_bytes"] > 0

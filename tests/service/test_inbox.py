@@ -10,7 +10,7 @@ import pytest
 import zenoh
 
 from service import inbox as inbox_module
-from service.inbox import Inbox, Message
+from service.inbox import Inbox, PublishedMessage
 from service.memory import give_back
 from service.wire import LARGEST_MESSAGE
 from storage.quarantine import KEPT_BYTES
@@ -23,12 +23,12 @@ SIZE = 4_000
 @pytest.fixture
 def inbox(router: zenoh.Session) -> Iterator[Inbox]:
     one = Inbox()
-    one.start(router, KEY)
+    one.open(router, KEY)
     yield one
     one.close()
 
 
-def taken(inbox: Inbox) -> list[Message]:
+def taken(inbox: Inbox) -> list[PublishedMessage]:
     return list(iter(inbox.take, None))
 
 
@@ -60,7 +60,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
     monkeypatch.setattr(inbox_module, bound, most)
     monkeypatch.setattr(inbox_module, "CHANNEL_SIZE", 5)
     inbox = Inbox()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
 
     def send() -> None:
         for number in range(50):
@@ -72,7 +72,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
     sender.join(0.3)
     assert sender.is_alive(), "it was not held back"
     assert len(inbox) == kept
-    found: list[Message] = []
+    found: list[PublishedMessage] = []
 
     def everything() -> bool:
         found.extend(taken(inbox))
@@ -87,7 +87,7 @@ def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
 def test_what_has_come_before_it_is_closed_can_still_be_taken(router: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(inbox_module, "LOOK_S", 60.0)
     inbox = Inbox()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
     for number in range(100):
         router.put(KEY, bytes([number]))
     assert len(inbox) == 0
@@ -101,14 +101,14 @@ def test_what_has_come_before_it_is_closed_can_still_be_taken(router: zenoh.Sess
 def test_a_message_that_cannot_be_copied_stops_none_of_the_others(
     router: zenoh.Session, inbox: Inbox, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    copy = Message.of
+    copy = PublishedMessage.of
 
-    def failing(sample: zenoh.Sample) -> Message:
+    def failing(sample: zenoh.Sample) -> PublishedMessage:
         if sample.payload.to_bytes() == b"bad":
             raise MemoryError("no room")
         return copy(sample)
 
-    monkeypatch.setattr(Message, "of", failing)
+    monkeypatch.setattr(PublishedMessage, "of", failing)
     for payload in (b"one", b"bad", b"two"):
         router.put(KEY, payload)
     wait_until(lambda: len(inbox) == 2)
@@ -119,7 +119,7 @@ def test_a_message_that_cannot_be_copied_stops_none_of_the_others(
 def test_what_waits_costs_little_more_than_its_own_size(router: zenoh.Session, client: zenoh.Session) -> None:
     """As zenoh hands it over, a message of 4 kB that came by itself kept 49 kB."""
     inbox, process = Inbox(), psutil.Process()
-    inbox.start(router, KEY)
+    inbox.open(router, KEY)
     publisher = client.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: listened_to(publisher))
     gc.collect()

@@ -11,9 +11,10 @@ from sqlalchemy import select, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
+from service.batch import Arrived
 from service.collection import Collector
-from service.journal import Arrived
-from service.storing import Storing
+from service.source_backoff import SourceBackoff
+from service.storing import WriteBatch
 from service.wire import SampleBatch, source_key
 from storage import jobs, machines, quarantine, runs
 from storage import samples as sample_store
@@ -110,7 +111,7 @@ def test_what_a_short_transaction_has_no_time_for_is_left_for_the_next(plant: Da
     every = [arrived(piece(first, first + 2)) for first in range(0, 12, 2)]
     assert len(journal.store(every, [], within_s=0.0)) == 1
     assert numbers(plant) == [0, 1]
-    held = Storing(journal, leave=lambda _: None)
+    held = WriteBatch(journal, SourceBackoff())
     for one in every[1:]:
         held.take(one)
     turns = 0

@@ -12,7 +12,7 @@ from sqlalchemy.orm import Session
 from service import late
 from service.collection import Collector
 from service.holes import NEVER
-from service.late import BESIDE, LARGEST_COUNT, Window, noted
+from service.late import BESIDE, LARGEST_COUNT, Window, add_late
 from storage import identifications, jobs, machines, quarantine, runs, trends
 from storage import samples as sample_store
 from storage.blocks import Samples
@@ -216,7 +216,7 @@ def test_a_reopened_run_waits_twice_as_long_each_time(plant: Database, monkeypat
                 left.append(window)
                 continue
             with plant.transaction() as session:
-                late.carry_out(session, plan)
+                late.apply(session, plan)
             patient.closing.close_ended()
         return left
 
@@ -473,10 +473,10 @@ def test_samples_under_a_new_revision_do_not_enter_an_old_run(plant: Database, j
 
 
 def test_windows_join_what_lies_near() -> None:
-    windows = noted([], 1, [0, BESIDE, 5 * BESIDE])
+    windows = add_late([], 1, [0, BESIDE, 5 * BESIDE])
     assert windows == [[1, 0, BESIDE, 2], [1, 5 * BESIDE, 5 * BESIDE, 1]]
-    assert noted(windows, 1, [2 * BESIDE, 3 * BESIDE, 4 * BESIDE]) == [[1, 0, 5 * BESIDE, 6]]
-    assert noted([[1, 0, 0, 1]], 2, [0]) == [[1, 0, 0, 1], [2, 0, 0, 1]]
+    assert add_late(windows, 1, [2 * BESIDE, 3 * BESIDE, 4 * BESIDE]) == [[1, 0, 5 * BESIDE, 6]]
+    assert add_late([[1, 0, 0, 1]], 2, [0]) == [[1, 0, 0, 1], [2, 0, 0, 1]]
 
 
 @few_examples
@@ -484,7 +484,7 @@ def test_windows_join_what_lies_near() -> None:
 def test_windows_are_bounded_and_count_every_sample(batches: list[list[int]]) -> None:
     windows: list[list[int]] = []
     for numbers in batches:
-        windows = noted(windows, 1, [2 * BESIDE * number for number in numbers])
+        windows = add_late(windows, 1, [2 * BESIDE * number for number in numbers])
     assert len(windows) <= LARGEST_COUNT
     assert sum(window[3] for window in windows) == sum(map(len, batches))
     for one, other in zip(windows, windows[1:], strict=False):

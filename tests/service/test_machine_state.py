@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.collection import Collector, standing
+from service.collection import Collector
+from service.collection_state import standing
 from storage import machines, runs
 from storage.database import Database
 from tests.asking import Api

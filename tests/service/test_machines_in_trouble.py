@@ -8,8 +8,8 @@ from sqlalchemy.exc import DBAPIError
 
 from service import putting_off
 from service.collection import Collector
-from service.journal import AT_ONCE
-from service.putting_off import LONGEST_PAUSE_S, PutOff
+from service.putting_off import LONGEST_PAUSE_S, Backoff
+from service.silence import AT_ONCE
 from storage import jobs, machines, quarantine, runs
 from storage.database import Database
 from storage.tables import QuarantineRow, RunRow, SampleBlockRow
@@ -130,7 +130,7 @@ def test_what_the_look_at_all_cannot_read_is_looked_at_alone(two: Database, jour
 
 
 def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
-    waiting = PutOff[str]()
+    waiting = Backoff[str]()
     assert waiting.is_due("pump-7")
     assert [waiting.failed("pump-7") for _ in range(4)] == [10.0, 20.0, 40.0, 80.0]
     assert not waiting.is_due("pump-7")
@@ -142,7 +142,7 @@ def test_what_fails_is_tried_again_after_twice_the_pause_each_time() -> None:
 
 
 def test_failures_may_be_free() -> None:
-    waiting = PutOff[str](free=2)
+    waiting = Backoff[str](free=2)
     assert [waiting.failed("pump-7") for _ in range(4)] == [0.0, 0.0, 10.0, 20.0]
     assert len(waiting) == 1
     waiting.succeeded("pump-7")

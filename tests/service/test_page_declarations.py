@@ -11,7 +11,9 @@ PAGE = Path(__file__).parents[2] / "dashboard" / "src" / "declarations"
 
 @pytest.mark.parametrize("name", list(documents()))
 def test_the_page_has_what_is_declared(name: str) -> None:
-    assert (PAGE / name).read_text(encoding="utf-8") == documents()[name], "stale: run `make dashboard` and commit what it writes"
+    assert (PAGE / name).read_text(encoding="utf-8") == documents()[name], (
+        "stale: run `make dashboard` and commit what it writes"
+    )
 
 
 def test_all_files_are_written(tmp_path: Path) -> None:

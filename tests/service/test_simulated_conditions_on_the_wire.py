@@ -8,11 +8,11 @@ import pytest
 import zenoh
 
 from estimator.machine import Machine
-from service.simulator import Plan, simulate
+from service.simulator import SimulationPlan, simulate
 from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch
 from tests.plant import listened_to, machine, wait_until
 
-PLAN = Plan(cycles=2, interval_s=86_400.0, samples=20, rate=100_000.0, seed=1, linger_s=0.0)
+PLAN = SimulationPlan(cycles=2, interval_s=86_400.0, samples=20, rate=100_000.0, seed=1, linger_s=0.0)
 
 
 def published(router: zenoh.Session, client: zenoh.Session, train: Machine, truth: Path) -> list[SampleBatch]:

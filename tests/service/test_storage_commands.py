@@ -13,7 +13,7 @@ from arro3.io import read_parquet
 from sqlalchemy import select
 from typer.testing import CliRunner
 
-from service.alerting import Finding, raise_alert
+from service.alerting import AlertFinding, raise_alert
 from service.cli import app
 from storage import calibrations, limits, machines, runs, suppressions
 from storage.blocks import Samples
@@ -69,7 +69,11 @@ def told(plant: Database, held: Samples) -> Database:
         found = store_identification(session, identification(unknown=["coupling.C1.kxx"]), run_id=row.id)
         store_identification(session, identification(), run_id=99, machine_id="other")
         raise_alert(
-            session, KEY.machine, rule="misalignment", element="coupling.C1", finding=Finding("it moves", {}, found.id, START)
+            session,
+            KEY.machine,
+            rule="misalignment",
+            element="coupling.C1",
+            finding=AlertFinding("it moves", {}, found.id, START),
         )
     return plant
 

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from estimator.units import METRES, RAD_PER_S
-from service.order import Order
+from service.order import Plausibility
 from service.wire import (
     ENCODINGS,
     JSON,
@@ -191,7 +191,7 @@ def reasons_met() -> set[str]:
     one.time_ns[3] = 0
     one.time_ns[4] = one.time_ns[0]
     found, taken, faults = converted(one)
-    return met | {fault.reason for fault in faults + Order().check(machine(), found, taken)}
+    return met | {fault.reason for fault in faults + Plausibility().check(machine(), found, taken)}
 
 
 def test_every_reason_is_met() -> None:

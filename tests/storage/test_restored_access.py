@@ -13,7 +13,7 @@ from service.security.principal import Role
 from storage import audit, backup, keys, sessions
 from storage.clock import now
 from storage.database import Database
-from storage.restored_access import Access
+from storage.restored_access import RestoredAccess
 from storage.schema import MIGRATIONS
 from tests.databases import Databases
 from tests.end_to_end.processes import rundown
@@ -58,7 +58,7 @@ def opening(url: str, made: dict[str, tuple[str, str]]) -> set[str]:
 def test_what_was_revoked_stays_so(database: Database, made: dict[str, tuple[str, str]], tmp_path: Path) -> None:
     database.close()
     found = backup.restore(database.url, tmp_path / "backup", overwrite=True).access
-    assert found == Access(revoked=(made["revoked"][0],), waiting=(), sessions=1)
+    assert found == RestoredAccess(revoked=(made["revoked"][0],), waiting=(), sessions=1)
     assert opening(database.url, made) == {"good"}
 
 
@@ -67,7 +67,7 @@ def test_where_nothing_is_known_of_them_keys_wait(
 ) -> None:
     target = databases.new(tmp_path / "target.db")
     found = backup.restore(target, tmp_path / "backup").access
-    assert found == Access(revoked=(), waiting=tuple(prefix for prefix, _ in made.values()), sessions=1)
+    assert found == RestoredAccess(revoked=(), waiting=tuple(prefix for prefix, _ in made.values()), sessions=1)
     assert opening(target, made) == set()
     with closing(Database(target)) as restored, restored.transaction() as session:
         assert keys.waiting(session) == 3
@@ -102,7 +102,7 @@ def test_a_backup_of_an_older_schema_stays_one(database: Database, databases: Da
     migrate(database, alembic.command.downgrade, "0014")
     made = backup.back_up(database.url, tmp_path / "backup")
     target = databases.new(tmp_path / "target.db")
-    assert backup.restore(target, tmp_path / "backup").access == Access(revoked=(), waiting=(prefix,), sessions=0)
+    assert backup.restore(target, tmp_path / "backup").access == RestoredAccess(revoked=(), waiting=(prefix,), sessions=0)
     again = backup.back_up(target, tmp_path / "again")
     assert (again.schema_revision, again.rows) == (made.schema_revision, made.rows)
     assert opening(target, {"good": (prefix, text)}) == set()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.machine import parse_machine
-from estimator.rayleigh import RayleighDamping
+from estimator.rayleigh import RayleighCoefficients
 from estimator.thesis.flexible_train import flexible_train, full_response, parts, unbalance_force
 from tests.estimator.trains import chapter_3, dense_elements, dense_response, one_disc_document, truth
 
@@ -39,7 +39,7 @@ def test_response_is_that_of_the_dense_model(direction: int) -> None:
 def test_shaft_damping_enters_the_response() -> None:
     """Against a dense solve with C = αM + βK written out: the discs' mass and inertia stay undamped."""
     alpha, beta = 2.0, 3e-4
-    damped = flexible_train(MACHINE, rayleigh=RayleighDamping(mass_coefficient=alpha, stiffness_coefficient=beta))
+    damped = flexible_train(MACHINE, rayleigh=RayleighCoefficients(mass_coefficient=alpha, stiffness_coefficient=beta))
     shafts = TRAIN.mass.copy()
     for disc, x in zip(MACHINE.discs, TRAIN.disc[::2], strict=True):
         shafts[x : x + 4, x : x + 4] -= np.diag([disc.mass, disc.mass, disc.diametral_inertia, disc.diametral_inertia])
@@ -59,7 +59,7 @@ def test_shaft_damping_enters_the_response() -> None:
 def test_a_bending_mode_of_the_bare_shaft_has_the_stated_ratio() -> None:
     """A free shaft without its disc: ζ = (α/ω + βω)/2 at its first bending frequency."""
     machine = parse_machine(one_disc_document(mass=1e-9, diametral_inertia=1e-12, polar_inertia=0.0))
-    damping = RayleighDamping(mass_coefficient=4.0, stiffness_coefficient=1e-5)
+    damping = RayleighCoefficients(mass_coefficient=4.0, stiffness_coefficient=1e-5)
     train = flexible_train(machine, rayleigh=damping)
     size = train.size
     inverse = np.linalg.inv(train.mass)

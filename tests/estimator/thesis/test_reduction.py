@@ -7,7 +7,7 @@ import pytest
 
 from estimator.arrays import Complexes, Floats
 from estimator.condensation import condense
-from estimator.rayleigh import RayleighDamping
+from estimator.rayleigh import RayleighCoefficients
 from estimator.response import response
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
@@ -38,8 +38,8 @@ def deviation(model: ReducedModel, expected: Complexes) -> Floats:
     return np.asarray(np.abs(found - expected).max(axis=1) / np.abs(expected).max(axis=1))
 
 
-@pytest.mark.parametrize("rayleigh", [None, RayleighDamping(mass_coefficient=1.5, stiffness_coefficient=1e-4)])
-def test_elimination_is_exact(rayleigh: RayleighDamping | None) -> None:
+@pytest.mark.parametrize("rayleigh", [None, RayleighCoefficients(mass_coefficient=1.5, stiffness_coefficient=1e-4)])
+def test_elimination_is_exact(rayleigh: RayleighCoefficients | None) -> None:
     train = flexible_train(MACHINE, rayleigh=rayleigh)
     model = eliminated(train, speed=SPEED, direction=DIRECTION)
     assert deviation(model, full(train)[:, train.interface]).max() < 1e-11

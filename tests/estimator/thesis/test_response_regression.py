@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.rayleigh import RayleighDamping
+from estimator.rayleigh import RayleighCoefficients
 from estimator.thesis.flexible_train import flexible_train, full_response, parts
 from estimator.thesis.reduced_model import ReducedModel, reduced_response, response_equations
 from estimator.thesis.reduction import eliminated, high_frequency_condensed
@@ -42,8 +42,8 @@ def errors(model: ReducedModel, displacement: np.ndarray) -> Floats:
 
 
 @pytest.mark.parametrize("case", [ONE_WAY_A, ONE_WAY_B, ONE_WAY_C, BOTH_WAYS_C])
-@pytest.mark.parametrize("rayleigh", [None, RayleighDamping(mass_coefficient=1.5, stiffness_coefficient=1e-4)])
-def test_interface_regression_recovers_the_truth(case: tuple[Floats, Floats], rayleigh: RayleighDamping | None) -> None:
+@pytest.mark.parametrize("rayleigh", [None, RayleighCoefficients(mass_coefficient=1.5, stiffness_coefficient=1e-4)])
+def test_interface_regression_recovers_the_truth(case: tuple[Floats, Floats], rayleigh: RayleighCoefficients | None) -> None:
     """Chapter 3 with the response of the full model, without noise: exact up to rounding."""
     speed, direction = case
     train = flexible_train(MACHINE, rayleigh=rayleigh)
@@ -73,7 +73,7 @@ def test_both_ways_at_one_speed_does_not_determine_the_unknowns() -> None:
 
 def test_shaft_damping_that_the_model_lacks_biases_the_regression() -> None:
     speed, direction = BOTH_WAYS_C
-    damped = flexible_train(MACHINE, rayleigh=RayleighDamping(mass_coefficient=1.5, stiffness_coefficient=1e-4))
+    damped = flexible_train(MACHINE, rayleigh=RayleighCoefficients(mass_coefficient=1.5, stiffness_coefficient=1e-4))
     displacement = full_response(damped, coefficients=COEFFICIENTS, unbalances=UNBALANCES, speed=speed, direction=direction)
     found = errors(eliminated(TRAIN, speed=speed, direction=direction), displacement[:, TRAIN.interface])
     assert found.max() > 0.05

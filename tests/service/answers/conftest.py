@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from service.alerting import Finding, raise_alert
+from service.alerting import AlertFinding, raise_alert
 from service.collection import Collector
 from storage import jobs
 from storage.database import Database
@@ -73,7 +73,7 @@ def tell(database: Database) -> None:
         failed = jobs.ask(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
         assert failed is not None
         jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
-        finding = Finding(
+        finding = AlertFinding(
             "Coupling C1 is going out of alignment", {"shift": math.nan, "parts": [math.inf, 1.0]}, row.id, row.measured_at
         )
         raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)

@@ -3,7 +3,7 @@
 import pytest
 
 from service import alerting
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from storage import deliveries, suppressions
 from storage.database import Database
 from tests.asking import Api
@@ -16,7 +16,7 @@ def api(plant: Database) -> Api:
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number * SECOND)
-        finding = Finding("it moves", {}, row.id, START)
+        finding = AlertFinding("it moves", {}, row.id, START)
         alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
         deliveries.subscribe(session, kind="zenoh", name="plant", target="", secret=None)
         suppressions.add(

@@ -11,7 +11,7 @@ from typing import Any
 
 from estimator.machine import Machine
 from service import alerting
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from service.settings import Settings
 from storage import deliveries
 from storage.database import Database
@@ -128,7 +128,7 @@ def subscribe(database: Database, target: str, *, name: str, kind: str = "webhoo
 def raise_one(database: Database, found: IdentificationRow, machine: Machine, *, element: str = "coupling.C1") -> int:
     """Raise an alert; its id."""
     with database.transaction() as session:
-        finding = Finding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
+        finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
         return alerting.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
 
 

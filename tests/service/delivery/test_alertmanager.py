@@ -14,7 +14,7 @@ import zenoh
 
 from service import alerting
 from service.alert_life import Severity
-from service.alerting import Finding, Person
+from service.alerting import AlertFinding, Person
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from storage import alerts, deliveries
@@ -91,7 +91,7 @@ def test_an_alert_fires_changes_its_severity_and_is_resolved(
         time.sleep(3.0)
         assert shown(alertmanager) == [("coupling.C1", "alert", "unacknowledged")]
         with plant.transaction() as session:
-            finding = Finding("worse", {}, found.id, found.measured_at, Severity.DANGER)
+            finding = AlertFinding("worse", {}, found.id, found.measured_at, Severity.DANGER)
             alerting.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
         wait_until(lambda: shown(alertmanager) == [("coupling.C1", "danger", "unacknowledged")])
         with plant.transaction() as session:

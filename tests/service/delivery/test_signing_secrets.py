@@ -10,14 +10,14 @@ import pytest
 from sqlalchemy.orm import Session
 
 from service.delivery import secret_upkeep, signing_secrets
-from service.delivery.secret_upkeep import Look
+from service.delivery.secret_upkeep import SecretReport
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SecretUnusable, SigningSecrets, key_file
 from service.security.sealing import SealBroken, Sealing, make_key
 from service.settings import Settings, SettingsWrong, settings_of
 from storage import deliveries, idempotency
 from storage.database import Database
-from storage.idempotency import Answer
+from storage.idempotency import StoredResponse
 from storage.tables import SubscriptionRow
 from tests.asking import PREFIX, Api, problem
 from tests.conftest import Stores
@@ -49,9 +49,9 @@ def stored(database: Database, number: int) -> str:
         return deliveries.get(session, number).secret or ""
 
 
-def told(secret: str) -> Answer:
+def told(secret: str) -> StoredResponse:
     """An answer of some pages that tells a secret, as an older release kept it."""
-    return Answer(201, [], b'{"secret":"' + secret.encode() + b'"}' + b" " * 9000)
+    return StoredResponse(201, [], b'{"secret":"' + secret.encode() + b'"}' + b" " * 9000)
 
 
 def keep_deleted(session: Session) -> None:
@@ -183,7 +183,7 @@ def test_plain_secrets_of_an_older_release_are_sealed_and_leave_no_copy(stores: 
                 idempotency.claim(session, f"key {number}", "")
                 idempotency.answered(session, f"key {number}", told(secret))
             idempotency.claim(session, "other", "")
-            idempotency.answered(session, "other", Answer(201, [], b"{}"))
+            idempotency.answered(session, "other", StoredResponse(201, [], b"{}"))
         with database.transaction() as session:  # these leave their pages behind
             keep_deleted(session)
             for number in range(20):
@@ -195,7 +195,7 @@ def test_plain_secrets_of_an_older_release_are_sealed_and_leave_no_copy(stores: 
         with database.reading() as session:
             rows = deliveries.with_secret(session)
             assert [secrets.reveal(row) for row in rows] == plain
-            assert Look.at(rows, secrets) == Look([], [])
+            assert SecretReport.at(rows, secrets) == SecretReport([], [])
         with database.transaction() as session:
             assert idempotency.claim(session, "other", "") is not None
     key = tmp_path / "rundown.db.key"
@@ -279,5 +279,5 @@ def test_a_plain_secret_still_signs_and_is_told_of_where_there_is_no_key() -> No
     row = SubscriptionRow(id=1, name="old", kind="webhook", target=TARGET, secret="whsec_c2VjcmV0", state="active")
     secrets = SigningSecrets()
     assert (secrets.reveal(row), secrets.renewed(row)) == ("whsec_c2VjcmV0", None)
-    (words,) = Look.at([row], secrets).plain
+    (words,) = SecretReport.at([row], secrets).plain
     assert "RUNDOWN_SEALING_KEY_FILE" in words

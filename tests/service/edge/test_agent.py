@@ -204,11 +204,11 @@ def test_with_a_full_disk_it_waits_and_loses_nothing(
     with started(client, configuration) as agent:
         log = agent._source.log
         assert isinstance(log, DurableLog)
-        log._database.execute("pragma max_page_count = 1")
+        log._file._database.execute("pragma max_page_count = 1")
         reading = threading.Thread(target=agent.read_files, args=(threading.Event(),))
         reading.start()
         wait_until(lambda: agent.conditions.holds("log_unusable"))
-        log._database.execute("pragma max_page_count = 100000")
+        log._file._database.execute("pragma max_page_count = 100000")
         reading.join(30)
         assert not reading.is_alive()
         assert not agent.conditions.holds("log_unusable")

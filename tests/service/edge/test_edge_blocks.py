@@ -10,7 +10,8 @@ from hypothesis import settings as settings_of_examples
 from hypothesis import strategies as st
 
 from estimator.arrays import Floats
-from service.edge.blocks import BlockSettings, BlockStream, Chunk, Outcome, Position
+from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
+from service.edge.sample_window import Chunk
 from tests.plant import few_examples
 from tests.waveforms import RATE, START_NS, keyphasor, probes, recorded, shaft, true_phasors
 
@@ -35,18 +36,18 @@ def chunk(values: Floats, first: int = 0, **changes: object) -> Chunk:
     return Chunk(first, values[:, first:], **({"sampling_rate": RATE, "anchor": 0, "anchor_ns": START_NS} | changes))  # type: ignore[arg-type]
 
 
-def run(values: Floats, used: BlockSettings, cuts: Sequence[int] = (), position: Position | None = None) -> list[Outcome]:
+def run(values: Floats, used: BlockSettings, cuts: Sequence[int] = (), position: Position | None = None) -> list[BlockOutcome]:
     """All outcomes of a waveform that comes in pieces."""
     stream = BlockStream(used, position)
     first = stream.first_needed()
     bounds = [first, *sorted(cut for cut in cuts if first < cut < values.shape[1]), values.shape[1]]
-    found: list[Outcome] = []
+    found: list[BlockOutcome] = []
     for begin, end in zip(bounds[:-1], bounds[1:], strict=True):
         found += stream.feed(Chunk(begin, values[:, begin:end], RATE, 0, START_NS))
     return found + list(stream.finish())
 
 
-def assert_same(one: list[Outcome], other: list[Outcome]) -> None:
+def assert_same(one: list[BlockOutcome], other: list[BlockOutcome]) -> None:
     """Equal to the last bit."""
     assert [(o.time_ns, o.found, o.position) for o in one] == [(o.time_ns, o.found, o.position) for o in other]
     for left, right in zip(one, other, strict=True):
@@ -111,8 +112,8 @@ def test_memory_is_bounded_by_the_window() -> None:
     endless = np.concatenate([RAMPED] * 3, axis=1)
     for begin in range(0, endless.shape[1], 512):
         list(stream.feed(Chunk(begin, endless[:, begin : begin + 512], RATE, 0, START_NS)))
-        assert stream._values is not None
-        assert stream._values.shape[1] <= (0.5 + 2 * 0.25) * RATE + 512
+        assert stream._window is not None
+        assert stream._window.values.shape[1] <= (0.5 + 2 * 0.25) * RATE + 512
 
 
 def test_a_hole_begins_anew_and_costs_no_more_than_a_block_on_each_side() -> None:

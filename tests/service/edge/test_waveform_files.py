@@ -14,10 +14,10 @@ import scipy.io.wavfile
 from pydantic import ValidationError
 
 from estimator.arrays import Floats
-from service.edge.blocks import Chunk
 from service.edge.condition import Conditions
 from service.edge.configuration import EdgeConfiguration
 from service.edge.files import read_chunks
+from service.edge.sample_window import Chunk
 from service.edge.waveform_message import BadMessage, decode_waveforms, encode_waveforms
 from tests.waveforms import RATE, START_NS, edge_document
 

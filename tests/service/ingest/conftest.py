@@ -6,7 +6,7 @@ import pytest
 import zenoh
 
 from service import healing as healing_module
-from service import ingest as ingest_module
+from service import ingest_checks
 from service.ingest import Ingest
 from service.source import Source
 from storage.database import Database
@@ -17,8 +17,8 @@ from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at quiet sources often, and wait for a log less long, so that no test waits long."""
-    monkeypatch.setattr(ingest_module, "TAIL_CHECK_S", 0.1)
-    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 1.0)
+    monkeypatch.setattr(ingest_checks, "TAIL_CHECK_S", 0.1)
+    monkeypatch.setattr(healing_module, "PATIENCE_S", 1.0)
 
 
 @pytest.fixture

@@ -6,15 +6,20 @@ from typing import Any
 
 import zenoh
 
+from service.batch import Arrived
 from service.collection import Collector
-from service.healing import Healing
+from service.healing import GapRecovery
+from service.holes import SequenceGap
 from service.ingest import Ingest
 from service.journal import Journal
+from service.sharing import Whole
 from service.source import Source
+from service.source_backoff import SourceBackoff
 from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from storage import quarantine
 from storage import samples as sample_store
 from storage.database import Database
+from storage.samples import SourceKey
 from storage.tables import SourceRow
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
@@ -41,18 +46,39 @@ class Confused(Journal):
         return super().plant_of(machine_id)
 
 
-def healing(router: zenoh.Session, **changes: Any) -> Healing:
-    """What fetches what is missing, by itself: of each source 100 samples are known, and none is missing before them."""
-    known: dict[str, Any] = {
-        "expected": lambda _: 100,
-        "missing": lambda _: [],
-        "read": lambda _key, _reply: None,
-        "take": lambda _: None,
-        "owns": lambda _: True,
-        "takes": lambda _: True,
-        "put_off": lambda _: None,
-    }
-    return Healing(router, **(known | changes))
+class Surroundings(Whole):
+    """What gap recovery needs around it: of each source 100 samples are known, and none is missing before them.
+
+    gaps: that are recorded. answer: what every reply reads as. own: machines that are stored here; None for all.
+    """
+
+    def __init__(self, *, gaps: list[SequenceGap] | None = None, answer: Arrived | None = None) -> None:
+        self.gaps = [] if gaps is None else gaps
+        self.answer = answer
+        self.own: set[str] | None = None
+        self.taken: list[Arrived] = []
+        self.backoff = SourceBackoff()
+        self.paused: list[SourceKey] = []
+        self.backoff.on_pause(self.paused.append)
+
+    def recovery(self, session: zenoh.Session) -> GapRecovery:
+        """Gap recovery by itself."""
+        return GapRecovery(session, sink=self, records=self, reader=self, share=self, backoff=self.backoff)
+
+    def next_sequence(self, _source: SourceKey) -> int:
+        return 100
+
+    def sequence_gaps(self, _source: SourceKey) -> list[SequenceGap]:
+        return self.gaps
+
+    def replied(self, _key: Key, _reply: zenoh.Sample) -> Arrived | None:
+        return self.answer
+
+    def take(self, arrived: Arrived) -> None:
+        self.taken.append(arrived)
+
+    def owns(self, machine_id: str) -> bool:
+        return self.own is None or machine_id in self.own
 
 
 def rows(database: Database) -> list[SourceRow]:

@@ -11,14 +11,15 @@ from service import healing as healing_module
 from service import ingest as ingest_module
 from service.collection import Collector
 from service.ingest import Ingest
-from service.journal import Arrived, Journal
+from service.journal import Journal
 from service.sharing import Whole
-from service.storing import Storing
-from service.wire import ALL_LIVE, Key, source_key
+from service.source_backoff import SourceBackoff
+from service.storing import WriteBatch
+from service.wire import ALL_LIVE, Key
 from storage.database import Database
 from storage.samples import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until
-from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, counts, healing, heard, put_batch, received
+from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, Surroundings, counts, heard, put_batch, received
 
 BEYOND = arrived(batch([900.0] * 5, sequence=105))
 """Behind a gap: samples 100 to 104 are not there."""
@@ -30,13 +31,13 @@ def test_a_source_that_leaves_while_the_roll_is_called_is_not_taken_for_alive(
 ) -> None:
     token = client.liveliness().declare_token(KEY.live)
     tokens = router.liveliness().declare_subscriber(ALL_LIVE, zenoh.handlers.FifoChannel(10), history=True)
-    fetching = healing(router)
-    fetching.token(tokens.recv())
+    fetching = Surroundings().recovery(router)
+    fetching.follow(tokens.recv())
     assert list(fetching.live) == [KEY]
     fetching.check_tails(quiet_s=3600.0)
     wait_until(lambda: roll(router) == [KEY.live])  # asked later, so the call before has its answer
     token.undeclare()
-    fetching.token(tokens.recv())
+    fetching.follow(tokens.recv())
     wait_until(lambda: roll(router) == [])
     fetching.collect(100)
     assert list(fetching.live) == []
@@ -49,46 +50,43 @@ def roll(session: zenoh.Session) -> list[str]:
 
 
 def test_what_waits_of_a_source_without_a_log_is_taken_when_shares_change(router: zenoh.Session) -> None:
-    taken: list[Arrived] = []
-    fetching = healing(router, take=taken.append)
+    around = Surroundings()
+    fetching = around.recovery(router)
     fetching.place(KEY, BEYOND)
-    assert taken == []
+    assert around.taken == []
     fetching.review()
-    assert taken == [BEYOND]
+    assert around.taken == [BEYOND]
     assert fetching.waiting == {}
 
 
 def test_what_waits_of_a_machine_that_another_stores_now_is_left_to_it(router: zenoh.Session) -> None:
-    taken: list[Arrived] = []
-    own = {KEY.machine}
-    fetching = healing(router, take=taken.append, owns=own.__contains__)
+    around = Surroundings()
+    fetching = around.recovery(router)
     fetching.place(KEY, BEYOND)
-    own.clear()
+    around.own = set()
     fetching.review()
-    assert taken == []
+    assert around.taken == []
     assert fetching.waiting == {}
 
 
 def test_what_waits_of_a_source_with_a_log_is_left_to_the_log_when_shares_change(
     router: zenoh.Session, lossy: DroppedOnTheWay
 ) -> None:
-    taken: list[Arrived] = []
     lossy.publish(dropped=True)
-    first = arrived(lossy.log[0])
-    fetching = healing(router, take=taken.append, read=lambda _key, _reply: first)
-    fetching.live[KEY] = {}
+    around = Surroundings(answer=arrived(lossy.log[0]))
+    fetching = around.recovery(router)
 
     def known() -> bool:
         fetching.check_tails(quiet_s=3600.0)
         fetching.collect(100)
-        return bool(fetching.live[KEY])
+        return bool(fetching.live.sources(KEY))
 
     wait_until(known)
-    wait_until(lambda: fetching.collect(100) == 0 and not fetching.asking)
-    taken.clear()
+    wait_until(lambda: fetching.collect(100) == 0 and not fetching.is_asking)
+    around.taken.clear()
     fetching.place(KEY, BEYOND)
     fetching.review()
-    assert taken == []
+    assert around.taken == []
     assert fetching.waiting == {}
 
 
@@ -97,11 +95,11 @@ class AwayInTheReview(Journal):
 
     away = False
 
-    def next_sequence(self, key: SourceKey) -> int:
+    def next_sequence(self, source: SourceKey) -> int:
         if self.away:
             self.away = False
             raise AWAY
-        return super().next_sequence(key)
+        return super().next_sequence(source)
 
 
 class Moving(Whole):
@@ -115,7 +113,7 @@ def test_a_review_that_the_database_interrupted_is_done_again(
     router: zenoh.Session, plant: Database, client: zenoh.Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
-    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 3600.0)
+    monkeypatch.setattr(healing_module, "PATIENCE_S", 3600.0)
     journal, share = AwayInTheReview(plant, Collector()), Moving()
     ingest = Ingest(router, journal, silence_s=60.0, share=share)
     with ExitStack() as until:
@@ -125,7 +123,7 @@ def test_a_review_that_the_database_interrupted_is_done_again(
         put_batch(client, 0, 5)
         wait_until(lambda: received(plant) == 5)
         put_batch(client, 10, 15)
-        wait_until(lambda: len(ingest._healing.waiting) == 1)
+        wait_until(lambda: len(ingest._cycle.recovery.waiting) == 1)
         journal.away = True
         share.changes += 1
         wait_until(lambda: counts(plant) == (15, 10, 5))
@@ -139,23 +137,23 @@ class Unreachable:
         raise ZeroDivisionError("a fault of ours")
 
 
-def test_what_waits_for_a_log_that_cannot_be_asked_is_not_put_aside_as_well(router: zenoh.Session) -> None:
-    put_off: list[SourceKey] = []
-    fetching = healing(router, put_off=put_off.append)
-    fetching.session = Unreachable()  # type: ignore[assignment]
+def test_what_waits_for_a_log_that_cannot_be_asked_is_not_put_aside_as_well() -> None:
+    around = Surroundings()
+    fetching = around.recovery(Unreachable())  # type: ignore[arg-type]
     fetching.place(KEY, BEYOND)  # an error here would put it aside
     fetching.collect(100)
-    assert put_off == [source_key(BEYOND.batch)]
+    assert around.paused == [BEYOND.source]
 
 
 def test_a_pause_is_not_undone_by_what_was_held_before_it(plant: Database) -> None:
-    held = Storing(Journal(plant, Collector()), leave=lambda _: None)
+    backoff = SourceBackoff()
+    held = WriteBatch(Journal(plant, Collector()), backoff)
     one = arrived(batch([900.0] * 5))
     held.take(one)
-    held.put_off(source_key(one.batch))
+    backoff.failed(one.source)
     held.store()
     assert received(plant) == 5
-    assert not held.takes(source_key(one.batch))
+    assert not backoff.accepts(one.source)
 
 
 def test_a_question_that_cannot_be_answered_stops_nobody(

@@ -12,13 +12,16 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from service import healing as healing_module
-from service import holes, putting_off, storing
 from service import ingest as ingest_module
+from service import known_logs, putting_off, single_writes
+from service.batch import Arrived, StoreOutcome
 from service.collection import Collector
+from service.holes import SequenceGap
 from service.ingest import Ingest
-from service.journal import Arrived, Journal, Outcome
+from service.journal import Journal
 from service.source import Source
-from service.storing import Storing
+from service.source_backoff import SourceBackoff
+from service.storing import WriteBatch
 from service.submissions import NotStoring, Submissions
 from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
 from storage import machines
@@ -84,7 +87,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
 ) -> None:
     """Its messages wait in its source's log: nothing is lost, and nobody else is held up by it."""
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(storing, "MOST_TRIES", most_tries)
+    monkeypatch.setattr(single_writes, "MOST_TRIES", most_tries)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     wait_until(lambda: heard(client))
@@ -93,15 +96,9 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
     with plant.transaction() as session:
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
-    put_off: list[SourceKey] = []
-    leave = ingest._healing.leave
-
-    def noted(source: SourceKey) -> None:
-        put_off.append(source)
-        leave(source)
-
-    monkeypatch.setattr(ingest._healing, "leave", noted)
-    while not put_off:
+    paused: list[SourceKey] = []
+    ingest._cycle.backoff.on_pause(paused.append)
+    while not paused:
         edge.publish(1)
         time.sleep(0.15)
     assert edge.source.sequence < 30
@@ -117,17 +114,17 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
 def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off(
     plant: Database, ingest: Ingest, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
-    monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
+    monkeypatch.setattr(healing_module, "PATIENCE_S", 0.3)
+    monkeypatch.setattr(known_logs, "SILENCE_S", 3600.0)
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(storing, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
     lossy.leave_a_gap(plant)
     with plant.transaction() as session:
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
     lossy.come()
     wait_until(lambda: rejected(plant).get("unexpected_error", 0) > 0)
-    wait_until(lambda: not ingest._storing.takes(source_key(lossy.log[0])))
+    wait_until(lambda: not ingest._cycle.backoff.accepts(source_key(lossy.log[0])))
     with plant.transaction() as session:
         session.get_one(CollectorRow, KEY.machine).state = standing
     wait_until(lambda: counts(plant) == (20, 20, 0))
@@ -162,7 +159,7 @@ def test_a_source_that_fails_over_http_is_put_off_and_no_other(router: zenoh.Ses
     assert rejected(plant) == {"unexpected_error": 3}
 
 
-def offer(submissions: Submissions, name: str, **changes: Any) -> Outcome:
+def offer(submissions: Submissions, name: str, **changes: Any) -> StoreOutcome:
     """What becomes of five samples of a machine."""
     body = encode_body(batch([900.0] * 5, machine=name, **changes), MESSAGEPACK)
     return submissions.offer(name, body, MESSAGEPACK).result(10.0)
@@ -173,7 +170,7 @@ class Partial(Journal):
 
     broken = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.broken and any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -189,7 +186,7 @@ def test_one_source_of_a_machine_is_put_off_and_caught_up_with_while_the_other_g
         ingest = running(router, journal, Submissions(), until)
         failing, working = (Edge(until.enter_context(Source(client, KEY, name=name))) for name in ("failing", "working"))
         wait_until(lambda: heard(client))
-        while ingest._storing.takes(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
+        while ingest._cycle.backoff.accepts(SourceKey(KEY.machine, "failing", failing.source.log.epoch)):
             failing.publish(1)
             working.publish(1)
             time.sleep(0.15)
@@ -207,7 +204,7 @@ class AwayForOne(Partial):
 
     away = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.away and [one.batch.source for one in arrived] == ["working"]:
             self.away = False
             raise AWAY
@@ -217,10 +214,10 @@ class AwayForOne(Partial):
 class Forgetful(Journal):
     """Cannot tell how far one source has come."""
 
-    def next_sequence(self, key: SourceKey) -> int:
-        if key.source.startswith("failing"):
+    def next_sequence(self, source: SourceKey) -> int:
+        if source.source.startswith("failing"):
             raise ZeroDivisionError("a fault of ours")
-        return super().next_sequence(key)
+        return super().next_sequence(source)
 
 
 def test_a_source_of_which_nothing_can_be_told_stops_no_other(
@@ -260,18 +257,18 @@ class Interrupted(Journal):
 
     interrupted = False
 
-    def missing(self, key: SourceKey) -> list[holes.Hole]:
+    def sequence_gaps(self, source: SourceKey) -> list[SequenceGap]:
         if self.interrupted:
             self.interrupted = False
             raise AWAY
-        return super().missing(key)
+        return super().sequence_gaps(source)
 
 
 def test_a_question_for_what_was_lost_outlives_a_database_that_goes_away(
     router: zenoh.Session, plant: Database, client: zenoh.Session, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 0.3)
-    monkeypatch.setattr(healing_module, "REPLAY_PAUSE_S", 3600.0)
+    monkeypatch.setattr(healing_module, "PATIENCE_S", 0.3)
+    monkeypatch.setattr(known_logs, "SILENCE_S", 3600.0)
     journal = Interrupted(plant, Collector())
     with ExitStack() as until:
         running(router, journal, Submissions(), until)
@@ -311,24 +308,26 @@ def test_logs_are_asked_though_runs_cannot_be_closed(
 def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
     plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(storing, "MOST_TRIES", 1)
-    left: list[SourceKey] = []
-    waiting = storing.Storing(AwayForOne(plant, Collector()), leave=left.append)
+    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
+    paused: list[SourceKey] = []
+    backoff = SourceBackoff()
+    backoff.on_pause(paused.append)
+    waiting = WriteBatch(AwayForOne(plant, Collector()), backoff)
     for number in range(3):
         waiting.take(arrived(batch([900.0], sequence=number, source="failing")))
     waiting.take(arrived(batch([900.0], source="working")))
     with pytest.raises(OperationalError):
         waiting.store()
     waiting.store()
-    assert [source.source for source in left] == ["failing"]
-    assert not waiting.takes(left[0])
+    assert [source.source for source in paused] == ["failing"]
+    assert not backoff.accepts(paused[0])
     assert {row.source: row.received for row in rows(plant)} == {"working": 1}
 
 
 class FirstThreeFail(Journal):
     """Meets an error that nobody foresaw with what a source sent first."""
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if any(one.batch.sequence < 15 for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -338,7 +337,7 @@ def test_behind_many_that_cannot_be_stored_those_that_can_are_reached(
     router: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(putting_off, "FIRST_PAUSE_S", 0.2)
-    monkeypatch.setattr(storing, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
     for _ in range(6):
         lossy.publish(dropped=True)
     with ExitStack() as until:
@@ -354,7 +353,7 @@ class Failing(Journal):
         super().__init__(database, Collector())
         self.errors = list(errors)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and self.errors:
             raise self.errors.pop(0)
         return super().store(arrived, rejections, **more)
@@ -405,7 +404,7 @@ def test_whoever_waits_over_http_is_answered(
         with pytest.raises(expected):
             submissions.offer(KEY.machine, body, MESSAGEPACK).result(10.0)
         wait_until(lambda: ingest.trouble is None and submissions.trouble is None)
-        again: Future[Outcome] = submissions.offer(KEY.machine, body, MESSAGEPACK)
+        again: Future[StoreOutcome] = submissions.offer(KEY.machine, body, MESSAGEPACK)
         outcome = again.result(10.0)
         assert outcome.received + outcome.duplicates == 5
     assert counts(plant) == (5, 5, 0)
@@ -469,7 +468,7 @@ def received_of(database: Database) -> dict[str, tuple[int, int]]:
 def test_a_stop_waits_for_no_log_and_leaves_it_what_follows(
     router: zenoh.Session, plant: Database, client: zenoh.Session, edge: Edge, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(healing_module, "HEALING_PATIENCE_S", 3600.0)
+    monkeypatch.setattr(healing_module, "PATIENCE_S", 3600.0)
     with ingesting(router, plant) as ingest:
         wait_until(lambda: heard(client))
         edge.publish(5)
@@ -490,7 +489,7 @@ class AwayAtTheEnd(Journal):
         super().__init__(database, Collector())
         self.tries, self.ending = tries, False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[Outcome]:
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and (not self.ending or self.tries > 0):
             self.tries -= self.ending
             raise AWAY
@@ -520,9 +519,11 @@ def test_what_the_database_refuses_at_the_end_is_tried_once_more(
 
 
 def test_a_rejection_that_cannot_be_kept_takes_no_other_with_it(plant: Database) -> None:
-    held = Storing(Failing(plant), leave=lambda _: None)
+    held = WriteBatch(Failing(plant), SourceBackoff())
     for reason in ("unknown_unit", "unexpected_error", "wrong_shape"):
-        held.reject(Rejection.of_message(received_at=0, key="k", machine_id=None, reason=reason, detail="", payload=b""))
+        held.refusals.reject(
+            Rejection.of_message(received_at=0, key="k", machine_id=None, reason=reason, detail="", payload=b"")
+        )
     with plant.transaction() as session:
         refuse(session, "quarantine", write="INSERT", when="NEW.reason = 'unexpected_error'")
     held.store()

@@ -7,7 +7,8 @@ from functools import partial
 import pytest
 import zenoh
 
-from service import ingest as ingest_module
+from service import ingest_checks
+from service.holes import NEVER, SequenceGap
 from service.ingest import Ingest
 from service.source import Source
 from service.source_log import MemoryLog
@@ -18,8 +19,8 @@ from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
     Edge,
+    Surroundings,
     counts,
-    healing,
     heard,
     ingesting,
     put_batch,
@@ -72,7 +73,7 @@ def test_messages_that_the_network_dropped_are_fetched_when_the_gap_shows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Quiet sources are not looked at: the gap alone must bring what is missing, and in order."""
-    monkeypatch.setattr(ingest_module, "TAIL_CHECK_S", 3600.0)
+    monkeypatch.setattr(ingest_checks, "TAIL_CHECK_S", 3600.0)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         for dropped in (False, False, True, True, False, True, False):
@@ -124,7 +125,7 @@ def test_what_a_log_could_not_tell_while_it_was_away_is_asked_for_when_it_is_bac
     router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed right behind a gap: the gap is counted as lost, and is no longer when the source is started again."""
-    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         lossy.publish()
@@ -142,8 +143,8 @@ def test_a_log_that_was_mute_while_its_source_was_connected_is_asked_again(
     router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Frozen for some seconds, say: nobody is told that it was away."""
-    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 1.0)
+    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.known_logs.SILENCE_S", 1.0)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         lossy.publish()
@@ -182,7 +183,7 @@ def test_a_token_that_is_no_id_is_nobody(router: zenoh.Session, client: zenoh.Se
     with ingesting(router, plant) as running:
         wait_until(lambda: received(plant) == 5)
         time.sleep(0.5)
-        assert list(running._healing.live) == [KEY]
+        assert list(running._cycle.recovery.live) == [KEY]
     assert rejected(plant) == {}
     for token in tokens:
         token.undeclare()
@@ -192,7 +193,7 @@ def test_a_log_that_does_not_answer_holds_up_nobody_else(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its queries would last longer than the test."""
-    monkeypatch.setattr("service.healing.REPLAY_TIMEOUT_S", 60.0)
+    monkeypatch.setattr("service.log_queries.REPLAY_TIMEOUT_S", 60.0)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     mute = Key(KEY.plant, "pump-8")
@@ -253,7 +254,7 @@ class ForgottenInTheMiddle(DroppedOnTheWay):
                 query.reply(KEY.log, encode_batch(one), encoding=MESSAGEPACK)
 
 
-def test_a_hole_in_the_log_is_lost_and_the_rest_is_fetched(
+def test_a_gap_in_the_log_is_lost_and_the_rest_is_fetched(
     router: zenoh.Session, client: zenoh.Session, plant: Database
 ) -> None:
     source = ForgottenInTheMiddle(client)
@@ -278,7 +279,7 @@ def test_batches_in_another_order_are_stored_in_theirs(client: zenoh.Session, pl
 def test_many_quiet_sources_are_all_asked_though_few_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.healing.MOST_QUERIES", 2)
+    monkeypatch.setattr("service.log_queries.MOST_QUERIES", 2)
     names = [f"pump-{number}" for number in range(10, 20)]
     with plant.transaction() as session:
         for name in names:
@@ -310,8 +311,8 @@ class BusyLog(DroppedOnTheWay):
 def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 3600.0)
+    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.known_logs.SILENCE_S", 3600.0)
     monkeypatch.setattr("service.putting_off.FIRST_PAUSE_S", 0.3)
     busy = BusyLog(client)
     with ingesting(router, plant):
@@ -338,7 +339,7 @@ def test_a_log_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What many logs answer at once must not fill the memory."""
-    monkeypatch.setattr("service.healing.MOST_ASKED", 3)
+    monkeypatch.setattr("service.log_queries.MOST_ASKED", 3)
     log = Asked(client)
     for _ in range(10):
         log.publish(dropped=True)
@@ -352,9 +353,9 @@ def test_a_log_is_asked_for_a_part_at_a_time(
 def test_a_large_hole_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.healing.MOST_ASKED", 1)
-    monkeypatch.setattr("service.healing.HEALING_PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.healing.REPLAY_PAUSE_S", 3600.0)
+    monkeypatch.setattr("service.log_queries.MOST_ASKED", 1)
+    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.known_logs.SILENCE_S", 3600.0)
     log = Asked(client)
     with ingesting(router, plant):
         log.leave_a_gap(plant)
@@ -380,18 +381,17 @@ class HeldBack(DroppedOnTheWay):
         super().answer(query)
 
 
-def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
+def test_gaps_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
     router: zenoh.Session, client: zenoh.Session
 ) -> None:
     log = HeldBack(client)
-    holes = [[10, 14]]
-    answer = arrived(batch([900.0] * 5, sequence=10))
-    fetching = healing(router, missing=lambda _: holes, read=lambda _key, _reply: answer)
+    gaps = [SequenceGap(10, 14, START, NEVER)]
+    fetching = Surroundings(gaps=gaps, answer=arrived(batch([900.0] * 5, sequence=10))).recovery(router)
     for _ in range(20):
         log.publish(dropped=True)
 
     def comes() -> None:
-        fetching.live[KEY] = {}
+        fetching.live.forget_sources()
         fetching.place(KEY, arrived(batch([900.0], sequence=99)))
 
     def asked_for(first: int) -> bool:
@@ -404,7 +404,7 @@ def test_holes_that_show_while_older_ones_are_asked_for_are_asked_for_as_well(
         return asked_for(10)
 
     wait_until(comes_and_is_asked)
-    holes.append([50, 54])
+    gaps.append(SequenceGap(50, 54, START, NEVER))
     comes()
     log.let.set()
     wait_until(lambda: asked_for(50), seconds=10.0)

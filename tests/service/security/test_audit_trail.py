@@ -11,7 +11,7 @@ from sqlalchemy.exc import DBAPIError
 from service.security import api_keys
 from service.security.audit_watch import LOOK_S, AuditWatch
 from storage import audit
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.database import Database
 from tests.asking import PREFIX, Api, problem, value
 from tests.end_to_end.processes import Service, rundown
@@ -27,7 +27,7 @@ def trail(database: Database) -> Database:
     """Five entries."""
     with database.transaction() as session:
         for number in range(5):
-            audit.append(session, Entry("anna", "127.0.0.1", "set_limits", f"machine {number}", "done"))
+            audit.append(session, AuditedOperation("anna", "127.0.0.1", "set_limits", f"machine {number}", "done"))
     return database
 
 
@@ -87,7 +87,7 @@ def test_no_entry_is_replaced(trail: Database, statement: str) -> None:
     with pytest.raises(DBAPIError, match="append-only"), trail.engine.begin() as connection:
         connection.execute(text(statement))
     with trail.transaction() as session:
-        assert audit.append(session, Entry("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
+        assert audit.append(session, AuditedOperation("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
         assert audit.verify(session) == []
 
 
@@ -118,7 +118,7 @@ def test_the_head_only_follows_an_entry(trail: Database, statement: str) -> None
         connection.execute(text(statement))
     with trail.transaction() as session:
         assert audit.head(session) == before
-        assert audit.append(session, Entry("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
+        assert audit.append(session, AuditedOperation("anna", "127.0.0.1", "set_limits", "the next", "done")).number == 6
         assert audit.verify(session) == []
 
 
@@ -243,7 +243,7 @@ def test_a_chain_forged_throughout_does_not_fit_what_was_noted(trail: Database) 
     broken(trail, "DELETE FROM audit", "DELETE FROM audit_head")
     with trail.transaction() as session:
         for number in range(6):
-            audit.append(session, Entry("nobody", "127.0.0.1", "nothing", str(number), "done"))
+            audit.append(session, AuditedOperation("nobody", "127.0.0.1", "nothing", str(number), "done"))
     with trail.reading() as session:
         assert audit.verify(session) == []
         assert [one.reason for one in audit.verify(session, known=[known])] == ["is not the entry that was noted"]

@@ -7,7 +7,7 @@ import httpx
 import pytest
 from fastapi import APIRouter, FastAPI
 
-from service.security.operations import Operation, Operations, Undeclared
+from service.security.operations import ApiOperation, Operations, Undeclared
 from service.security.principal import Role
 from service.security.requirement import ANYBODY, VIEWER, Requirement
 from service.security.scope import FREE, ROWS
@@ -38,18 +38,18 @@ ENDLESS = {"stream_alert_events"}
 """Answers that never end; test_plant_scope reads them."""
 
 
-def operations(api: Api) -> Iterator[tuple[Operation, str]]:
+def operations(api: Api) -> Iterator[tuple[ApiOperation, str]]:
     """Every route with each of its methods."""
     for one in api.app.state.operations:
         for method in sorted(one.methods):
             yield one, method
 
 
-def path(one: Operation, ids: Ids) -> str:
+def path(one: ApiOperation, ids: Ids) -> str:
     return ids.path(one.path) + ("/swagger-ui.css" if one.path.endswith("/docs/static") else "")
 
 
-def foreign_queries(api: Api, one: Operation, method: str, ids: Ids) -> dict[str, Any]:
+def foreign_queries(api: Api, one: ApiOperation, method: str, ids: Ids) -> dict[str, Any]:
     """Query parameters that name something of another plant, wherever an operation takes some."""
     described = api.app.openapi()["paths"].get(one.path, {}).get(method.lower(), {})
     values = {

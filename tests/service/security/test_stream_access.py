@@ -10,13 +10,15 @@ import pytest
 import zenoh
 
 from service.stream import StreamUnusable, connected, session
-from service.stream_access import Access, AccessUnusable, StreamSecurity, read_access
+from service.stream_access import AccessUnusable, StreamAccess, StreamSecurity, read_access
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
 from tests.end_to_end.processes import ROOT
 from tests.plant import free_endpoint, wait_until
 
 OWN, OTHER = Key("plant-1", "pump-7"), Key("plant-1", "fan-2")
-ACCESS = Access(sources={"edge-7": ["plant-1/pump-7"], "edge-2": ["plant-1/fan-2"]}, readers={"historian": ["plant-1/*"]})
+ACCESS = StreamAccess(
+    sources={"edge-7": ["plant-1/pump-7"], "edge-2": ["plant-1/fan-2"]}, readers={"historian": ["plant-1/*"]}
+)
 QUIET_S = 0.7
 """So long nothing must come where something is refused: what is allowed comes within a few milliseconds."""
 
@@ -38,7 +40,7 @@ def certificate(folder: Path, *names: str) -> None:
     subprocess.run([ROOT / "deploy" / "certificates.sh", folder, *names], check=True, capture_output=True, timeout=30)
 
 
-def security(folder: Path, name: str, access: Access | None = None) -> StreamSecurity:
+def security(folder: Path, name: str, access: StreamAccess | None = None) -> StreamSecurity:
     return StreamSecurity(str(folder / "authority.crt"), str(folder / f"{name}.crt"), str(folder / f"{name}.key"), access)
 
 
@@ -158,7 +160,7 @@ def test_a_key_that_does_not_fit_its_certificate_is_found_at_once(folder: Path) 
 def test_the_access_file_is_checked(tmp_path: Path) -> None:
     file = tmp_path / "access.yaml"
     file.write_text("sources:\n  edge-7: [plant-1/pump-7]\nrouters: [centre]\n")
-    assert read_access(file) == Access(sources={"edge-7": ["plant-1/pump-7"]}, routers=["centre"])
+    assert read_access(file) == StreamAccess(sources={"edge-7": ["plant-1/pump-7"]}, routers=["centre"])
     wide = "sources:\n  edge-7: [plant-1/**]"
     for wrong, words in ((wide, "sources.edge-7.0"), ("source: {}", "source"), ("[", "cannot be read")):
         file.write_text(wrong)

@@ -9,7 +9,7 @@ from sqlalchemy import func, select
 from service.security import repeated_entries
 from service.security.repeated_entries import MINUTE_S, RepeatedEntries
 from storage import audit
-from storage.audit import Entry
+from storage.audit import AuditedOperation
 from storage.database import Database
 from storage.tables import IdempotencyKeyRow
 from tests.asking import PREFIX, Api, problem
@@ -79,8 +79,8 @@ class Clock:
         return self.now
 
 
-def entry(who: str = "anna", operation: str = "set_limits", address: str = "10.0.0.1") -> Entry:
-    return Entry(who, address, operation, "POST /there", "refused")
+def entry(who: str = "anna", operation: str = "set_limits", address: str = "10.0.0.1") -> AuditedOperation:
+    return AuditedOperation(who, address, operation, "POST /there", "refused")
 
 
 def test_repeated_entries_are_told_when_their_minute_is_over(database: Database) -> None:

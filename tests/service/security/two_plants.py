@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from service import alerting, baselining
-from service.alerting import Finding
+from service.alerting import AlertFinding
 from storage import calibrations, deliveries, machines, quarantine, runs, samples, suppressions
 from storage.database import Database
 from storage.quarantine import Rejection
@@ -65,7 +65,7 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
                 measured_at=begin + POINTS * SECOND,
                 machine_id=document.id,
             )
-        finding = Finding(f"the {word} machine moves", {"sigma": 6.1}, row.id, START, latching=True)
+        finding = AlertFinding(f"the {word} machine moves", {"sigma": 6.1}, row.id, START, latching=True)
         alert = alerting.raise_alert(session, document.id, rule="misalignment", element="coupling.C1", finding=finding)
         suppression = suppressions.add(
             session, document.id, kind="out_of_service", rule="misfit", element=None, until=None, by=word, comment=word
