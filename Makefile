@@ -44,7 +44,7 @@ benchmarks: $(VENV)/.installed
 	$(BIN)/python -m benchmarks
 
 dashboard: $(VENV)/.installed ## build the page anew into service/dashboard/, where it is committed; needs Node.js 20
-	$(BIN)/python -m service.page_declarations dashboard/src/declarations
+	$(BIN)/python -m service.commands.page_declarations dashboard/src/declarations
 	cd dashboard && npm ci --no-audit --no-fund && npm run build
 
 clean:

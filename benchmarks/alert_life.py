@@ -15,11 +15,12 @@ from pathlib import Path
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from service import alerting
-from service.alert_life import Forbidden, Severity, Suppression
-from service.alerting import AlertFinding, Person
-from storage import alerts, deliveries, machines, suppressions
-from storage.database import Database
+from service.alerts import transitions
+from service.alerts.lifecycle import Forbidden, Severity, Suppression
+from service.alerts.transitions import AlertFinding, Person
+from storage.alerts import alerts, deliveries, suppressions
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
 from tests.plant import START, identification, machine, store_identification
 
@@ -57,21 +58,21 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
     def raised() -> None:
         severity = rng.choice(list(Severity))
         finding = AlertFinding("out", {}, identification_id, START, severity, latching=rng.random() < 0.3)
-        alerting.raise_alert(session, MACHINE, rule=RULE, element=element, finding=finding)
+        transitions.raise_alert(session, MACHINE, rule=RULE, element=element, finding=finding)
 
     def suppressed() -> None:
         kind = rng.choice([Suppression.OUT_OF_SERVICE, Suppression.SUPPRESSED_BY_DESIGN])
         part = rng.choice([None, element])
         until = None if rng.random() < 0.5 else time.time_ns() + 1_000_000
-        alerting.suppress(session, MACHINE, kind, ANNA, element=part, until=until)
+        transitions.suppress(session, MACHINE, kind, ANNA, element=part, until=until)
 
     def released() -> None:
         held = [one for one in suppressions.in_force(session, MACHINE) if one.kind != Suppression.SHELVED]
         if held:
-            alerting.release(session, rng.choice(held), ANNA)
+            transitions.release(session, rng.choice(held), ANNA)
 
     def expired() -> None:
-        alerting.release_over(session)
+        transitions.release_over(session)
 
     def on_alert(act: Callable[[Session, AlertRow], None]) -> Callable[[], None]:
         return lambda: None if row is None else act(session, row)
@@ -83,13 +84,13 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
         released,
         released,
         expired,
-        on_alert(alerting.clear_alert),
-        on_alert(alerting.clear_alert),
-        on_alert(lambda s, r: alerting.acknowledge(s, r, ANNA)),
-        on_alert(lambda s, r: alerting.reset(s, r, ANNA)),
-        on_alert(lambda s, r: alerting.comment(s, r, ANNA)),
-        on_alert(lambda s, r: alerting.shelve(s, r, ANNA, until=time.time_ns() + 1_000_000)),
-        on_alert(lambda s, r: alerting.unshelve(s, r, ANNA)),
+        on_alert(transitions.clear_alert),
+        on_alert(transitions.clear_alert),
+        on_alert(lambda s, r: transitions.acknowledge(s, r, ANNA)),
+        on_alert(lambda s, r: transitions.reset(s, r, ANNA)),
+        on_alert(lambda s, r: transitions.comment(s, r, ANNA)),
+        on_alert(lambda s, r: transitions.shelve(s, r, ANNA, until=time.time_ns() + 1_000_000)),
+        on_alert(lambda s, r: transitions.unshelve(s, r, ANNA)),
     ]
     rng.choice(choices)()
 

@@ -22,9 +22,11 @@ import numpy as np
 
 from benchmarks.chain import create_machines, publishing
 from benchmarks.closed_loop import latencies
-from service.collection_state import CollectionState
-from storage import alerts, machines, runs
-from storage.database import Database
+from service.runs.collection_state import CollectionState
+from storage.alerts import alerts
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import CollectorRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, SECOND, START, identification, machine, sqlite_url, store_identification

@@ -27,7 +27,7 @@ ATTACKS = {
     "more jobs than are taken, and workers stopped": ["tests/end_to_end/test_stopped_workers.py"],
     "the write-ahead log deleted": ["tests/faults/test_deleted_logs.py"],
     "a database that does not answer": ["tests/faults/test_database_that_hangs.py"],
-    "connections without end, half-open handshakes": ["tests/service/test_accepting.py"],
+    "connections without end, half-open handshakes": ["tests/service/http/test_connections.py"],
     "messages of 64 MB": ["tests/faults/test_fuzz.py"],
     "bodies, files and settings that are wrong": ["tests/end_to_end/test_bad_input.py"],
     "clients that take nothing": ["tests/faults/test_stream_clients.py"],

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.capture import thinned
-from estimator.identification import identify
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.parameter_description import is_direct
-from estimator.simulation import Truth, draw_truth, measured_phasors, speed_law
-from service.documents import read_machine
+from estimator.fit.identify import identify
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import is_direct
+from estimator.phasors.measurement import Measurement
+from estimator.runs.sample_selection import thinned
+from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law
+from service.configuration.document_files import read_machine
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "thesis-chapter-3.yaml"
 COUNTS = (150, 300, 600, 1000, 2000)

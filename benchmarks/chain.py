@@ -16,8 +16,8 @@ import numpy as np
 import psutil
 from sqlalchemy import bindparam, select
 
-from storage.blocks import decode
-from storage.database import engine_of
+from storage.database.engine import engine_of
+from storage.encoding.sample_blocks import decode
 from storage.tables import SampleBlockRow
 from tests.end_to_end.processes import Service, example, process, until
 

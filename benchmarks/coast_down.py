@@ -24,25 +24,25 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import EXAMPLES
 from estimator.arrays import Complexes, Floats
-from estimator.beating import find_beats
-from estimator.channel_status import ChannelStatus
-from estimator.coast_down import coast_down
-from estimator.gate import Gated, identify_gated
-from estimator.identification import Identification, Options, identify
-from estimator.keyphasor import shaft_angle
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.modes import modes
-from estimator.order_tracking import track_orders
-from estimator.quality import assess
-from estimator.recorded import RecordedRun
-from estimator.segmentation import RunKind
-from estimator.simulation import draw_truth, measured_phasors, speed_law
-from estimator.speed_law import SpeedLaw
-from estimator.sweep_rate import sweep_transient
-from estimator.system_matrices import system_matrices
+from estimator.fit.identify import Identification, Options, identify
+from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.identification.sweep_correction import sweep_transient
+from estimator.machine.document import Machine, parse_machine
+from estimator.modes.eigenmodes import modes
+from estimator.phasors.beating import find_beats
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.quality import assess
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.speed_law import SpeedLaw
+from estimator.rotor.system_matrices import system_matrices
+from estimator.runs.segmentation import RunKind
+from estimator.signal.keyphasor import shaft_angle
+from estimator.signal.order_tracking import track_orders
+from estimator.simulation.coast_down import coast_down
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model import updated_model
+from estimator.updated_model.model import updated_model
 
 RUNS = 20
 DAMPING = 0.5

@@ -19,8 +19,8 @@ from typing import Any
 import psutil
 from sqlalchemy import event, insert, select
 
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import Base, EstimateRow, IdentificationRow, JobRow, MachineRow, RevisionRow, RunRow
 from tests.end_to_end.processes import Service
 from tests.faults.storage_faults import own_server

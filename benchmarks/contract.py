@@ -18,13 +18,15 @@ from typing import Any
 import schemathesis
 from schemathesis.engine import Status, events, from_schema
 
-from service import alerting, baselining
-from service.alerting import AlertFinding, Person
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding, Person
+from service.monitoring import baseline_changes
 from service.wire import JSON, encode_body
-from storage import deliveries, runs, suppressions
-from storage import machines as machine_store
-from storage.blocks import Samples
-from storage.database import Database
+from storage.alerts import deliveries, suppressions
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines as machine_store
+from storage.measurements import runs
 from tests.end_to_end.processes import Service
 from tests.plant import (
     KEY,
@@ -112,7 +114,7 @@ def fill(file: Path) -> None:
             row = store_identification(session, outcome, run_id=run.id, measured_at=begin + RUN_SAMPLES * SECOND)
         for element in ("coupling.C1", "bearing.B2"):
             finding = AlertFinding("it moves", {"sigma": 6.1}, row.id, START, latching=True)
-            alerting.raise_alert(session, KEY.machine, rule="misalignment", element=element, finding=finding)
+            transitions.raise_alert(session, KEY.machine, rule="misalignment", element=element, finding=finding)
         for rule in ("unbalance", "misfit"):
             suppressions.add(
                 session,
@@ -124,7 +126,7 @@ def fill(file: Path) -> None:
                 by=anna.name,
                 comment=anna.comment,
             )
-        baselining.note(session, KEY.machine, at=START, kind="note", text="looked", by=anna.name)
+        baseline_changes.note(session, KEY.machine, at=START, kind="note", text="looked", by=anna.name)
     database.close()
 
 

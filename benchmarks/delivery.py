@@ -23,13 +23,14 @@ import zenoh
 from sqlalchemy.orm import Session
 
 from benchmarks.serving import served
-from service import alerting
-from service.alerting import AlertFinding, Person
+from service.alerts import transitions as alerting
+from service.alerts.transitions import AlertFinding, Person
+from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
-from service.settings import Settings
-from service.stream import open_session
-from storage import alerts, deliveries, machines
-from storage.database import Database
+from service.messaging.session import open_session
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.plant import START, identification, machine, store_identification
 
 KINDS = {"hang": 30, "error": 30, "gone": 10, "ok": 30}

@@ -14,13 +14,13 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from estimator.derived import Derived, derived_quantities, model_quantities, running_speed
-from estimator.identification import Identification, identify
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.simulation import Truth, draw_truth, measured_phasors, speed_law
-from estimator.updated_model import UpdatedModel, expected_model
-from service.documents import read_machine
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law
+from estimator.updated_model.derived_quantities import Derived, derived_quantities, model_quantities, running_speed
+from estimator.updated_model.model import UpdatedModel, expected_model
+from service.configuration.document_files import read_machine
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MACHINES = ("thesis-chapter-3", "motor-pump", "turbine-compressor-generator")

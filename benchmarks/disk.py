@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
-from storage import machines, runs, samples
-from storage.blocks import Samples
-from storage.database import Database
-from storage.packing import QUANTUM, on_grid
-from storage.samples import SourceKey
+from estimator.phasors.channel_status import ChannelStatus
+from storage.database.engine import Database
+from storage.encoding.packing import QUANTUM, on_grid
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines
+from storage.measurements import runs, samples
+from storage.measurements.samples import SourceKey
 from tests.plant import KEY, START, assert_same_samples, machine
 
 COUNT, CHANNELS = 10_000, 16

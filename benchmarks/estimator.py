@@ -20,11 +20,11 @@ import scipy.optimize
 from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import Complexes, Floats, Train, cramer_rao, modelled, off, silent, three_shafts, two_shafts, values
-from estimator.condensation import condense
-from estimator.identification import Identification, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.rotor import assemble_rotor
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense
 
 SMALL_BOUND = 0.2
 """Efficiency is judged over parameters whose Cramér-Rao bound is below this part of their value."""

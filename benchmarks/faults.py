@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests import postgresql
 from tests.faults import clocks, disorder, gaps, parting, roles, scenarios, storage_faults, telling
 from tests.faults.chain import PARTS, every_order

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import psutil
 
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.faults.fuzzing import CASES_AT_ONCE, Fuzzed
 from tests.plant import machine
 

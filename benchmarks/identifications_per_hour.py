@@ -15,12 +15,14 @@ import numpy as np
 import psutil
 
 from benchmarks.chain import Usage, create_machines, publishing
-from estimator.derived import derived_quantities
-from estimator.gate import identify_gated
-from estimator.identification import Options
-from service.settings import Settings
-from storage import identifications, machines, runs
-from storage.database import Database
+from estimator.fit.identify import Options
+from estimator.identification.quality_gate import identify_gated
+from estimator.updated_model.derived_quantities import derived_quantities
+from service.configuration.settings import Settings
+from storage.database.engine import Database
+from storage.findings import identifications
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import JobRow
 from tests.end_to_end.processes import Service, until
 from tests.identification import chapter_3, close_run, counts

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from estimator.document_size import accepted_machine
-from estimator.machine import DocumentError
+from estimator.machine.document import DocumentError
+from estimator.machine.document_size import accepted_machine
 
 LENGTH = 3.0
 """Of each shaft [m]."""

@@ -17,17 +17,17 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from estimator.campbell import campbell
-from estimator.condensation import condense
-from estimator.derived import derived_quantities
-from estimator.document_size import accepted_machine, document_size
-from estimator.identification import Identification, identify
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.nominal_critical_speeds import nominal_critical_speeds
-from estimator.response import response
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine
+from estimator.machine.document_size import accepted_machine, document_size
+from estimator.modes.campbell import campbell
+from estimator.modes.nominal_critical_speeds import nominal_critical_speeds
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model import updated_model
+from estimator.updated_model.derived_quantities import derived_quantities
+from estimator.updated_model.model import updated_model
 
 SECTIONS = (50, 120, 300)
 SECTIONS_PER_SHAFT = 33

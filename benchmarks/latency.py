@@ -16,8 +16,8 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from service.source import Source
-from service.stream import session, wait_connected
+from service.messaging.session import session, wait_connected
+from service.sources.publisher import Source
 from service.wire import Key
 from storage.clock import from_datetime
 from tests.end_to_end.processes import Service, until

@@ -13,12 +13,13 @@ import numpy as np
 import psutil
 
 from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publishing
-from estimator.machine import parse_machine
-from service.source import Source
-from service.stream import session, wait_connected
+from estimator.machine.document import parse_machine
+from service.messaging.session import session, wait_connected
+from service.sources.publisher import Source
 from service.wire import Key
-from storage import machines, runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.end_to_end.processes import Service, example, until
 from tests.end_to_end.test_real_input import ross_batch

@@ -20,8 +20,8 @@ import psutil
 
 from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, patiently, percentiles, publishing
 from benchmarks.throughput import template
-from service.source import Source
-from service.stream import session, wait_connected
+from service.messaging.session import session, wait_connected
+from service.sources.publisher import Source
 from service.wire import Key
 from tests.end_to_end.processes import Service, until
 

@@ -19,11 +19,11 @@ import yaml
 from threadpoolctl import threadpool_limits
 
 from estimator.arrays import Complexes, Floats
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.orbit import orbit_findings
-from estimator.probe_axes import probe_stations
-from estimator.simulation import Truth, draw_truth, measured_phasors, scattered, speed_law
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.orbits import orbit_findings
+from estimator.phasors.probe_axes import probe_stations
+from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, scattered, speed_law
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TRAINS = ("motor-pump", "sealed-pump", "thesis-chapter-3", "thesis-chapter-5-rig", "turbine-compressor-generator")

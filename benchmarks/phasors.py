@@ -26,15 +26,15 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from estimator.keyphasor import ShaftAngle, read_keyphasor
-from estimator.order_tracking import track_orders
+from estimator.signal.keyphasor import ShaftAngle, read_keyphasor
+from estimator.signal.order_tracking import track_orders
 from estimator.thesis.time_history import band_passed, extrema_phasor
 from estimator.units import rpm_to_rad_per_s
+from service.commands.edge import open_log
 from service.edge.agent import Agent
-from service.edge.command import open_log
 from service.edge.configuration import EdgeConfiguration
-from service.source import Source
-from service.stream import session
+from service.messaging.session import session
+from service.sources.publisher import Source
 from service.wire import BINARY, Key
 
 Floats = NDArray[np.float64]

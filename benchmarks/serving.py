@@ -10,14 +10,14 @@ import uvicorn
 from fastapi import FastAPI
 
 from service.api.application import application
-from service.api.http_protocol import HttpProtocol
-from service.api.server import Server
-from service.api.stuck_clients import PATIENCE_S, end_stuck_connections
+from service.configuration.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
 from service.delivery.signing_secrets import SigningSecrets
-from service.security.sealing import Sealing
-from service.security.secret_files import KEY_BYTES
-from service.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
-from storage.database import Database
+from service.http.protocol import HttpProtocol
+from service.http.server import Server
+from service.http.slow_clients import PATIENCE_S, end_stuck_connections
+from service.secrets.files import KEY_BYTES
+from service.secrets.sealing import Sealing
+from storage.database.engine import Database
 
 
 @contextmanager

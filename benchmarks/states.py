@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance
-from estimator.rules import SpeedRange
-from estimator.segmentation import RunEnded, SweepLimits
+from estimator.machine.rules import SpeedRange
+from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance
+from estimator.runs.segmentation import RunEnded, SweepLimits
 from estimator.units import rpm_to_rad_per_s
 
 LOWEST, HIGHEST, TOP = 300.0, 3000.0, 2900.0

@@ -32,9 +32,9 @@ from benchmarks.chain import (
     publishing,
     router,
 )
-from service.durable_log import DurableLog
-from service.source import Source
-from service.stream import session, wait_connected
+from service.messaging.session import session, wait_connected
+from service.sources.publisher import Source
+from service.sources.sqlite_replay_log import DurableLog
 from service.wire import ENCODINGS, Key, SampleBatch
 from tests.end_to_end.processes import Service, free_port, until
 from tests.end_to_end.test_real_input import ross_batch

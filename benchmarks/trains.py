@@ -15,11 +15,11 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from estimator.condensation import condense
-from estimator.identification import Identification
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.response import response, sensitivity
+from estimator.fit.identify import Identification
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response, sensitivity
 from estimator.units import rpm_to_rad_per_s
 
 Floats = NDArray[np.float64]

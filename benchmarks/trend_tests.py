@@ -11,15 +11,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.between_run_scatter import PRIOR_WEIGHT, expected_scatter
-from estimator.control_charts import cusum, ewma
-from estimator.deviation import Whitening, deviations
-from estimator.point import Point
-from estimator.rate_of_change import WINDOW
-from estimator.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, Reading, creep_limit, step_limit
-from service.alert_life import Severity
-from service.limits import Limits
-from service.rate_of_change import rate_findings
+from estimator.trends.between_run_scatter import PRIOR_WEIGHT, expected_scatter
+from estimator.trends.control_charts import cusum, ewma
+from estimator.trends.deviations import Whitening, deviations
+from estimator.trends.parameter_vector import Point
+from estimator.trends.rate_of_change import WINDOW
+from estimator.trends.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, Reading, creep_limit, step_limit
+from service.alerts.lifecycle import Severity
+from service.monitoring.limits import Limits
+from service.monitoring.rate_of_change import rate_findings
 
 TERMS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cyy")
 NAMES = tuple(f"bearing.B{number}.{term}" for number in range(1, 5) for term in TERMS)

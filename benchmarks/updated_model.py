@@ -15,17 +15,17 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import Train, two_shafts
-from estimator.balancing import balance
-from estimator.critical_speed import critical_speed_table
-from estimator.error_propagation import PhasorBand
-from estimator.estimates import CONFIDENCE_95
-from estimator.forced_response import forced_response
-from estimator.identification import identify
-from estimator.misalignment_force import coupling_forces
-from estimator.modal_uncertainty import critical_speed_errors
-from estimator.parts import Probe
-from estimator.station_response import station_response
-from estimator.updated_model import UpdatedModel, updated_model
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.identify import identify
+from estimator.machine.parts import Probe
+from estimator.modes.critical_speed import critical_speed_table
+from estimator.updated_model.balancing import balance
+from estimator.updated_model.coupling_loads import coupling_forces
+from estimator.updated_model.forced_response import forced_response
+from estimator.updated_model.modal_uncertainty import critical_speed_errors
+from estimator.updated_model.model import UpdatedModel, updated_model
+from estimator.updated_model.station_response import station_response
+from estimator.updated_model.uncertainty import PhasorBand
 
 RUNS = 100
 SPEED = np.array([60.0, 110.0, 150.0, 220.0, 290.0])

@@ -21,7 +21,7 @@ import httpx
 import numpy as np
 
 from benchmarks.large_documents import KINDS, largest
-from estimator.machine import Machine, parse_machine
+from estimator.machine.document import Machine, parse_machine
 from service.wire import JSON, SampleBatch, encode_body
 from tests.databases import PostgresqlDatabases
 from tests.end_to_end.alive import probing

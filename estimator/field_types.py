@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from estimator.written import Written
+from estimator.strict_model import Written
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
 Text = Annotated[str, Field(pattern=r"^[^\x00]*$")]

@@ -1,1 +1,3 @@
-"""Rundown as a running service: wire, ingest, run collection, identification jobs, alerts, REST, simulator, commands."""
+"""The service: takes in samples, monitors machines, alerts, and answers over HTTP. It may import `storage` and `estimator`;
+nothing imports it.
+"""

@@ -10,7 +10,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Nothing of what is loaded is garbage: looking for some takes a good part of the start.
     gc.disable()
-    from service.cli import app
+    from service.commands.app import app
 
     gc.freeze()
     gc.enable()

@@ -16,19 +16,19 @@ from typing import Any, Self, TypeVar
 import httpx
 from pydantic import BaseModel
 
-from estimator.machine import Machine
-from service.alert_messages import AlertEvent
-from service.api.alert_schemas import AlertOut
-from service.api.deviation_schemas import DeviationsOut
-from service.api.fleet import FleetMachine
-from service.api.identification_schemas import IdentificationDetail, IdentificationSummary
-from service.api.machine_schemas import MachineRevision, MachineSummary
-from service.api.machine_state import MachineState
-from service.api.measurement_schemas import Phasors, Run
-from service.api.model_schemas import Bode, CriticalSpeeds
-from service.api.problem import Problem
-from service.api.timeline_schemas import TimelineOut
-from service.api.trends import Trends
+from estimator.machine.document import Machine
+from service.alerts.event_message import AlertEvent
+from service.api.alerts.schemas import AlertOut
+from service.api.findings.deviation_schemas import DeviationsOut
+from service.api.findings.model_schemas import Bode, CriticalSpeeds
+from service.api.findings.schemas import IdentificationDetail, IdentificationSummary
+from service.api.machines.fleet import FleetMachine
+from service.api.machines.machine_state import MachineState
+from service.api.machines.schemas import MachineRevision, MachineSummary
+from service.api.machines.timeline_schemas import TimelineOut
+from service.api.measurements.schemas import Phasors, Run
+from service.api.trends.routes import Trends
+from service.http.problem import Problem
 
 M = TypeVar("M", bound=BaseModel)
 

@@ -9,8 +9,8 @@ from fastapi import FastAPI
 
 from service.api.application import application
 from service.delivery.signing_secrets import SigningSecrets
-from service.security.sealing import Sealing
-from storage.database import Database
+from service.secrets.sealing import Sealing
+from storage.database.engine import Database
 
 PREFIX = "/api/v1"
 SECRETS = SigningSecrets(Sealing([bytes(range(32))]))

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.databases import Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
 from tests.plant import machine
 from tests.postgresql import FAST, Server, server

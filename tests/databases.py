@@ -13,7 +13,7 @@ from typing import Literal, Protocol, get_args
 
 from sqlalchemy import make_url
 
-from storage.database import Database
+from storage.database.engine import Database
 from tests.plant import sqlite_url
 from tests.postgresql import Server
 

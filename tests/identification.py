@@ -4,13 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
-from estimator.simulation import draw_truth, measured_phasors, speed_law
-from service.documents import read_machine
-from storage import jobs, runs
-from storage.blocks import Samples
-from storage.database import Database
+from estimator.machine.document import Machine
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
+from service.configuration.document_files import read_machine
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.findings import jobs
+from storage.measurements import runs
 
 
 def chapter_3() -> Machine:

@@ -13,20 +13,20 @@ import zenoh
 from hypothesis import HealthCheck, settings
 from sqlalchemy.orm import Session
 
-from estimator.channel_effects import ChannelEffects
-from estimator.channel_status import ChannelStatus
-from estimator.condensation import condense
-from estimator.estimates import Estimate
-from estimator.identification import Identification
-from estimator.machine import Machine, parse_machine
-from estimator.parameter_description import is_direct
-from estimator.rules import Noise
+from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parameter_description import is_direct
+from estimator.machine.rules import Noise
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
-from service.batch import Arrived
+from service.journal.batch import Arrived
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
-from storage import identifications, jobs
-from storage.blocks import Samples
-from storage.identifications import Origin
+from storage.encoding.sample_blocks import Samples
+from storage.findings import identifications, jobs
+from storage.findings.identifications import Origin
 from storage.tables import IdentificationRow
 
 Document = dict[str, Any]

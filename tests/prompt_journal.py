@@ -3,12 +3,12 @@
 from collections.abc import Set
 from typing import Any
 
-from service.batch import Arrived, StoreOutcome
-from service.closing import Closing
-from service.collection import Collector
-from service.journal import Journal
-from storage.database import Database
-from storage.quarantine import Rejection
+from service.journal.batch import Arrived, StoreOutcome
+from service.journal.journal import Journal
+from service.runs.closing import Closing
+from service.runs.collector import Collector
+from storage.database.engine import Database
+from storage.measurements.quarantine import Rejection
 
 
 class PromptJournal(Journal):

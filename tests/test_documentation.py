@@ -7,8 +7,8 @@ from typing import get_args
 import pytest
 from pydantic import SecretStr
 
-from service.cli import app
-from service.settings import Settings
+from service.commands.app import app
+from service.configuration.settings import Settings
 from service.wire import Reason
 
 ROOT = Path(__file__).parents[1]

@@ -15,12 +15,12 @@ import scipy.optimize
 import yaml
 
 from estimator.arrays import Floats
-from estimator.machine import Machine, parse_machine
-from estimator.misalignment import neighbouring_bearings
-from estimator.modes import natural_frequencies
-from estimator.parameters import unknowns
-from estimator.parts import Coupling
-from estimator.rotor import assemble_rotor
+from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parts import Coupling
+from estimator.modes.eigenmodes import natural_frequencies
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RIG = "thesis-chapter-5-rig"

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.machine import Machine
-from estimator.parameters import Coefficient
+from estimator.machine.document import Machine
 from estimator.quantities import Quantity
-from estimator.simulation import Truth, draw_truth
+from estimator.rotor.parameters import Coefficient
+from estimator.simulation.simulated_plant import Truth, draw_truth
 
 STIFFNESS_SCATTER, DAMPING_SCATTER, UNBALANCE_SCATTER = 0.01, 0.05, 0.01
 SEASON = 0.02

@@ -4,16 +4,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History
-from estimator.change_size import change_size
-from estimator.healthy_variation import typical_amplitude
-from estimator.identification import Identification
-from estimator.observation import Observation, observed
-from estimator.watch import Watch
-from service.alert_life import Severity
-from service.assessment_context import LOOKED_BACK
-from service.diagnosis_rules import cause_severity, delays
-from service.finding_rules import finding_rule
-from service.limits import Limits
+from estimator.diagnosis.healthy_variation import typical_amplitude
+from estimator.diagnosis.observation import Observation, observed
+from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.severity_measures import change_size
+from estimator.fit.identify import Identification
+from service.alerts.lifecycle import Severity
+from service.monitoring.assessment_context import LOOKED_BACK
+from service.monitoring.diagnosis_rules import cause_severity, delays
+from service.monitoring.finding_rules import finding_rule
+from service.monitoring.limits import Limits
 
 Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""
@@ -86,7 +86,7 @@ def _is_true(history: History, one: Opened) -> bool:
 
 
 def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
-    """The alerts that the service has standing with its default limits: `service.watching` without a database."""
+    """The alerts that the service has standing with its default limits: `service.monitoring.conclusions` without a database."""
     machine, limits = history.machine, Limits()
     channels = tuple(probe.id for probe in machine.probes)
     observations = [observed(one, channels) for one in weeks]

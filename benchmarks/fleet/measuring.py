@@ -16,10 +16,10 @@ from benchmarks.fleet.amount import example
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History, Seasonality, State
 from benchmarks.fleet.scenarios import SAMPLES, SCENARIOS
 from estimator.arrays import Complexes, Floats
-from estimator.identification import Identification, identify
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.simulation import noise, speed_law, true_phasors
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.simulation.simulated_plant import noise, speed_law, true_phasors
 
 SPEED_SCATTER = 0.002
 """Run-downs are not sampled at the same speeds every week: relative rms."""

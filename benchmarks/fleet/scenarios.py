@@ -23,11 +23,11 @@ from benchmarks.fleet.histories import (
     history,
 )
 from estimator.arrays import Floats
-from estimator.condensation import condense
-from estimator.machine import Machine
-from estimator.parameters import unknowns
-from estimator.rotor import assemble_rotor
-from estimator.simulation import Truth, speed_law, true_phasors
+from estimator.machine.document import Machine
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense
+from estimator.rotor.parameters import unknowns
+from estimator.simulation.simulated_plant import Truth, speed_law, true_phasors
 
 USUAL_BASELINE, SHORT_BASELINE = 10, 5
 """Runs known to be good."""

@@ -10,7 +10,7 @@ from benchmarks.thesis.rigid import Case, Experiment, Floats, regression
 from benchmarks.thesis.rigid_misprints import GROUPS, MISPRINTS, shifts
 from benchmarks.thesis.rigid_printed import NATURAL_FREQUENCIES, TABLE_2_8, TABLES_2_4_TO_2_7
 from benchmarks.thesis.tables import decade, paragraphs, percent, power, prose, shift, short_name, table
-from estimator.response import response
+from estimator.rotor.response import response
 from estimator.thesis.regression import condition_number
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import (

@@ -25,7 +25,7 @@ from benchmarks.thesis.rigid import (
 )
 from benchmarks.thesis.rigid_printed import TABLE_2_8
 from benchmarks.thesis.tables import decade, median_and_worst, paragraphs, percent, prose, table, worst_of_seeds
-from estimator.response import response
+from estimator.rotor.response import response
 from estimator.thesis.noise import Sharing, complex_noise, multiplicative_noise, multiplicative_rms
 from estimator.thesis.regression import solve
 from estimator.thesis.rigid_regression import rigid_regression

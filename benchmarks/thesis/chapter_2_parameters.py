@@ -12,7 +12,7 @@ from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.rigid import SEEDS, Experiment, Floats, bound, regression
 from benchmarks.thesis.rigid_printed import TABLES_2_4_TO_2_7
 from benchmarks.thesis.tables import paragraphs, percent, prose, short_name, table
-from estimator.response import response
+from estimator.rotor.response import response
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.noise import multiplicative_rms
 from estimator.thesis.rigid_train import condensed, names

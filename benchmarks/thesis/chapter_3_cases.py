@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.thesis.flexible import Case, Complexes, Subject, both_ways, one_way
-from estimator.rayleigh import rayleigh_damping
+from estimator.rotor.rayleigh import rayleigh_damping
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import ReducedModel
 from estimator.thesis.reduction import eliminated

@@ -7,7 +7,7 @@ from benchmarks.thesis.flexible import Document, Subject, load, regression
 from benchmarks.thesis.flexible_misprints import natural_frequencies, with_printed_rotary_inertia
 from benchmarks.thesis.flexible_printed import CRITICAL_SPEEDS
 from benchmarks.thesis.tables import percent, table
-from estimator.critical_speed import critical_speeds
+from estimator.modes.critical_speed import critical_speeds
 from estimator.thesis.reduction import eliminated
 
 

@@ -25,8 +25,8 @@ from benchmarks.thesis.flexible import (
 from benchmarks.thesis.flexible_misprints import with_printed_rotary_inertia
 from benchmarks.thesis.flexible_printed import TABLE_3_7, TABLE_3_8
 from benchmarks.thesis.tables import percent, power, table, worst_of_seeds
-from estimator.condensation import CondensedTrain
-from estimator.response import response
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.response import response
 from estimator.thesis.noise import multiplicative_noise, multiplicative_rms
 
 

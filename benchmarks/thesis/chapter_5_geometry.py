@@ -8,8 +8,8 @@ import numpy as np
 from benchmarks.thesis.rig import Floats, Rig
 from benchmarks.thesis.simple_supports import LARGEST, PRINTED_HZ, SMALLEST, fit_coupling
 from benchmarks.thesis.tables import percent, table
-from estimator.machine import parse_machine
-from estimator.simply_supported import SimplySupportedShaft, disc_at_midspan_frequency, span_for
+from estimator.machine.document import parse_machine
+from estimator.modes.simply_supported import SimplySupportedShaft, disc_at_midspan_frequency, span_for
 from estimator.thesis.rig import nominal_values, plane_frequencies
 
 

@@ -29,7 +29,7 @@ from benchmarks.thesis.rig import (
     regression,
 )
 from benchmarks.thesis.tables import percent, power, table
-from estimator.identification import Identification
+from estimator.fit.identify import Identification
 from estimator.thesis.flexible_train import parts
 from estimator.thesis.regression import solve
 

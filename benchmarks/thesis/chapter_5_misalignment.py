@@ -9,14 +9,14 @@ import numpy as np
 
 from benchmarks.thesis.rig import LARGEST_GROWTH, PRINTED, RUN_UP, SETS, Floats, Rig, fitted, logarithmic_point
 from benchmarks.thesis.tables import percent, table
-from estimator.change_size import change_size
-from estimator.finding_kind import Cause
-from estimator.identification import Identification
-from estimator.misalignment import neighbouring_bearings
-from estimator.observation import observed
+from estimator.diagnosis.finding_kind import Cause
+from estimator.diagnosis.observation import observed
+from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.severity_measures import change_size
+from estimator.fit.identify import Identification
+from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.rig import ALIGNED_HZ, CASES, BearingGrowth, MisalignmentCase, printed_growth, shaft_factors
-from estimator.watch import Watch
 
 MISALIGNED_RUNS = 10
 _COLUMNS = (

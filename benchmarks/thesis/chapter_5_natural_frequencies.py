@@ -9,7 +9,7 @@ from benchmarks.thesis.chapter_5_geometry import three_frequencies
 from benchmarks.thesis.chapter_5_misalignment import bearing_growth, imposed_factors
 from benchmarks.thesis.rig import Floats, Rig
 from benchmarks.thesis.tables import table
-from estimator.modes import eigenvalues
+from estimator.modes.eigenmodes import eigenvalues
 from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
 from estimator.thesis.rig import ALIGNED_HZ, CASES, MisalignmentCase, plane_frequencies
 

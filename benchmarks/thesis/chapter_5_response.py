@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.rig import PRINTED, ROOT, Complexes, Floats, Rig
 from benchmarks.thesis.tables import table
-from estimator.condensation import condense
-from estimator.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
-from estimator.machine import Machine, parse_machine
-from estimator.response import response
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
 from estimator.thesis import rigid_train
 from estimator.thesis.rig import H1, SPEEDS_HZ, nominal_values
 

@@ -12,11 +12,11 @@ import yaml
 from numpy.typing import NDArray
 
 from benchmarks.thesis.tables import percent, short_name, table, worst_of_seeds
-from estimator.condensation import CondensedTrain, condense
-from estimator.identification import Identification, identify, identify_train
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.response import sensitivity
+from estimator.fit.identify import Identification, identify, identify_train
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import CondensedTrain, condense
+from estimator.rotor.response import sensitivity
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise
 from estimator.thesis.reduced_model import ReducedModel, ResponseEquations, response_equations

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.thesis.flexible import Floats, Subject
-from estimator.parts import Material, Section
-from estimator.rotor import assemble_rotor
-from estimator.shaft import NODE_DOFS, shear_coefficient
+from estimator.machine.parts import Material, Section
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.shaft_element import NODE_DOFS, shear_coefficient
 
 
 def with_printed_rotary_inertia(subject: Subject) -> Subject:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from estimator.machine import Machine, parse_machine
-from estimator.parameter_description import is_direct
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parameter_description import is_direct
 
 Document = dict[str, Any]
 

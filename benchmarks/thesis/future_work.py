@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from benchmarks.thesis.future_trains import FEATURES, INTERNAL_DAMPING, NOMINAL_ERROR, RMS, Feature, plain, true_point
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
-from estimator.condensation import condense
-from estimator.coordinates import Coordinates
-from estimator.identification import Identification, Options, identify
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.parameter_description import is_direct
-from estimator.response import response, sensitivity
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.identify import Identification, Options, identify
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import is_direct
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response, sensitivity
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

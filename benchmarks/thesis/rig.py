@@ -11,15 +11,14 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from estimator.condensation import CondensedTrain, condense
-from estimator.identification import Identification, Options, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.noise import error_size
-from estimator.parameter_description import is_direct
-from estimator.point import Point
-from estimator.response import response, sensitivity
-from estimator.simulation import noise
+from estimator.fit.identify import Identification, Options, identify
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parameter_description import is_direct
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.noise import error_size
+from estimator.rotor.condensation import CondensedTrain, condense
+from estimator.rotor.response import response, sensitivity
+from estimator.simulation.simulated_plant import noise
 from estimator.thesis.flexible_train import flexible_train, full_response
 from estimator.thesis.reduced_model import reduced_response, response_equations
 from estimator.thesis.reduction import high_frequency_condensed
@@ -29,6 +28,7 @@ from estimator.thesis.rig import (
     SPEEDS_HZ,
     nominal_values,
 )
+from estimator.trends.parameter_vector import Point
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

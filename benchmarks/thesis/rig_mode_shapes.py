@@ -8,7 +8,7 @@ from benchmarks.thesis.plots import Series, chart, save
 from benchmarks.thesis.rig import Rig
 from benchmarks.thesis.tables import table
 from estimator.arrays import Floats
-from estimator.mode_shapes import ModeShape, mode_shapes
+from estimator.modes.mode_shapes import ModeShape, mode_shapes
 
 HIGHEST_HZ = 450.0
 """The impact tests look no further than the third pair of modes."""

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import CondensedTrain
-from estimator.identification import Identification, identify_train
-from estimator.measurement import Measurement, joined
-from estimator.response import response, sensitivity
-from estimator.rules import Noise
+from estimator.fit.identify import Identification, identify_train
+from estimator.machine.rules import Noise
+from estimator.phasors.measurement import Measurement, joined
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.response import response, sensitivity
 from estimator.thesis.noise import Sharing, multiplicative_noise
 from estimator.thesis.regression import Method, Scaling, Solution, solve
 from estimator.thesis.rigid_regression import rigid_regression

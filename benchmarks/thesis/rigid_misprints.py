@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchmarks.thesis.rigid import Complexes, Experiment, Floats
-from estimator.condensation import CondensedTrain
-from estimator.elimination import GivenShafts
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.elimination import GivenShafts
 from estimator.thesis.regression import Regression, solve
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import SIZE, condensed, names

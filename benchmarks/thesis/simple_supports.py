@@ -9,8 +9,8 @@ import scipy.optimize
 
 from benchmarks.thesis.flexible import Document, Floats, Subject
 from benchmarks.thesis.flexible_misprints import natural_frequencies, with_printed_rotary_inertia
-from estimator.machine import parse_machine
-from estimator.rotor import assemble_rotor
+from estimator.machine.document import parse_machine
+from estimator.rotor.assembly import assemble_rotor
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.rig import nominal_values
 

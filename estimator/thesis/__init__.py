@@ -1,1 +1,3 @@
-"""Published methods of M. Lal's thesis (IIT Guwahati): regressions on responses, beside the maximum-likelihood fit."""
+"""Published methods of M. Lal's thesis as printed, to be compared with. They import `rotor`, `machine` and the ground floor;
+`benchmarks/thesis` runs them, the service never does.
+"""

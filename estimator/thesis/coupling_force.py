@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.shaft import NODE_DOFS
+from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.thesis.flexible_train import FlexibleTrain
 
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.machine import Machine
-from estimator.parameters import Unknowns, dense, unknowns
-from estimator.rayleigh import RayleighCoefficients
-from estimator.rotor import Rotor, assemble_rotor
-from estimator.shaft import NODE_DOFS
+from estimator.machine.document import Machine
+from estimator.rotor.assembly import Rotor, assemble_rotor
+from estimator.rotor.parameters import Unknowns, dense, unknowns
+from estimator.rotor.rayleigh import RayleighCoefficients
+from estimator.rotor.shaft_element import NODE_DOFS
 
 Indices = NDArray[np.intp]
 

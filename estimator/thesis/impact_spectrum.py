@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.half_power import peak_samples
-from estimator.machine import Machine
-from estimator.parameters import dense, unknowns
-from estimator.rotor import Rotor, assemble_rotor
-from estimator.shaft import NODE_DOFS
+from estimator.machine.document import Machine
+from estimator.phasors.half_power import peak_samples
+from estimator.rotor.assembly import Rotor, assemble_rotor
+from estimator.rotor.parameters import dense, unknowns
+from estimator.rotor.shaft_element import NODE_DOFS
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.condensation import condense
-from estimator.machine import Machine
-from estimator.measurement import Measurement
-from estimator.noise import error_size
-from estimator.parameter_description import is_direct
-from estimator.response import response
-from estimator.rotor import assemble_rotor
-from estimator.shaft import NODE_DOFS
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import is_direct
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.noise import error_size
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
+from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import high_frequency_condensed

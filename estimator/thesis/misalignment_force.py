@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.condensation import CondensedTrain
+from estimator.rotor.condensation import CondensedTrain
 from estimator.thesis.rigid_train import Y
 
 COUPLING = "coupling.C"

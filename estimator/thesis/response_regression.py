@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.parameters import Unknowns
+from estimator.rotor.parameters import Unknowns
 from estimator.thesis.flexible_train import parts
 from estimator.thesis.reduced_model import ResponseEquations
 from estimator.thesis.regression import Regression, real_rows

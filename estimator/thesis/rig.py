@@ -11,10 +11,10 @@ import numpy as np
 import scipy.optimize
 
 from estimator.arrays import Complexes, Floats
-from estimator.machine import Machine
-from estimator.modes import eigenvalues
-from estimator.parameters import Unknowns, unknowns
-from estimator.rotor import assemble_rotor
+from estimator.machine.document import Machine
+from estimator.modes.eigenmodes import eigenvalues
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import Unknowns, unknowns
 
 SPEEDS_HZ = (17.0, 21.0, 25.0, 29.0, 31.0, 33.0, 37.0, 41.0)
 """Speeds at which the rig was measured [Hz] (§5.4)."""

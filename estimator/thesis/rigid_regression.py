@@ -9,7 +9,7 @@ Noise in q stands in the matrix too, so that the estimate is biased by it.
 import numpy as np
 
 from estimator.arrays import Complexes
-from estimator.condensation import CondensedTrain
+from estimator.rotor.condensation import CondensedTrain
 from estimator.thesis.regression import Regression, real_rows
 
 

@@ -16,11 +16,11 @@ import numpy as np
 from scipy.linalg import block_diag, eigvals
 
 from estimator.arrays import Complexes, Floats
-from estimator.condensation import CondensedTrain
-from estimator.elimination import GivenShafts
-from estimator.parameters import Coefficient, Excitation, Unknowns, dense
+from estimator.bearings.terms import LATERAL, TERMS, Term
 from estimator.quantities import Quantity
-from estimator.terms import LATERAL, TERMS, Term
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.elimination import GivenShafts
+from estimator.rotor.parameters import Coefficient, Excitation, Unknowns, dense
 
 SIZE = 8
 """Number of degrees of freedom."""

@@ -9,71 +9,71 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi_offline import FastAPIOffline
 from starlette.routing import BaseRoute
 
-from service.api.alerts import router as alerts
-from service.api.baselines import router as baselines
-from service.api.bode import router as bode
-from service.api.body_size import BodyLimit
-from service.api.calibrations import router as calibrations
-from service.api.comparisons import router as comparisons
-from service.api.compression import Compression
-from service.api.dashboard import router as dashboard
-from service.api.database_check import DatabaseCheck
-from service.api.deviations import router as deviations
-from service.api.diagnoses import router as diagnoses
-from service.api.documentation import add_documentation
-from service.api.drawing import router as drawing
-from service.api.error_handlers import add_handlers
-from service.api.event_stream import Broadcaster
-from service.api.event_stream import router as event_stream
-from service.api.fleet import router as fleet
-from service.api.fresh_answers import ResponseCache
-from service.api.head_requests import HeadRequests
-from service.api.idempotency import Idempotency
-from service.api.identifications import router as identifications
-from service.api.ingestion import router as ingestion
-from service.api.kept_answers import ComputedCache
-from service.api.limits import router as limits
-from service.api.machine_list import MachineList
-from service.api.machine_state import router as machine_state
-from service.api.machines import router as machines
-from service.api.measurements import router as measurements
-from service.api.metrics import router as metrics
-from service.api.model import router as model
-from service.api.model_process import ModelProcess
+from service.api.alerts.event_stream import Broadcaster
+from service.api.alerts.event_stream import router as event_stream
+from service.api.alerts.routes import router as alerts
+from service.api.alerts.subscriptions import TryOut
+from service.api.alerts.subscriptions import router as subscriptions
+from service.api.alerts.suppressions import router as suppressions
+from service.api.cache.computed_cache import ComputedCache
+from service.api.cache.response_cache import ResponseCache
+from service.api.conventions.error_handlers import add_handlers
+from service.api.conventions.unknown_parameters import reject_unknown_parameters
+from service.api.findings.bode import router as bode
+from service.api.findings.comparisons import router as comparisons
+from service.api.findings.deviations import router as deviations
+from service.api.findings.diagnoses import router as diagnoses
+from service.api.findings.identifications import router as identifications
+from service.api.findings.model import router as model
+from service.api.findings.model_process import ModelProcess
+from service.api.machines.baselines import router as baselines
+from service.api.machines.calibrations import router as calibrations
+from service.api.machines.fleet import router as fleet
+from service.api.machines.limits import router as limits
+from service.api.machines.machine_list import MachineList
+from service.api.machines.machine_state import router as machine_state
+from service.api.machines.overview import Overview
+from service.api.machines.routes import router as machines
+from service.api.machines.slow_roll import router as slow_roll
+from service.api.machines.timeline import router as timeline
+from service.api.machines.train_drawing import router as drawing
+from service.api.measurements.ingestion import router as ingestion
+from service.api.measurements.orbits import router as orbits
+from service.api.measurements.routes import router as measurements
+from service.api.measurements.run_quality import router as run_quality
 from service.api.openapi import described
-from service.api.operations import Parts
-from service.api.operations import router as operations
-from service.api.orbits import router as orbits
-from service.api.overview import Overview
-from service.api.people import router as people
-from service.api.replicas import router as replicas
-from service.api.run_quality import router as run_quality
-from service.api.slow_roll import router as slow_roll
-from service.api.stages import router as stages
-from service.api.subscriptions import TryOut
-from service.api.subscriptions import router as subscriptions
-from service.api.suppressions import router as suppressions
-from service.api.timeline import router as timeline
-from service.api.trend_columns import HistoryCache
-from service.api.trends import router as trends
-from service.api.unchanged import ConditionalGet
-from service.api.unheeded import reject_unknown_parameters
+from service.api.operation.audit import router as people
+from service.api.operation.dashboard import router as dashboard
+from service.api.operation.database_check import DatabaseCheck
+from service.api.operation.documentation import add_documentation
+from service.api.operation.health import Parts
+from service.api.operation.health import router as operations
+from service.api.operation.metrics import router as metrics
+from service.api.operation.replicas import router as replicas
+from service.api.operation.stages import router as stages
+from service.api.trends.columns import HistoryCache
+from service.api.trends.routes import router as trends
+from service.configuration.release import VERSION
+from service.configuration.settings import DEFAULT_BASELINE_RUNS
 from service.delivery.signing_secrets import SigningSecrets
-from service.job_quota import JobQuota
-from service.release import VERSION
-from service.security.answer_headers import SecurityHeaders
+from service.http.body_limit import BodyLimit
+from service.http.compression import Compression
+from service.http.conditional_get import ConditionalGet
+from service.http.head_requests import HeadRequests
+from service.http.idempotency import Idempotency
+from service.http.security_headers import SecurityHeaders
+from service.identification.job_quota import JobQuota
+from service.journal.http_queue import Taking
+from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.guard import Guard
 from service.security.login import router as login
 from service.security.operations import Operations
-from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
 from service.security.scope import FREE, ROWS, Visibility
-from service.settings import DEFAULT_BASELINE_RUNS
-from service.submissions import Taking
-from storage.database import Database
+from storage.database.engine import Database
 
 PREFIX = "/api/v1"
 THREADS = 6

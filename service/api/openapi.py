@@ -6,7 +6,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 
-from service.api.idempotency import KEY_PATTERN, LONGEST_KEY
+from service.http.idempotency import KEY_PATTERN, LONGEST_KEY
 
 PROBLEM = "#/components/schemas/Problem"
 VALIDATION = ("HTTPValidationError", "ValidationError")

@@ -1,1 +1,3 @@
-"""Delivery of alert events: at least once, in order for each alert, without one slow receiver delaying another."""
+"""Alert events from the outbox to webhooks, mail, Alertmanager and zenoh. It imports `alerts`, `configuration`, `replication`
+and `secrets`.
+"""

@@ -7,8 +7,8 @@ from datetime import datetime
 
 from aiohttp import ClientSession
 
-from service.alert_life import Severity
-from service.alert_messages import AlertEvent
+from service.alerts.event_message import AlertEvent
+from service.alerts.lifecycle import Severity
 from service.delivery.addresses import Network
 from service.delivery.channel import FIRING, DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
-from service.alert_messages import AlertEvent
+from service.alerts.event_message import AlertEvent
 
 Result = Literal["delivered", "failed", "gone"]
 FIRING = frozenset({"unacknowledged", "acknowledged"})

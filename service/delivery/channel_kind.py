@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import zenoh
 from aiohttp import ClientSession
 
+from service.configuration.settings import Settings
 from service.delivery.channel import Channel
 from service.delivery.signing_secrets import SigningSecrets
-from service.settings import Settings
 from storage.tables import SubscriptionRow
 
 

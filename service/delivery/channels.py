@@ -11,9 +11,9 @@ from service.delivery.alertmanager import ALERTMANAGER
 from service.delivery.channel import Channel, Undeliverable
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.mail import EMAIL
-from service.delivery.network import ZENOH
 from service.delivery.signing_secrets import SecretUnusable
 from service.delivery.webhook import TIMEOUT_S, WEBHOOK
+from service.delivery.zenoh_channel import ZENOH
 from storage.tables import SubscriptionRow
 
 CHANNEL_KINDS: tuple[ChannelKind, ...] = (WEBHOOK, ALERTMANAGER, EMAIL, ZENOH)

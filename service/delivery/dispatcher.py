@@ -11,7 +11,8 @@ import time
 import zenoh
 from sqlalchemy.exc import DBAPIError
 
-from service import alerting
+from service.alerts import transitions
+from service.configuration.settings import Settings
 from service.delivery.channel import DeliveryOutcome
 from service.delivery.channel_kind import Connections
 from service.delivery.channels import new_client, open_channel
@@ -21,10 +22,9 @@ from service.delivery.reminders import RESEND_S, remind
 from service.delivery.secret_upkeep import SecretWatch
 from service.delivery.sending import outcome_of, within_deadline
 from service.delivery.signing_secrets import SigningSecrets
-from service.settings import Settings
-from service.sharing import DELIVERY, Share, Whole
-from storage import deliveries
-from storage.database import Database
+from service.replication.work_share import DELIVERY, Share, Whole
+from storage.alerts import deliveries
+from storage.database.engine import Database
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)
@@ -142,10 +142,10 @@ class Dispatcher:
 
     def _expire(self) -> None:
         with self._database.reading() as session:
-            if not alerting.any_over(session):
+            if not transitions.any_over(session):
                 return
         with self._database.transaction() as session:
-            alerting.release_over(session)
+            transitions.release_over(session)
 
     async def try_out(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from whatever loop. Raises SubscriptionUnknown."""

@@ -7,11 +7,11 @@ import ssl
 from dataclasses import dataclass
 from email.message import EmailMessage
 
+from service.configuration.settings import Settings
 from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
-from service.settings import Settings
 from storage.tables import SubscriptionRow
 
 TIMEOUT_S = 15.0

@@ -2,12 +2,12 @@
 
 from sqlalchemy.orm import Session
 
-from service import alerting
-from service.alert_life import Severity
-from service.alert_messages import AlertEvent, alert_event
+from service.alerts import transitions
+from service.alerts.event_message import AlertEvent, alert_event
+from service.alerts.lifecycle import Severity
 from service.delivery.channel import EventMessage
-from storage import machines
 from storage.clock import now, to_datetime
+from storage.machines import machines
 from storage.tables import AlertEventRow
 
 
@@ -32,7 +32,7 @@ def trial_message() -> EventMessage:
         state="normal",
         severity=Severity.ALERT.label,
         message="This is a test of Rundown's alert delivery; no machine is meant.",
-        by=alerting.SERVICE,
+        by=transitions.SERVICE,
         comment="",
         opened_at=moment,
         identification=0,

@@ -13,11 +13,11 @@ from service.delivery.channel_kind import Connections
 from service.delivery.channels import open_channel
 from service.delivery.messages import message_of
 from service.delivery.retry_policy import give_up, record_outcome
-from storage import deliveries
+from storage.alerts import deliveries
 from storage.clock import now
-from storage.damage import is_damage
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
 from storage.tables import AlertEventRow, DeliveryRow
 
 logger = logging.getLogger(__name__)

@@ -11,9 +11,9 @@ from service.delivery.channel_kind import Connections
 from service.delivery.channels import channel_kind, is_channel, open_channel
 from service.delivery.messages import message_of
 from service.delivery.sending import within_deadline
-from storage import alerts, deliveries
-from storage.database import Database
-from storage.errors import concerns_all
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)

@@ -5,9 +5,9 @@ import logging
 from sqlalchemy.orm import Session
 
 from service.delivery.channel import DeliveryOutcome
-from storage import deliveries
+from storage.alerts import deliveries
 from storage.clock import now
-from storage.text import plain_text
+from storage.encoding.text import plain_text
 
 logger = logging.getLogger(__name__)
 

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from sqlalchemy.exc import DBAPIError
 
+from service.configuration.settings import Settings
 from service.delivery.signing import PREFIX
 from service.delivery.signing_secrets import SigningSecrets, is_plain, is_sealed
-from service.settings import Settings
-from storage import deliveries, idempotency, scrubbing
-from storage.database import Database
-from storage.scrubbing import NotScrubbed
+from storage.alerts import deliveries
+from storage.backup import scrubbing
+from storage.backup.scrubbing import NotScrubbed
+from storage.database.engine import Database
+from storage.operation import idempotency
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from estimator.errors import Conflict
+from service.configuration.settings import Settings
 from service.delivery.signing import PREFIX, key_of
-from service.secret_references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
-from service.security.sealing import SEALED, SealBroken, Sealing, make_key
-from service.settings import Settings
-from storage.claim import file_of
-from storage.database import engine_of
+from service.secrets.references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
+from service.secrets.sealing import SEALED, SealBroken, Sealing, make_key
+from storage.database.claim import file_of
+from storage.database.engine import engine_of
 from storage.tables import SubscriptionRow
 
 FILE, ENVIRONMENT = "file:", "env:"

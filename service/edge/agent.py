@@ -11,18 +11,18 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from estimator.channel_status import ChannelStatus
-from estimator.keyphasor import Threshold
-from estimator.order_tracking import Block
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.signal.keyphasor import Threshold
+from estimator.signal.order_tracking import Block
+from estimator.signal.waveform_faults import UNUSABLE
 from estimator.units import rad_per_s_to_rpm
-from estimator.waveform_fault import UNUSABLE
 from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
 from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile
 from service.edge.files import read_chunks
 from service.edge.topic import Topic
-from service.source import Source
-from service.source_log import LogError
+from service.sources.publisher import Source
+from service.sources.replay_log import LogError
 from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import is_ahead
 

@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from estimator.keyphasor import (
+from estimator.signal.keyphasor import (
     Edge,
     InconsistentIntervals,
     KeyphasorError,
@@ -19,7 +19,7 @@ from estimator.keyphasor import (
     Threshold,
     read_keyphasor,
 )
-from estimator.order_tracking import Block, LeftOut, track_block
+from estimator.signal.order_tracking import Block, LeftOut, track_block
 from estimator.units import rad_per_s_to_rpm
 from service.edge.condition import WaveformFinding
 from service.edge.mark_count import ROUNDING, Mark, counted_from, last_mark

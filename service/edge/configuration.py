@@ -7,14 +7,14 @@ from typing import Annotated, Literal, Self
 from pydantic import ConfigDict, Field, ValidationError, field_validator, model_validator
 
 from estimator.field_types import Identifier, Positive, Real
-from estimator.keyphasor import Edge
-from estimator.machine import field_path
-from estimator.rules import SpeedRange
+from estimator.machine.document import field_path
+from estimator.machine.rules import SpeedRange
+from estimator.signal.keyphasor import Edge
+from estimator.strict_model import Written
 from estimator.units import METRES
-from estimator.written import Written
-from service.documents import UnreadableFile, read_yaml
-from service.settings import DEFAULT_ZENOH_ENDPOINT
-from service.source_log import LOG_BYTES, LOG_SAMPLES
+from service.configuration.document_files import UnreadableFile, read_yaml
+from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT
+from service.sources.replay_log import LOG_BYTES, LOG_SAMPLES
 from service.wire import BINARY, JSON, LARGEST_CHANNEL_COUNT, MESSAGEPACK
 
 ENCODINGS = {"binary": BINARY, "msgpack": MESSAGEPACK, "json": JSON}

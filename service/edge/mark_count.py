@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from estimator.keyphasor import ShaftAngle
+from estimator.signal.keyphasor import ShaftAngle
 
 Mark = tuple[float, int]
 """Instant [s] and number in the turn of a mark."""

@@ -1,1 +1,3 @@
-"""Authentication, authorisation and the audit trail: who asks, what they may do and see, and what is recorded of it."""
+"""Who asks, what they may do and see, and the audit trail of it. It imports `http`, `configuration`, `resilience` and
+`secrets`; its guard stands in front of the API.
+"""

@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from sqlalchemy.orm import Session
 
 from service.security.principal import Principal, Role
-from storage import audit, keys
-from storage.audit import AuditedOperation
 from storage.clock import now
+from storage.operation import api_keys, audit
+from storage.operation.audit import AuditedOperation
 from storage.tables import ApiKeyRow
 
 BEGIN = "rundown_"
@@ -43,7 +43,7 @@ def create(
     prefix = secrets.token_hex(PREFIX_BYTES)
     text = f"{BEGIN}{prefix}_{secrets.token_urlsafe(SECRET_BYTES)}"
     expires_at = now() + round(days * A_DAY_NS)
-    row = keys.add(
+    row = api_keys.add(
         session, prefix=prefix, key_hash=key_hash(text), name=name, role=role.label, plants=plants, expires_at=expires_at
     )
     scope = "all plants" if plants is None else ", ".join(sorted(plants))
@@ -58,26 +58,26 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
 
     overlap_days: how long both are valid.
     """
-    old = keys.get(session, prefix)
-    if not keys.valid(old, at=now()):
+    old = api_keys.get(session, prefix)
+    if not api_keys.valid(old, at=now()):
         raise ValueError(f"key {prefix} is revoked, has expired or waits for a confirmation: create a new one, or confirm it")
-    keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
+    api_keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
     audit.append(session, AuditedOperation(COMMAND, "local", "rotate_key", prefix, "done"))
     return create(session, name=old.name, role=Role.of(old.role), plants=old.plants, days=days)
 
 
 def confirm(session: Session, prefix: str) -> None:
     """Let a key be good again that waits since a restore. Raises KeyUnknown, ValueError for one that does not wait."""
-    row = keys.get(session, prefix)
-    if not keys.waits(row):
+    row = api_keys.get(session, prefix)
+    if not api_keys.waits(row):
         raise ValueError(f"key {prefix} does not wait for a confirmation")
-    keys.confirm(row)
+    api_keys.confirm(row)
     audit.append(session, AuditedOperation(COMMAND, "local", "confirm_key", prefix, "done"))
 
 
 def revoke(session: Session, prefix: str) -> None:
     """Raise KeyUnknown."""
-    keys.revoke(keys.get(session, prefix))
+    api_keys.revoke(api_keys.get(session, prefix))
     audit.append(session, AuditedOperation(COMMAND, "local", "revoke_key", prefix, "done"))
 
 
@@ -90,4 +90,4 @@ def principal(row: ApiKeyRow) -> Principal:
 def opens(row: ApiKeyRow | None, text: str) -> bool:
     """Tell whether this is that key, and valid."""
     given = key_hash(text)
-    return hmac.compare_digest(row.hash if row else "", given) and row is not None and keys.valid(row, at=now())
+    return hmac.compare_digest(row.hash if row else "", given) and row is not None and api_keys.valid(row, at=now())

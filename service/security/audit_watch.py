@@ -7,10 +7,10 @@ import logging
 import time
 from collections.abc import Callable
 
-from service.supervised_thread import SupervisedThread
-from storage import audit
-from storage.audit import BEGINNING
-from storage.database import Database
+from service.resilience.supervised_thread import SupervisedThread
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import BEGINNING
 
 logger = logging.getLogger(__name__)
 

@@ -15,9 +15,10 @@ from service.security import api_keys
 from service.security.key_set import KeysUnavailable
 from service.security.principal import ANONYMOUS, OPEN, Principal, Role
 from service.security.tokens import TokenRefused, Tokens
-from storage import keys, sessions
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import api_keys as keys
+from storage.operation import browser_sessions
 
 logger = logging.getLogger(__name__)
 
@@ -160,7 +161,7 @@ class Authentication:
 
     def _session(self, cookie: str) -> Principal:
         with self._database.reading() as session:
-            row = sessions.find(session, api_keys.key_hash(cookie), at=now())
+            row = browser_sessions.find(session, api_keys.key_hash(cookie), at=now())
             if row is None:
                 raise Unauthenticated("the session is over: log in again")
             if row.key_prefix is not None:

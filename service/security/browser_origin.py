@@ -8,7 +8,7 @@ import hmac
 from collections.abc import Mapping
 from urllib.parse import urlsplit
 
-from service.hosts import is_address, is_loopback
+from service.configuration.hosts import is_address, is_loopback
 from service.security.principal import Principal
 
 TOKEN_HEADER = "X-Rundown-Token"

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from service.hosts import is_loopback
+from service.configuration.hosts import is_loopback
+from service.configuration.settings import Settings
 from service.security.key_set import KeySet
 from service.security.open_id import OpenId
 from service.security.tokens import Claims, Tokens
-from service.settings import Settings
 
 
 @dataclass(frozen=True)

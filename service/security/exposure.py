@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from urllib.parse import urlsplit
 
-from service.hosts import is_loopback
-from service.settings import Settings
+from service.configuration.hosts import is_loopback
+from service.configuration.settings import Settings
 
 TWICE = (
     "to serve it to everybody who reaches it all the same, say so twice: --allow-no-authentication and "

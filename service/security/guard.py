@@ -10,20 +10,20 @@ from sqlalchemy.exc import DBAPIError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.api.error_status import status_of
-from service.api.problem import problem_response
+from service.http.error_status import status_of
+from service.http.problem import problem_response
+from service.resilience.rate_limit import RateLimit
 from service.security import browser_origin
 from service.security.authentication import Authentication, Credentials, Unauthenticated, cookie_name
 from service.security.key_set import KeysUnavailable
 from service.security.operations import ApiOperation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
-from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
 from service.security.store import AuditedTransactions, plain
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 
 logger = logging.getLogger(__name__)
 

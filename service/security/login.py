@@ -11,20 +11,20 @@ from urllib.parse import parse_qs
 from fastapi import APIRouter, Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
+from service.resilience.rate_limit import RateLimit
 from service.security.api_keys import key_hash
 from service.security.authentication import SAFE_COOKIE, Authentication, Unauthenticated, cookie_name, session_cookie
 from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal, Role
-from service.security.rate import RateLimit
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
 from service.security.tokens import TokenRefused
-from storage import audit, logins, sessions
-from storage.audit import AuditedOperation
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit, browser_sessions, logins
+from storage.operation.audit import AuditedOperation
 from storage.tables import LoginRow
 
 router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
@@ -159,7 +159,7 @@ def log_out(request: Request) -> Response:
     if cookie is not None:
         cast(Authentication, request.app.state.authentication).forget(cookie)
         with cast(Database, request.app.state.database).transaction() as session:
-            sessions.end(session, key_hash(cookie))
+            browser_sessions.end(session, key_hash(cookie))
     answer = Response(status_code=204)
     answer.delete_cookie(_cookie_name(request), path="/", secure=_encrypted(request), httponly=True, samesite="strict")
     return answer
@@ -171,7 +171,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
     assert role is not None
     address = request.client.host if request.client else "unknown"
     with cast(Database, request.app.state.database).transaction() as session:
-        sessions.begin(
+        browser_sessions.begin(
             session,
             cookie_hash=key_hash(cookie),
             name=who.name,

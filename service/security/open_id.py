@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlencode
 
-from service.hosts import encrypted
+from service.configuration.hosts import encrypted
 from service.security.key_set import fetched
 
 KNOWN_FOR_S = 3600.0

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, StringConstraints
 
-from storage.plant_scope import Plants
+from storage.database.plant_scope import Plants
 
 
 class Role(IntEnum):

@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 
 from sqlalchemy.exc import DBAPIError
 
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 
 logger = logging.getLogger(__name__)
 

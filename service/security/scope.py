@@ -5,8 +5,8 @@ from typing import Any
 
 from estimator.errors import Missing
 from service.security.principal import Principal
-from storage.database import Database
-from storage.plant_scope import PlantScope
+from storage.database.engine import Database
+from storage.database.plant_scope import PlantScope
 from storage.tables import (
     AlertRow,
     DeliveryRow,

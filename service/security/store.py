@@ -6,10 +6,10 @@ from typing import Protocol
 
 from sqlalchemy.orm import Session
 
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
-from storage.plant_scope import Plants, PlantScope
+from storage.database.engine import Database
+from storage.database.plant_scope import Plants, PlantScope
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 
 
 class Store(Protocol):

@@ -9,7 +9,7 @@ import jwt
 
 from service.security.key_set import KeySet
 from service.security.principal import MOST_CHARACTERS, Principal, Role
-from storage.text import plain_text
+from storage.encoding.text import plain_text
 
 LEEWAY_S = 30.0
 EVERY_PLANT = "*"

@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
-from estimator.machine import Machine
+from estimator.machine.document import Machine
+from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
-from storage.blocks import Samples
 from storage.clock import FUTURE_TOLERANCE
-from storage.packing import on_grid
+from storage.encoding.packing import on_grid
+from storage.encoding.sample_blocks import Samples
 
 LARGEST_AMPLITUDE = 0.02
 """No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""

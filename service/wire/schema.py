@@ -2,10 +2,10 @@
 
 import msgspec
 
-from estimator.channel_status import ChannelStatus
+from estimator.phasors.channel_status import ChannelStatus
 from service.wire.keys import IDENTIFIER
 from service.wire.rejection import Rejected
-from storage.samples import SourceKey
+from storage.measurements.samples import SourceKey
 
 WIRE_SCHEMA = 1
 LARGEST_BATCH = 5_000

@@ -1,4 +1,4 @@
-"""Alembic runs this to migrate over the connection that `storage.database` opened."""
+"""Alembic runs this to migrate over the connection that `storage.database.engine` opened."""
 
 from alembic import context
 

@@ -11,7 +11,7 @@ from storage.tables.base import Base, Key, Name
 class AlertRow(Base):
     """A statement about a machine that wants a person's attention: one episode, one open per machine, rule and element.
 
-    condition, severity, latching, suppressions: see `service.alert_life`; state: what is to be seen of them.
+    condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: what is to be seen of them.
     """
 
     __tablename__ = "alerts"

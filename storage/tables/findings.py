@@ -23,7 +23,7 @@ class JobRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     plant: Mapped[str] = mapped_column(Name(64), server_default="?")
     priority: Mapped[int] = mapped_column(server_default="0")
-    """With `turn` when it is taken, see `storage.job_order`."""
+    """With `turn` when it is taken, see `storage.findings.job_order`."""
     turn: Mapped[int] = mapped_column(server_default="0")
     asked_by: Mapped[str | None] = mapped_column(Name(255))
     """Identity of the person who asked for it; null where the service did by itself."""
@@ -37,7 +37,7 @@ class JobRow(Base):
     error: Mapped[str | None] = mapped_column(Text)
     options: Mapped[dict[str, Any] | None]
     holder: Mapped[int | None]
-    """The replica that computes it, see `storage.replicas`."""
+    """The replica that computes it, see `storage.operation.replicas`."""
 
 
 class IdentificationRow(Base):
@@ -122,7 +122,7 @@ class EstimateRow(Base):
 
 
 class DerivedRow(Base):
-    """One quantity that follows from an identification, see `estimator.derived`. Values are null for a `reason`."""
+    """One quantity that follows from an identification, see `estimator.updated_model.derived_quantities`. Values are null for a `reason`."""
 
     __tablename__ = "derived_quantities"
     __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)

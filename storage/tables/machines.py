@@ -20,7 +20,7 @@ class MachineRow(Base):
     slow_roll_version: Mapped[int | None]
     """Slow-roll vectors that new identifications subtract."""
     blocks_since: Mapped[int | None]
-    """Sample blocks that ended before that time were let go of, see `storage.retention`; null where none were."""
+    """Sample blocks that ended before that time were let go of, see `storage.operation.retention`; null where none were."""
 
 
 class SlowRollRow(Base):
@@ -114,7 +114,7 @@ class LimitsRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     version: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
-    """As in `service.limits`, whole: later defaults change nothing that was set."""
+    """As in `service.monitoring.limits`, whole: later defaults change nothing that was set."""
     at: Mapped[int]
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

@@ -29,7 +29,7 @@ class SourceRow(Base):
 
 
 class SampleBlockRow(Base):
-    """Samples of one source that were stored together, compressed; see `storage.blocks`."""
+    """Samples of one source that were stored together, compressed; see `storage.encoding.sample_blocks`."""
 
     __tablename__ = "sample_blocks"
     __table_args__ = (
@@ -100,7 +100,7 @@ class RunRow(Base):
     count: Mapped[int | None]
     data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     extent: Mapped[dict[str, Any] | None] = mapped_column(deferred=True)
-    """What a run that is over is still to be made of, see `storage.runs`; null before that and afterwards."""
+    """What a run that is over is still to be made of, see `storage.measurements.runs`; null before that and afterwards."""
     # Null in runs that an older release collected.
     reopened_at: Mapped[int | None]
     """When late samples made it anew the last time."""
@@ -108,9 +108,9 @@ class RunRow(Base):
     coverage: Mapped[dict[str, Any] | None]
     quality: Mapped[dict[str, Any] | None]
     flags: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
-    """What is wrong with each point of each channel, see `storage.runs`."""
+    """What is wrong with each point of each channel, see `storage.measurements.runs`."""
     released_at: Mapped[int | None]
-    """When its samples were let go of, see `storage.retention`; null while it has them."""
+    """When its samples were let go of, see `storage.operation.retention`; null while it has them."""
 
 
 class QuarantineRow(Base):

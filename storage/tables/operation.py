@@ -58,7 +58,7 @@ class RetentionRow(Base):
 
 
 class ChangeCountRow(Base):
-    """How often rows of a table were written, see `storage.changes`; on SQLite only."""
+    """How often rows of a table were written, see `storage.database.change_counts`; on SQLite only."""
 
     __tablename__ = "change_counts"
 

@@ -37,9 +37,9 @@ from benchmarks.fleet.judging import Standing, judged, opened
 from benchmarks.fleet.measuring import Ordered, measured
 from benchmarks.fleet.report import main, part_interval, rate_bound
 from benchmarks.fleet.scenarios import SCENARIOS, SHORT_BASELINE
-from estimator.identification import identify
-from estimator.machine import Machine
-from estimator.rules import Noise
+from estimator.fit.identify import identify
+from estimator.machine.document import Machine
+from estimator.machine.rules import Noise
 
 SMALL = "thesis-chapter-3"
 

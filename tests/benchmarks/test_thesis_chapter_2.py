@@ -16,7 +16,7 @@ from benchmarks.thesis.rigid import (
 )
 from benchmarks.thesis.rigid_misprints import MISPRINTS, shifts
 from benchmarks.thesis.rigid_printed import TABLE_2_8, TABLES_2_4_TO_2_7
-from estimator.response import sensitivity
+from estimator.rotor.response import sensitivity
 from estimator.thesis.noise import complex_noise
 from estimator.thesis.rigid_train import names
 

@@ -21,8 +21,8 @@ from benchmarks.thesis.rig import (
 from benchmarks.thesis.rig_mode_shapes import nodes, plane_modes
 from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
 from estimator.arrays import Floats
-from estimator.observation import observed
-from estimator.watch import Watch
+from estimator.diagnosis.observation import observed
+from estimator.diagnosis.run_windows import Watch
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from service.security.key_set import KeySet
 from service.security.open_id import OpenId
 from service.security.principal import Role
 from service.security.tokens import Claims, Tokens
-from storage import audit
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
 from tests.browser.conftest import PATIENCE_MS
 from tests.end_to_end.processes import free_port
 from tests.plant import KEY, sqlite_url

@@ -21,11 +21,11 @@ from grafana_foundation_sdk.cog.encoder import JSONEncoder
 from grafana_foundation_sdk.cog.plugins import register_default_plugins
 from grafana_foundation_sdk.models.dashboard import Dashboard
 
-from service.cli import app
+from service.commands.app import app
+from service.configuration.settings import Settings
 from service.security.exposure import host_of
-from service.settings import Settings
-from storage import backup_file
-from storage.database import Database
+from storage.backup import backup_file
+from storage.database.engine import Database
 from tests.plant import sqlite_url
 
 ROOT = Path(__file__).parents[2]

@@ -21,16 +21,16 @@ def main() -> None:
         sys.argv = ["dask-worker", scheduler, "--nworkers", "1", "--nthreads", "1", "--no-dashboard", "--no-nanny"]
         bare()
         return
-    from service import cluster_task, processes
-    from service.cluster_worker import work
-    from service.job_tasks import TASKS
+    from service.identification.worker_tasks import TASKS
+    from service.workers import dask_task, process_pool
+    from service.workers.dask_worker import work
 
     if "pretends" in changed:
-        name = cluster_task.worker_name()
-        cluster_task.worker_name = lambda: name
-        cluster_task.RELEASE = changed["pretends"]
-    cluster_task.RELEASE = changed.get("release", cluster_task.RELEASE)
-    processes.HAND_OVER_S = float(changed.get("hand_over", processes.HAND_OVER_S))
+        name = dask_task.worker_name()
+        dask_task.worker_name = lambda: name
+        dask_task.RELEASE = changed["pretends"]
+    dask_task.RELEASE = changed.get("release", dask_task.RELEASE)
+    process_pool.HAND_OVER_S = float(changed.get("hand_over", process_pool.HAND_OVER_S))
     work(scheduler, processes=1, memory_bytes=2**31, tasks=TASKS, stop=threading.Event())
 
 

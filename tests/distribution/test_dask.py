@@ -10,11 +10,12 @@ from pathlib import Path
 import psutil
 import pytest
 
-from estimator.machine import Machine
-from service.identifying import JobScheduler
-from service.settings import Settings
-from storage import identifications, jobs, machines
-from storage.database import Database
+from estimator.machine.document import Machine
+from service.configuration.settings import Settings
+from service.identification.scheduler import JobScheduler
+from storage.database.engine import Database
+from storage.findings import identifications, jobs
+from storage.machines import machines
 from tests.end_to_end.processes import free_port, process, python, until
 from tests.identification import chapter_3, close_run, counts
 
@@ -143,7 +144,7 @@ def attempts(database: Database) -> list[int]:
             "pretends=0.0.1, tasks of form 0", "runs release 0.0.1, tasks of form 0, this service ", marks=pytest.mark.long
         ),
         pytest.param(
-            "without=service.cluster_task",
+            "without=service.workers.dask_task",
             "does not say its release: start it as `rundown worker` of release",
             marks=pytest.mark.long,
         ),
@@ -152,7 +153,7 @@ def attempts(database: Database) -> list[int]:
 def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back_unhurt(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, change: str, words: str
 ) -> None:
-    monkeypatch.setattr("service.cluster.REFUSED_S", 3.0)
+    monkeypatch.setattr("service.workers.dask_executor.REFUSED_S", 3.0)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
@@ -172,8 +173,8 @@ def test_a_worker_of_another_release_is_refused_with_words_and_the_job_goes_back
 def test_what_a_frozen_worker_has_is_given_up_and_another_one_computes_it(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.cluster.SILENT_S", 4.0)
-    monkeypatch.setattr("service.cluster.GRACE_S", 2.0)
+    monkeypatch.setattr("service.workers.dask_executor.SILENT_S", 4.0)
+    monkeypatch.setattr("service.workers.dask_executor.GRACE_S", 2.0)
     with database.transaction() as session:
         machines.create(session, train)
     cluster.start_scheduler()
@@ -217,7 +218,7 @@ def test_a_worker_replaces_a_process_that_was_stopped(cluster: Cluster, database
 def test_a_frozen_scheduler_is_noticed(
     cluster: Cluster, database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.cluster.CONNECT_S", 2.0)
+    monkeypatch.setattr("service.workers.dask_executor.CONNECT_S", 2.0)
     with database.transaction() as session:
         machines.create(session, train)
     scheduler = cluster.start_scheduler()

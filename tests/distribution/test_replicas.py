@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from sqlalchemy.exc import DBAPIError
 
-from service.leasing import Leasing
-from service.sharing import lease_of
+from service.replication.lease_keeper import Leasing
+from service.replication.work_share import lease_of
 from service.wire import JSON, encode_body
-from storage import leases, replicas
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import leases, replicas
 from tests.databases import PostgresqlDatabases
 from tests.distribution.layout import Layout
 from tests.end_to_end.processes import free_port, rundown, until

@@ -10,8 +10,8 @@ import msgspec
 import pytest
 import zenoh
 
-from service.stream import session as zenoh_session
-from service.stream import wait_connected
+from service.messaging.session import session as zenoh_session
+from service.messaging.session import wait_connected
 from service.wire import LARGEST_MESSAGE, MESSAGEPACK, Key, SampleBatch, encode_batch, frame
 from tests.end_to_end.processes import EXAMPLES, Service, example, free_port, process, rundown, until
 from tests.end_to_end.test_real_input import ROSS, ross_batch

@@ -14,8 +14,8 @@ import psutil
 import pytest
 from typer.testing import CliRunner
 
-from service import demo
-from service.cli import app
+from service.commands import demo
+from service.commands.app import app
 from tests.end_to_end.processes import until
 
 

@@ -10,9 +10,9 @@ import pytest
 import yaml
 from sqlalchemy import select
 
-from storage import samples
-from storage.blocks import Samples
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples
+from storage.measurements import samples
 from storage.tables import SampleBlockRow
 from tests.end_to_end.processes import Service, process, until
 from tests.plant import KEY, assert_same_samples, document

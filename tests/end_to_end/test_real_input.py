@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.identification import identify
-from estimator.machine import parse_machine
-from service.recording import split
-from service.source import Source
-from service.stream import session as zenoh_session
-from service.stream import wait_connected
+from estimator.fit.identify import identify
+from estimator.machine.document import parse_machine
+from service.messaging.session import session as zenoh_session
+from service.messaging.session import wait_connected
+from service.sources.publisher import Source
+from service.sources.recording import split
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, to_samples
 from storage.clock import now
-from storage.packing import QUANTUM
+from storage.encoding.packing import QUANTUM
 from tests.end_to_end.processes import DATA, Service, example, rundown, until
 
 ROSS = "thesis-chapter-3"

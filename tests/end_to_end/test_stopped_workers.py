@@ -6,7 +6,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import Service, until
 from tests.identification import chapter_3, close_run
 

@@ -11,8 +11,8 @@ import pytest
 from standardwebhooks.webhooks import Webhook
 
 from service.delivery.signing import new_secret
-from storage import deliveries
-from storage.database import Database
+from storage.alerts import deliveries
+from storage.database.engine import Database
 from tests.conftest import Stores
 from tests.end_to_end.processes import Service, rundown, until
 from tests.plant import sqlite_url

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.identification import Identification
-from estimator.machine import Machine
-from estimator.parts import Bearing, Coupling, Disc, Half, Seal
-from estimator.rotor import assemble_rotor
+from estimator.fit.identify import Identification
+from estimator.machine.document import Machine
+from estimator.machine.parts import Bearing, Coupling, Disc, Half, Seal
+from estimator.rotor.assembly import assemble_rotor
 from tests.estimator.trains import Complexes, Document, Floats
 
 Force = Callable[[float], Complexes]

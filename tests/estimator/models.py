@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.condensation import condense
-from estimator.coordinates import Coordinates
-from estimator.machine import Machine, parse_machine
-from estimator.updated_model import UpdatedModel, with_exact_probes
+from estimator.fit.coordinates import Coordinates
+from estimator.machine.document import Machine, parse_machine
+from estimator.rotor.condensation import condense
+from estimator.updated_model.model import UpdatedModel, with_exact_probes
 from tests.estimator.trains import chapter_3_document, truth
 
 Floats = NDArray[np.float64]

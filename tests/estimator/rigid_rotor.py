@@ -2,7 +2,7 @@
 
 import math
 
-from estimator.machine import Machine, parse_machine
+from estimator.machine.document import Machine, parse_machine
 from tests.estimator.trains import one_disc_document
 
 LENGTH, STIFFNESS, MASS = 0.2, 1e5, 5.0

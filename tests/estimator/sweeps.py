@@ -7,14 +7,14 @@ import numpy as np
 import scipy.special
 from numpy.typing import NDArray
 
-from estimator.channel_status import ChannelStatus
-from estimator.coast_down import CoastDown, coast_down
-from estimator.condensation import condense
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.recorded import RecordedRun
-from estimator.response import response
-from estimator.speed_law import SpeedLaw
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.speed_law import SpeedLaw
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
+from estimator.simulation.coast_down import CoastDown, coast_down
 from tests.estimator.trains import chapter_3_document
 
 Floats = NDArray[np.float64]

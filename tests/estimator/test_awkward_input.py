@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.condensation import condense
-from estimator.critical_speed import critical_speeds
-from estimator.identification import NotEnoughData, identify
-from estimator.machine import DocumentError, Machine, parse_machine
-from estimator.measurement import Measurement
-from tests.estimator.test_identification import CLEAN, SPEED, assert_at_the_bound, measured
-from tests.estimator.test_modes import jeffcott
+from estimator.fit.identify import NotEnoughData, identify
+from estimator.machine.document import DocumentError, Machine, parse_machine
+from estimator.modes.critical_speed import critical_speeds
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from tests.estimator.fit.test_identify import CLEAN, SPEED, assert_at_the_bound, measured
+from tests.estimator.modes.test_eigenmodes import jeffcott
 from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, noisy, one_disc_document
 
 

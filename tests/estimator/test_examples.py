@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.condensation import condense
-from estimator.critical_speed import critical_speeds
-from estimator.estimates import Estimate
-from estimator.identification import Identification, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.modes import eigenvalues, natural_frequencies
-from estimator.response import response
-from estimator.simulation import noise
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine, parse_machine
+from estimator.modes.critical_speed import critical_speeds
+from estimator.modes.eigenmodes import eigenvalues, natural_frequencies
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
+from estimator.simulation.simulated_plant import noise
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from tests.estimator.trains import ROOT, Complexes, Floats, truth
 

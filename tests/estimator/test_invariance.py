@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimator.condensation import condense
-from estimator.identification import identify
-from estimator.machine import parse_machine
-from estimator.measurement import Measurement
-from estimator.response import response
+from estimator.fit.identify import identify
+from estimator.machine.document import parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
 from tests.estimator.full_train import full_response
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, mirrored, noisy, truth
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.condensation import condense
-from estimator.identification import Identification, identify
-from estimator.machine import Machine, parse_machine
-from estimator.measurement import Measurement
-from estimator.response import response
-from estimator.simulation import noise, speed_law
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
+from estimator.rotor.response import response
+from estimator.simulation.simulated_plant import noise, speed_law
 from tests.estimator.full_train import deviations
 from tests.estimator.trains import ROOT
 

@@ -11,9 +11,9 @@ import yaml
 from hypothesis import settings
 from numpy.typing import NDArray
 
-from estimator.condensation import condense
-from estimator.machine import Machine, parse_machine
-from estimator.rotor import assemble_rotor
+from estimator.machine.document import Machine, parse_machine
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

@@ -3,12 +3,12 @@
 import random
 from dataclasses import dataclass, replace
 
-from service.batch import Arrived
-from service.collection import Collector
-from storage import quarantine, samples
-from storage.blocks import decode
-from storage.database import Database
-from storage.samples import SourceKey
+from service.journal.batch import Arrived
+from service.runs.collector import Collector
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import decode
+from storage.measurements import quarantine, samples
+from storage.measurements.samples import SourceKey
 from storage.tables import SampleBlockRow, SourceRow
 from tests.plant import KEY, SECOND, START, arrived, batch
 from tests.prompt_journal import PromptJournal

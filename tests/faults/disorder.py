@@ -8,19 +8,20 @@ from pathlib import Path
 
 import numpy as np
 
-from estimator.estimates import Estimate
-from estimator.identification import Options
-from estimator.machine import Machine
-from estimator.segmentation import RunKind
-from estimator.simulation import draw_truth, measured_phasors, speed_law
-from service.batch import Arrived
-from service.collection import Collector
-from service.task import IdentificationTask
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Options
+from estimator.machine.document import Machine
+from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
+from service.identification.computation import compute
+from service.identification.task import IdentificationTask
+from service.journal.batch import Arrived
+from service.runs.collector import Collector
 from service.wire import SampleBatch, encode_batch, source_key
-from service.worker import compute
-from storage import machines, runs, samples
-from storage.blocks import Samples, encode
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, encode
+from storage.machines import machines
+from storage.measurements import runs, samples
 from storage.tables import RunRow, SourceRow
 from tests.identification import chapter_3
 from tests.plant import SECOND, START, Document, assert_same_samples, batch

@@ -11,9 +11,9 @@ import threading
 import time
 from pathlib import Path
 
-from service.durable_log import DurableLog
-from service.source import Source
-from service.stream import session
+from service.messaging.session import session
+from service.sources.publisher import Source
+from service.sources.sqlite_replay_log import DurableLog
 from service.wire import BINARY
 from tests.faults.measured import SIZE, measured
 from tests.plant import KEY

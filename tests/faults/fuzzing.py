@@ -13,9 +13,9 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from service.batch import Arrived
-from service.collection import Collector
-from service.journal import Journal
+from service.journal.batch import Arrived
+from service.journal.journal import Journal
+from service.runs.collector import Collector
 from service.wire import (
     BINARY,
     ENCODINGS,
@@ -28,10 +28,10 @@ from service.wire import (
     encode_body,
     frame,
 )
-from storage import quarantine
-from storage.blocks import decode
-from storage.database import Database
-from storage.quarantine import Rejection
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import decode
+from storage.measurements import quarantine
+from storage.measurements.quarantine import Rejection
 from storage.tables import SampleBlockRow
 from tests.plant import CHANNELS, KEY, START, batch
 

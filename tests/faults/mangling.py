@@ -4,8 +4,8 @@ import random
 
 import zenoh
 
-from service.source import Source
-from service.source_log import LogEntry
+from service.sources.publisher import Source
+from service.sources.replay_log import LogEntry
 from tests.plant import KEY, listened_to
 
 TWICE, SWAPPED, FLIPPED, DROPPED = 0.10, 0.10, 0.05, 0.05

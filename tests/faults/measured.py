@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from service.wire import SampleBatch, to_samples
-from storage.blocks import Samples, decode, join
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, decode, join
 from storage.tables import SampleBlockRow
 from tests.plant import CHANNELS, KEY, START, batch, machine, sqlite_url
 

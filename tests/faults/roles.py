@@ -14,9 +14,10 @@ import httpx
 import numpy as np
 
 from service.wire import JSON, encode_body
-from storage import identifications, jobs, machines
-from storage.blocks import decode, join
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import decode, join
+from storage.findings import identifications, jobs
+from storage.machines import machines
 from storage.tables import JobRow, SampleBlockRow, SourceRow
 from tests.distribution.layout import Layout
 from tests.end_to_end.processes import until

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from service.source_log import LogEntry
-from service.stream import session, wait_connected
+from service.messaging.session import session, wait_connected
+from service.sources.replay_log import LogEntry
 from service.wire import MESSAGEPACK, encode_batch
 from tests.end_to_end.processes import Service, until
 from tests.faults.chain import PARTS, Chain, Part

@@ -58,6 +58,6 @@ def _shift(file: Path) -> None:
 
 if __name__ == "__main__":
     _shift(Path(sys.argv.pop(1)))
-    from service.cli import app
+    from service.commands.app import app
 
     app()

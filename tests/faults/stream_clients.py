@@ -12,10 +12,10 @@ from pathlib import Path
 
 import psutil
 
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import Service
 from tests.plant import document
-from tests.service.test_stuck_clients import AT_ONCE, opened, told
+from tests.service.http.test_slow_clients import AT_ONCE, opened, told
 
 CONNECTS_PER_S = 80.0
 """The service lets one person ask a hundred times a second in the long run."""

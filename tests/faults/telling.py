@@ -18,11 +18,12 @@ from pathlib import Path
 import httpx
 import zenoh
 
-from service import alerting
-from service.alerting import AlertFinding
-from service.stream import open_session
-from storage import alerts, deliveries, machines
-from storage.database import Database
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from service.messaging.session import open_session
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from storage.machines import machines
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, START, identification, machine, sqlite_url, store_identification
@@ -81,9 +82,9 @@ class Changing:
         with self.database.transaction() as session:
             row = alerts.open_alert(session, KEY.machine, rule=RULE, element=element)
             if row is None or self.rng.random() < 0.5:
-                alerting.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
+                transitions.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
             else:
-                alerting.clear_alert(session, row)
+                transitions.clear_alert(session, row)
 
     def _asked(self, client: httpx.Client) -> None:
         with self.database.reading() as session:
@@ -190,7 +191,7 @@ def _prepared(database: Database, target: str) -> tuple[int, int]:
         first = store_identification(session, identification(), run_id=1, measured_at=START).id
         for element in ELEMENTS:
             finding = AlertFinding("at the beginning", {}, first, START)
-            alerting.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
+            transitions.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
     return first, webhook
 
 

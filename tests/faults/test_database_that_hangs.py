@@ -6,8 +6,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.doctor import examine
-from service.settings import Settings
+from service.configuration.settings import Settings
+from service.doctor.checks import examine
 from tests.end_to_end.processes import Service, rundown, until
 from tests.faults.storage_faults import own_server
 from tests.plant import document

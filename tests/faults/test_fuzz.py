@@ -11,18 +11,19 @@ import pytest
 import zenoh
 
 from benchmarks.chain import patiently
-from estimator.identification import Identification, Options
-from estimator.quality import Quality
-from service.collection import Collector
-from service.journal import Journal
-from service.stream import session as stream_session
-from service.stream import wait_connected
-from service.task import IdentificationTask
+from estimator.fit.identify import Identification, Options
+from estimator.phasors.quality import Quality
+from service.identification.computation import compute
+from service.identification.task import IdentificationTask
+from service.journal.journal import Journal
+from service.messaging.session import session as stream_session
+from service.messaging.session import wait_connected
+from service.runs.collector import Collector
 from service.wire import JSON, SampleBatch, encode_batch
-from service.worker import compute
-from storage import machines, runs
-from storage.blocks import Samples, encode
-from storage.database import Database
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, encode
+from storage.machines import machines
+from storage.measurements import runs
 from storage.tables import RunRow
 from tests.databases import NewDatabase
 from tests.end_to_end.processes import Service, until

@@ -9,7 +9,7 @@ import pytest
 
 from service.wire import ENCODINGS, JSON, decode_batch, encode_batch
 from storage.clock import FUTURE_TOLERANCE
-from storage.database import Database
+from storage.database.engine import Database
 from tests.faults.clocks import HOUR, MINUTE, SIZE, STEP, TRUE, kept, told, wandering
 from tests.plant import KEY, SECOND
 

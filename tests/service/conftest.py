@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from service.collection import Collector
-from service.stream import connected, session
-from storage.database import Database
+from service.messaging.session import connected, session
+from service.runs.collector import Collector
+from storage.database.engine import Database
 from tests.plant import free_endpoint, wait_until
 from tests.prompt_journal import PromptJournal
 

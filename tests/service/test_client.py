@@ -10,13 +10,13 @@ import httpx
 import pytest
 
 from benchmarks.serving import served
-from service import alerting
-from service.alerting import AlertFinding, Person
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding, Person
 from service.client import ChangedMeanwhile, Refused, Rundown
 from service.security import api_keys
 from service.security.principal import Role
-from storage import alerts
-from storage.database import Database
+from storage.alerts import alerts
+from storage.database.engine import Database
 from tests.asking import Api
 from tests.paths import ROOT
 from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification
@@ -30,7 +30,7 @@ def rundown(plant: Database) -> Rundown:
             outcome = identification({"coupling.C1.kxx": factor})
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * SECOND)
         finding = AlertFinding("Coupling C1 is going out of alignment", {}, row.id, START)
-        alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     http = Api(plant).http
     del http.headers["if-match"]
     return Rundown(http=http)
@@ -86,7 +86,7 @@ def test_machines_are_created_and_revised_as_they_were_read(rundown: Rundown) ->
 def test_alerts_are_acknowledged_as_they_were_read(rundown: Rundown, plant: Database) -> None:
     (alert,) = rundown.alerts(only_open=True)
     with plant.transaction() as session:
-        alerting.comment(session, alerts.get(session, alert.id), Person("ben", "I look at it"))
+        transitions.comment(session, alerts.get(session, alert.id), Person("ben", "I look at it"))
     with pytest.raises(ChangedMeanwhile):
         rundown.acknowledge(alert, by="anna")
     (alert,) = rundown.alerts(machine=KEY.machine)
@@ -176,7 +176,7 @@ def test_events_stream_and_are_repeated_from_where_they_broke_off(url: str, plan
         events = client.events(after=0)
         assert next(events).kind == "raised"
         with plant.transaction() as session:
-            alerting.acknowledge(session, alerts.get(session, 1), Person("anna"))
+            transitions.acknowledge(session, alerts.get(session, 1), Person("anna"))
         timer = threading.Timer(20.0, client._http.close)
         timer.start()
         assert next(events).by == "anna"

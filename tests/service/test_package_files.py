@@ -2,9 +2,9 @@
 
 import pytest
 
-from service import demo
-from service.api import dashboard
-from storage import schema
+from service.api.operation import dashboard
+from service.commands import demo
+from storage.database import schema
 
 
 def test_the_migrations_are_found() -> None:

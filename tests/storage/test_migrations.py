@@ -9,8 +9,8 @@ import pytest
 from alembic.script import ScriptDirectory
 from sqlalchemy import JSON, Boolean, Column, Connection, Float, Integer, LargeBinary, MetaData, String, Table, insert, select
 
-from storage.database import Database
-from storage.schema import KEPT_BY_ITSELF, MIGRATIONS, known_revisions
+from storage.database.engine import Database
+from storage.database.schema import KEPT_BY_ITSELF, MIGRATIONS, known_revisions
 from storage.tables import Base
 
 ROWS = 2

@@ -1,4 +1,4 @@
-// Written by `python -m service.page_declarations` from service/delivery/channels.py; not to be changed here.
+// Written by `python -m service.commands.page_declarations` from service/delivery/channels.py; not to be changed here.
 
 /** Ways in which people and programs are told of alerts. */
 export const CHANNELS = [

@@ -15,7 +15,7 @@ export function angleText(angle: number | null, halfWidth: number | null): strin
   return halfWidth < ANY_ANGLE ? ` at ${angle.toFixed(1)}° ± ${number(halfWidth, 2)}°` : " at any angle";
 }
 
-/** A whirl of a smaller size is planar, as in estimator/whirl.py. */
+/** A whirl of a smaller size is planar, as in estimator/rotor/whirl.py. */
 const PLANAR = 0.05;
 
 /** Name a whirl between -1, circular against the rotation, and 1, circular with it. */

@@ -7,7 +7,7 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
-from estimator.machine import DocumentError, Machine, parse_machine
+from estimator.machine.document import DocumentError, Machine, parse_machine
 
 revision = "0025"
 down_revision = "0023"

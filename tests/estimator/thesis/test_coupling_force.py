@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.machine import parse_machine
+from estimator.machine.document import parse_machine
 from estimator.thesis.coupling_force import coupling_force
 from estimator.thesis.flexible_train import flexible_train, full_response, parts, unbalance_force
 from tests.estimator.trains import chapter_3, truth

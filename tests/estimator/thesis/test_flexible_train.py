@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.machine import parse_machine
-from estimator.rayleigh import RayleighCoefficients
+from estimator.machine.document import parse_machine
+from estimator.rotor.rayleigh import RayleighCoefficients
 from estimator.thesis.flexible_train import flexible_train, full_response, parts, unbalance_force
 from tests.estimator.trains import chapter_3, dense_elements, dense_response, one_disc_document, truth
 

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from numpy.typing import NDArray
 
-from estimator.machine import Machine, parse_machine
-from estimator.modes import natural_frequencies
+from estimator.machine.document import Machine, parse_machine
+from estimator.modes.eigenmodes import natural_frequencies
 from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
 from estimator.thesis.rig import nominal_values, plane_frequencies
 from tests.estimator.trains import ROOT, one_disc_document

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.machine import parse_machine
-from estimator.measurement import Measurement
+from estimator.machine.document import parse_machine
+from estimator.phasors.measurement import Measurement
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.machine_regression import NotMeasuredAtBearings, bearing_translations, regress
 from estimator.thesis.reduced_model import reduced_response

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.condensation import CondensedTrain, condense
-from estimator.identification import Identification, identify
-from estimator.machine import parse_machine
-from estimator.measurement import Measurement
-from estimator.response import sensitivity
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import CondensedTrain, condense
+from estimator.rotor.response import sensitivity
 from estimator.thesis.flexible_train import flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import response_equations

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes, Floats
-from estimator.condensation import condense
-from estimator.rayleigh import RayleighCoefficients
-from estimator.response import response
+from estimator.rotor.condensation import condense
+from estimator.rotor.rayleigh import RayleighCoefficients
+from estimator.rotor.response import response
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import (

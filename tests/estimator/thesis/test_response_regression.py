@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.rayleigh import RayleighCoefficients
+from estimator.rotor.rayleigh import RayleighCoefficients
 from estimator.thesis.flexible_train import flexible_train, full_response, parts
 from estimator.thesis.reduced_model import ReducedModel, reduced_response, response_equations
 from estimator.thesis.reduction import eliminated, high_frequency_condensed

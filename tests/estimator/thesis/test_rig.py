@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.machine import parse_machine
-from estimator.modes import eigenvalues
-from estimator.parameters import unknowns
-from estimator.rotor import assemble_rotor
+from estimator.machine.document import parse_machine
+from estimator.modes.eigenmodes import eigenvalues
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
 from estimator.thesis.rig import (
     ALIGNED_HZ,
     CASES,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes
-from estimator.condensation import CondensedTrain
-from estimator.response import response
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.response import response
 from estimator.thesis.noise import multiplicative_noise
 from estimator.thesis.regression import Scaling, solve
 from estimator.thesis.rigid_regression import rigid_regression

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes
-from estimator.condensation import CondensedTrain
-from estimator.response import response, sensitivity
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.response import response, sensitivity
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.rigid_train import (
     condensed,

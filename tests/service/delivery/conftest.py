@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from service.stream import open_session
-from storage.database import Database
+from service.messaging.session import open_session
+from storage.database.engine import Database
 from storage.tables import IdentificationRow
 from tests.plant import START, free_endpoint, identification, store_identification
 from tests.service.delivery.receivers import Receiver, receiver

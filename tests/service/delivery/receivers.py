@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
-from estimator.machine import Machine
-from service import alerting
-from service.alerting import AlertFinding
-from service.settings import Settings
-from storage import deliveries
-from storage.database import Database
+from estimator.machine.document import Machine
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from service.configuration.settings import Settings
+from storage.alerts import deliveries
+from storage.database.engine import Database
 from storage.tables import AlertRow, IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]
@@ -129,7 +129,7 @@ def raise_one(database: Database, found: IdentificationRow, machine: Machine, *,
     """Raise an alert; its id."""
     with database.transaction() as session:
         finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
-        return alerting.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
+        return transitions.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
 
 
 def row_of(database: Database, alert_id: int) -> AlertRow:

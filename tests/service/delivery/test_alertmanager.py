@@ -12,13 +12,13 @@ import httpx
 import pytest
 import zenoh
 
-from service import alerting
-from service.alert_life import Severity
-from service.alerting import AlertFinding, Person
+from service.alerts import transitions
+from service.alerts.lifecycle import Severity
+from service.alerts.transitions import AlertFinding, Person
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
-from storage import alerts, deliveries
-from storage.database import Database
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
 from storage.tables import IdentificationRow
 from tests.plant import free_endpoint, machine, wait_until
 from tests.service.delivery.receivers import raise_one, settings, subscribe
@@ -92,12 +92,12 @@ def test_an_alert_fires_changes_its_severity_and_is_resolved(
         assert shown(alertmanager) == [("coupling.C1", "alert", "unacknowledged")]
         with plant.transaction() as session:
             finding = AlertFinding("worse", {}, found.id, found.measured_at, Severity.DANGER)
-            alerting.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
+            transitions.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
         wait_until(lambda: shown(alertmanager) == [("coupling.C1", "danger", "unacknowledged")])
         with plant.transaction() as session:
             row = alerts.get(session, alert)
-            alerting.acknowledge(session, row, Person("anna"))
-            alerting.clear_alert(session, row)
+            transitions.acknowledge(session, row, Person("anna"))
+            transitions.clear_alert(session, row)
         wait_until(lambda: shown(alertmanager) == [])
     finally:
         one.stop()

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from service.api.subscription_schemas import SubscriptionIn
+from service.api.alerts.subscription_schemas import SubscriptionIn
 from service.delivery.channel import RemindingChannel
 from service.delivery.channel_kind import ChannelKind
 from service.delivery.channels import CHANNEL_KINDS, ChannelUnknown, by_kind, channel_kind, is_channel
 from service.delivery.mail import EMAIL
-from service.delivery.network import ZENOH
+from service.delivery.zenoh_channel import ZENOH
 
 DOCS = Path(__file__).parents[3] / "docs"
 

@@ -16,18 +16,18 @@ from aiosmtpd.smtp import SMTP, Envelope, Session
 from sqlalchemy import text
 from standardwebhooks.webhooks import Webhook
 
-from service import alerting
-from service.alerting import Person
+from service.alerts import transitions
+from service.alerts.transitions import Person
 from service.delivery import addresses, retry_policy, sending
 from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
-from service.delivery.network import LastStates
 from service.delivery.outbox import AT_ONCE
-from service.security.sealing import Sealing
-from service.sharing import Whole
-from service.stream import open_session
-from storage import alerts, deliveries
-from storage.database import Database
+from service.delivery.zenoh_channel import LastStates
+from service.messaging.session import open_session
+from service.replication.work_share import Whole
+from service.secrets.sealing import Sealing
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
 from storage.tables import DeliveryRow, IdentificationRow
 from tests.plant import free_endpoint, machine, wait_until
 from tests.service.delivery.receivers import Receiver, raise_one, settings, subscribe
@@ -84,9 +84,9 @@ def test_events_of_an_alert_arrive_in_order_while_another_alert_waits(
     first = raise_one(plant, found, machine())
     second = raise_one(plant, found, machine(), element="coupling.C2")
     with plant.transaction() as session:
-        alerting.acknowledge(session, alerts.get(session, first), ANNA)
+        transitions.acknowledge(session, alerts.get(session, first), ANNA)
         for number in range(5):
-            alerting.comment(session, alerts.get(session, first), Person("anna", f"{number}"))
+            transitions.comment(session, alerts.get(session, first), Person("anna", f"{number}"))
     with delivering(plant, network):
         wait_until(lambda: len(http.received) >= 4)
         # Until the first event of each alert is taken, no later one is sent.
@@ -197,7 +197,7 @@ def test_an_event_that_cannot_be_told_is_given_up_and_holds_up_no_other(
     damaged = raise_one(plant, found, machine())
     with plant.transaction() as session:
         session.execute(text("UPDATE alert_events SET severity = 9"))  # there is no such severity
-        alerting.acknowledge(session, alerts.get(session, damaged), ANNA)
+        transitions.acknowledge(session, alerts.get(session, damaged), ANNA)
     raise_one(plant, found, machine(), element="coupling.C2")
     with delivering(plant, network) as one:
         wait_until(lambda: states(plant, subscription) == ["given_up", "delivered", "delivered"])
@@ -379,7 +379,7 @@ def test_the_network_hears_events_and_answers_with_the_last_state(
         assert str(heard[0].key_expr) == f"rundown/v1/{plant_name}/pump-7/alerts/{alert}"
         assert json.loads(bytes(heard[0].payload))["kind"] == "raised"
         with plant.transaction() as reading:
-            alerting.acknowledge(reading, alerts.get(reading, alert), ANNA)
+            transitions.acknowledge(reading, alerts.get(reading, alert), ANNA)
         replies = [json.loads(bytes(one.ok.payload)) for one in client.get("rundown/v1/**/alerts/*", timeout=5.0) if one.ok]
         assert [(one["alert"], one["state"]) for one in replies] == [(alert, "acknowledged")]
         other = [one for one in client.get("rundown/v1/other/*/alerts/*", timeout=5.0) if one.ok]

@@ -9,15 +9,16 @@ from pathlib import Path
 import pytest
 from sqlalchemy.orm import Session
 
+from service.configuration.settings import Settings, SettingsWrong, settings_of
 from service.delivery import secret_upkeep, signing_secrets
 from service.delivery.secret_upkeep import SecretReport
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SecretUnusable, SigningSecrets, key_file
-from service.security.sealing import SealBroken, Sealing, make_key
-from service.settings import Settings, SettingsWrong, settings_of
-from storage import deliveries, idempotency
-from storage.database import Database
-from storage.idempotency import StoredResponse
+from service.secrets.sealing import SealBroken, Sealing, make_key
+from storage.alerts import deliveries
+from storage.database.engine import Database
+from storage.operation import idempotency
+from storage.operation.idempotency import StoredResponse
 from storage.tables import SubscriptionRow
 from tests.asking import PREFIX, Api, problem
 from tests.conftest import Stores

@@ -14,18 +14,18 @@ import yaml
 import zenoh
 from typer.testing import CliRunner
 
-from service.cli import app
-from service.durable_log import DurableLog
+from service.commands.app import app
+from service.commands.edge import open_log
 from service.edge import topic as topic_module
 from service.edge.agent import Agent
-from service.edge.command import open_log
 from service.edge.condition import CONDITIONS
 from service.edge.configuration import EdgeConfiguration
 from service.edge.topic import Topic
 from service.edge.waveform_message import encode_waveforms
-from service.source import Source
+from service.sources.publisher import Source
+from service.sources.sqlite_replay_log import DurableLog
 from service.wire import SampleBatch, decode_batch, to_samples
-from storage.blocks import Samples, join
+from storage.encoding.sample_blocks import Samples, join
 from tests.plant import KEY, assert_same_samples, listened_to, machine, wait_until
 from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors
 

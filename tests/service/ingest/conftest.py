@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from service import healing as healing_module
-from service import ingest_checks
-from service.ingest import Ingest
-from service.source import Source
-from storage.database import Database
+from service.ingest import periodic_checks
+from service.ingest.ingest_thread import Ingest
+from service.recovery import gap_recovery as healing_module
+from service.sources.publisher import Source
+from storage.database.engine import Database
 from tests.plant import KEY
 from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 
@@ -17,7 +17,7 @@ from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at quiet sources often, and wait for a log less long, so that no test waits long."""
-    monkeypatch.setattr(ingest_checks, "TAIL_CHECK_S", 0.1)
+    monkeypatch.setattr(periodic_checks, "TAIL_CHECK_S", 0.1)
     monkeypatch.setattr(healing_module, "PATIENCE_S", 1.0)
 
 

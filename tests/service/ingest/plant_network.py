@@ -6,20 +6,20 @@ from typing import Any
 
 import zenoh
 
-from service.batch import Arrived
-from service.collection import Collector
-from service.healing import GapRecovery
-from service.holes import SequenceGap
-from service.ingest import Ingest
-from service.journal import Journal
-from service.sharing import Whole
-from service.source import Source
-from service.source_backoff import SourceBackoff
+from service.ingest.ingest_thread import Ingest
+from service.journal.batch import Arrived
+from service.journal.journal import Journal
+from service.journal.sequence_gaps import SequenceGap
+from service.journal.source_backoff import SourceBackoff
+from service.recovery.gap_recovery import GapRecovery
+from service.replication.work_share import Whole
+from service.runs.collector import Collector
+from service.sources.publisher import Source
 from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
-from storage import quarantine
-from storage import samples as sample_store
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.measurements import quarantine
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
 from storage.tables import SourceRow
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 

@@ -7,17 +7,17 @@ import pytest
 import zenoh
 from sqlalchemy.exc import OperationalError
 
-from service import healing as healing_module
-from service import ingest as ingest_module
-from service.collection import Collector
-from service.ingest import Ingest
-from service.journal import Journal
-from service.sharing import Whole
-from service.source_backoff import SourceBackoff
-from service.storing import WriteBatch
+from service.ingest import ingest_thread as ingest_module
+from service.ingest.ingest_thread import Ingest
+from service.journal.journal import Journal
+from service.journal.source_backoff import SourceBackoff
+from service.journal.write_batch import WriteBatch
+from service.recovery import gap_recovery as healing_module
+from service.replication.work_share import Whole
+from service.runs.collector import Collector
 from service.wire import ALL_LIVE, Key
-from storage.database import Database
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.measurements.samples import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until
 from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, Surroundings, counts, heard, put_batch, received
 

@@ -11,23 +11,25 @@ import zenoh
 from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError, OperationalError
 
-from service import healing as healing_module
-from service import ingest as ingest_module
-from service import known_logs, putting_off, single_writes
-from service.batch import Arrived, StoreOutcome
-from service.collection import Collector
-from service.holes import SequenceGap
-from service.ingest import Ingest
-from service.journal import Journal
-from service.source import Source
-from service.source_backoff import SourceBackoff
-from service.storing import WriteBatch
-from service.submissions import NotStoring, Submissions
+from service.ingest import ingest_thread as ingest_module
+from service.ingest.ingest_thread import Ingest
+from service.journal import single_writes
+from service.journal.batch import Arrived, StoreOutcome
+from service.journal.http_queue import NotStoring, Submissions
+from service.journal.journal import Journal
+from service.journal.sequence_gaps import SequenceGap
+from service.journal.source_backoff import SourceBackoff
+from service.journal.write_batch import WriteBatch
+from service.recovery import gap_recovery as healing_module
+from service.recovery import known_logs
+from service.resilience import backoff as putting_off
+from service.runs.collector import Collector
+from service.sources.publisher import Source
 from service.wire import MESSAGEPACK, encode_batch, encode_body, source_key
-from storage import machines
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
 from tests.plant import KEY, arrived, batch, machine, wait_until
 from tests.refusing import refuse

@@ -7,14 +7,14 @@ from functools import partial
 import pytest
 import zenoh
 
-from service import ingest_checks
-from service.holes import NEVER, SequenceGap
-from service.ingest import Ingest
-from service.source import Source
-from service.source_log import MemoryLog
+from service.ingest import periodic_checks
+from service.ingest.ingest_thread import Ingest
+from service.journal.sequence_gaps import NEVER, SequenceGap
+from service.sources.publisher import Source
+from service.sources.replay_log import MemoryLog
 from service.wire import MESSAGEPACK, Key, encode_batch
-from storage import machines
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, wait_until
 from tests.service.ingest.plant_network import (
     DroppedOnTheWay,
@@ -73,7 +73,7 @@ def test_messages_that_the_network_dropped_are_fetched_when_the_gap_shows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Quiet sources are not looked at: the gap alone must bring what is missing, and in order."""
-    monkeypatch.setattr(ingest_checks, "TAIL_CHECK_S", 3600.0)
+    monkeypatch.setattr(periodic_checks, "TAIL_CHECK_S", 3600.0)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         for dropped in (False, False, True, True, False, True, False):
@@ -125,7 +125,7 @@ def test_what_a_log_could_not_tell_while_it_was_away_is_asked_for_when_it_is_bac
     router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Killed right behind a gap: the gap is counted as lost, and is no longer when the source is started again."""
-    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         lossy.publish()
@@ -143,8 +143,8 @@ def test_a_log_that_was_mute_while_its_source_was_connected_is_asked_again(
     router: zenoh.Session, client: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Frozen for some seconds, say: nobody is told that it was away."""
-    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.known_logs.SILENCE_S", 1.0)
+    monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.recovery.known_logs.SILENCE_S", 1.0)
     with ingesting(router, plant):
         wait_until(lambda: heard(client))
         lossy.publish()
@@ -193,7 +193,7 @@ def test_a_log_that_does_not_answer_holds_up_nobody_else(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its queries would last longer than the test."""
-    monkeypatch.setattr("service.log_queries.REPLAY_TIMEOUT_S", 60.0)
+    monkeypatch.setattr("service.recovery.log_queries.REPLAY_TIMEOUT_S", 60.0)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     mute = Key(KEY.plant, "pump-8")
@@ -279,7 +279,7 @@ def test_batches_in_another_order_are_stored_in_theirs(client: zenoh.Session, pl
 def test_many_quiet_sources_are_all_asked_though_few_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.log_queries.MOST_QUERIES", 2)
+    monkeypatch.setattr("service.recovery.log_queries.MOST_QUERIES", 2)
     names = [f"pump-{number}" for number in range(10, 20)]
     with plant.transaction() as session:
         for name in names:
@@ -311,9 +311,9 @@ class BusyLog(DroppedOnTheWay):
 def test_a_log_that_does_not_answer_for_a_hole_is_asked_again(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.known_logs.SILENCE_S", 3600.0)
-    monkeypatch.setattr("service.putting_off.FIRST_PAUSE_S", 0.3)
+    monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.recovery.known_logs.SILENCE_S", 3600.0)
+    monkeypatch.setattr("service.resilience.backoff.FIRST_PAUSE_S", 0.3)
     busy = BusyLog(client)
     with ingesting(router, plant):
         busy.leave_a_gap(plant)
@@ -339,7 +339,7 @@ def test_a_log_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What many logs answer at once must not fill the memory."""
-    monkeypatch.setattr("service.log_queries.MOST_ASKED", 3)
+    monkeypatch.setattr("service.recovery.log_queries.MOST_ASKED", 3)
     log = Asked(client)
     for _ in range(10):
         log.publish(dropped=True)
@@ -353,9 +353,9 @@ def test_a_log_is_asked_for_a_part_at_a_time(
 def test_a_large_hole_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.log_queries.MOST_ASKED", 1)
-    monkeypatch.setattr("service.healing.PATIENCE_S", 0.3)
-    monkeypatch.setattr("service.known_logs.SILENCE_S", 3600.0)
+    monkeypatch.setattr("service.recovery.log_queries.MOST_ASKED", 1)
+    monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
+    monkeypatch.setattr("service.recovery.known_logs.SILENCE_S", 3600.0)
     log = Asked(client)
     with ingesting(router, plant):
         log.leave_a_gap(plant)

@@ -7,11 +7,11 @@ import pytest
 import zenoh
 from sqlalchemy import text
 
-from service import ingest as ingest_module
-from service.ingest import Ingest
+from service.ingest import ingest_thread as ingest_module
+from service.ingest.ingest_thread import Ingest
 from service.wire import ALL_SAMPLES, Key, encode_batch
-from storage import runs
-from storage.database import Database
+from storage.database.engine import Database
+from storage.measurements import runs
 from tests.plant import KEY, batch, sweep_rpm, wait_until
 from tests.service.ingest.plant_network import Edge, counts, heard, ingesting, put, put_batch, received
 

@@ -10,17 +10,17 @@ import pytest
 import zenoh
 from sqlalchemy.exc import OperationalError
 
-from service import single_writes, storing
-from service.batch import Arrived, StoreOutcome
-from service.collection import Collector
-from service.ingest import Ingest
-from service.journal import Journal
-from service.sharing import lease_of
-from service.source_backoff import SourceBackoff
-from service.storing import WriteBatch
-from service.submissions import NotStoring
-from storage.database import Database
-from storage.quarantine import Rejection
+from service.ingest.ingest_thread import Ingest
+from service.journal import single_writes, write_batch
+from service.journal.batch import Arrived, StoreOutcome
+from service.journal.http_queue import NotStoring
+from service.journal.journal import Journal
+from service.journal.source_backoff import SourceBackoff
+from service.journal.write_batch import WriteBatch
+from service.replication.work_share import lease_of
+from service.runs.collector import Collector
+from storage.database.engine import Database
+from storage.measurements.quarantine import Rejection
 from tests.plant import KEY, SECOND, START, arrived, batch, wait_until
 from tests.service.ingest.plant_network import counts, heard, put_batch, received, rows
 
@@ -61,7 +61,7 @@ def journal(plant: Database) -> OnlyAlone:
 @pytest.fixture
 def held(journal: OnlyAlone, backoff: SourceBackoff, monkeypatch: pytest.MonkeyPatch) -> WriteBatch:
     """A write batch that stores one batch in a turn."""
-    monkeypatch.setattr(storing, "LONGEST_TURN_S", 0.0)
+    monkeypatch.setattr(write_batch, "LONGEST_TURN_S", 0.0)
     return WriteBatch(journal, backoff)
 
 
@@ -104,7 +104,7 @@ def test_a_turn_ends_when_its_time_is_over_and_what_comes_meanwhile_follows_in_o
 def test_as_much_is_stored_in_a_turn_as_there_is_time_for(
     plant: Database, journal: OnlyAlone, held: WriteBatch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(storing, "LONGEST_TURN_S", 60.0)
+    monkeypatch.setattr(write_batch, "LONGEST_TURN_S", 60.0)
     take(held, 0, 10)
     held.store()
     assert (len(journal.alone), len(held)) == (10, 0)

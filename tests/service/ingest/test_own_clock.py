@@ -8,13 +8,13 @@ import httpx
 import pytest
 import zenoh
 
-from service.collection import Collector
-from service.ingest import Ingest
-from service.journal import Journal
-from service.source import Source
-from service.submissions import Submissions
+from service.ingest.ingest_thread import Ingest
+from service.journal.http_queue import Submissions
+from service.journal.journal import Journal
+from service.runs.collector import Collector
+from service.sources.publisher import Source
 from service.wire import JSON, encode_body
-from storage.database import Database
+from storage.database.engine import Database
 from tests.asking import Api
 from tests.plant import KEY, SECOND, batch, wait_until
 from tests.service.ingest.plant_network import counts, heard, put_batch, received, rejected, rows

@@ -5,10 +5,11 @@ from typing import Any
 import pytest
 import zenoh
 
-from service.ingest import Ingest
+from service.ingest.ingest_thread import Ingest
 from service.wire import LARGEST_MESSAGE, encode_batch
-from storage import machines, quarantine
-from storage.database import Database
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.measurements import quarantine
 from tests.plant import KEY, batch, machine, wait_until
 from tests.refusing import refuse
 from tests.service.ingest.plant_network import counts, heard, put, put_batch, received, rejected, rows, stored_times

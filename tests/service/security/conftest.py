@@ -14,7 +14,7 @@ from service.security.configuration import Security
 from service.security.key_set import KeySet
 from service.security.principal import Role
 from service.security.tokens import Claims, Tokens
-from storage.database import Database
+from storage.database.engine import Database
 from tests.asking import Api, InProcess
 from tests.databases import Databases, opened
 from tests.plant import KEY

@@ -10,9 +10,9 @@ from sqlalchemy.exc import DBAPIError
 
 from service.security import api_keys
 from service.security.audit_watch import LOOK_S, AuditWatch
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 from tests.asking import PREFIX, Api, problem, value
 from tests.end_to_end.processes import Service, rundown
 from tests.plant import KEY

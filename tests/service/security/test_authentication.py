@@ -10,17 +10,18 @@ from cryptography.hazmat.primitives.asymmetric import ec, rsa
 from pydantic import BaseModel, create_model
 from sqlalchemy import select
 
-from service.api import alert_schemas, limit_schemas, timeline_schemas
+from service.api.alerts import schemas
+from service.api.machines import limit_schemas, timeline_schemas
+from service.resilience.rate_limit import RateLimit
 from service.security import api_keys
 from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
-from service.security.rate import RateLimit
 from service.security.tokens import Claims, TokenRefused, Tokens
-from storage import keys
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import api_keys as keys
 from storage.tables import ApiKeyRow, TimelineRow
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY
@@ -133,7 +134,7 @@ def test_every_body_that_says_who_does_it_is_filled_in() -> None:
     """A new model with `by` in a request must use Author."""
     asked = [
         one
-        for module in (alert_schemas, limit_schemas, timeline_schemas)
+        for module in (schemas, limit_schemas, timeline_schemas)
         for one in vars(module).values()
         if isinstance(one, type)
         and issubclass(one, BaseModel)

@@ -9,8 +9,8 @@ from typing import Any
 import httpx
 import pytest
 
+from service.configuration.settings import Settings
 from service.security.exposure import Exposed, beyond, require_authentication
-from service.settings import Settings
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import sqlite_url
 

@@ -9,15 +9,15 @@ import httpx
 import pytest
 from sqlalchemy import select
 
+from service.http.security_headers import NOTHING
 from service.security import api_keys
-from service.security.answer_headers import NOTHING
 from service.security.authentication import REMEMBERED_S
 from service.security.configuration import Security
 from service.security.login import PATIENCE_S
 from service.security.open_id import LoginFailed, OpenId
-from storage import audit, logins, sessions
 from storage.clock import now
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit, browser_sessions, logins
 from storage.tables import BrowserSessionRow
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY
@@ -160,14 +160,18 @@ def test_wrong_keys_are_slowed_down_and_written_down(api: Api, filled: Filled) -
 
 
 def test_of_somebodys_sessions_the_newest_go_on(api: Api, filled: Filled, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sessions, "MOST", 2)
+    monkeypatch.setattr(browser_sessions, "MOST", 2)
     logged_in(api, filled.keys["analyst"])
     found = []
     for _ in range(3):
         logged_in(api, filled.keys["viewer"])
         found.append(api.http.cookies["rundown_session"])
     with api.database.reading() as session:
-        assert [sessions.find(session, api_keys.key_hash(one), at=now()) is not None for one in found] == [False, True, True]
+        assert [browser_sessions.find(session, api_keys.key_hash(one), at=now()) is not None for one in found] == [
+            False,
+            True,
+            True,
+        ]
         assert len(session.scalars(select(BrowserSessionRow)).all()) == 3
 
 

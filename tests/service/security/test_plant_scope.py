@@ -7,12 +7,15 @@ from typing import Any
 import pytest
 from sqlalchemy import func, select, text
 
-from service.alerting import AlertFinding, raise_alert
-from service.api.event_stream import stream
+from service.alerts.transitions import AlertFinding, raise_alert
+from service.api.alerts.event_stream import stream
 from service.security.principal import Principal, Role
-from storage import deliveries, jobs, machines, quarantine
-from storage.database import Database
-from storage.plant_scope import NotScoped, PlantScope
+from storage.alerts import deliveries
+from storage.database.engine import Database
+from storage.database.plant_scope import NotScoped, PlantScope
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import quarantine
 from storage.tables import AlertEventRow, Base, DeliveryRow, MachineRow, QuarantineRow, SubscriptionRow
 from tests.asking import PREFIX, Api, problem, value
 from tests.plant import KEY, START, document

@@ -8,10 +8,10 @@ import httpx
 import pytest
 from pydantic import ValidationError
 
+from service.configuration.settings import Settings
 from service.security.proxies import as_seen, of_proxies
-from service.settings import Settings
-from storage import audit
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
 from tests.end_to_end.processes import Service, rundown
 from tests.service.security.conftest import bearer
 

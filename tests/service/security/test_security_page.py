@@ -3,7 +3,7 @@
 import re
 
 from service.api.application import application
-from storage.database import Database
+from storage.database.engine import Database
 from tests.end_to_end.processes import ROOT
 
 

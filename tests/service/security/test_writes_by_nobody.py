@@ -8,9 +8,9 @@ from sqlalchemy import func, select
 
 from service.security import repeated_entries
 from service.security.repeated_entries import MINUTE_S, RepeatedEntries
-from storage import audit
-from storage.audit import AuditedOperation
-from storage.database import Database
+from storage.database.engine import Database
+from storage.operation import audit
+from storage.operation.audit import AuditedOperation
 from storage.tables import IdempotencyKeyRow
 from tests.asking import PREFIX, Api, problem
 from tests.plant import KEY

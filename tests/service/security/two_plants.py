@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 from typing import Any
 
-from service import alerting, baselining
-from service.alerting import AlertFinding
-from storage import calibrations, deliveries, machines, quarantine, runs, samples, suppressions
-from storage.database import Database
-from storage.quarantine import Rejection
-from storage.samples import SourceKey
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from service.monitoring import baseline_changes
+from storage.alerts import deliveries, suppressions
+from storage.database.engine import Database
+from storage.machines import calibrations, machines
+from storage.measurements import quarantine, runs, samples
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
 from tests.plant import SECOND, START, identification, machine, store_identification, sweep_rpm
 from tests.plant import samples as some_samples
 
@@ -66,11 +69,11 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
                 machine_id=document.id,
             )
         finding = AlertFinding(f"the {word} machine moves", {"sigma": 6.1}, row.id, START, latching=True)
-        alert = alerting.raise_alert(session, document.id, rule="misalignment", element="coupling.C1", finding=finding)
+        alert = transitions.raise_alert(session, document.id, rule="misalignment", element="coupling.C1", finding=finding)
         suppression = suppressions.add(
             session, document.id, kind="out_of_service", rule="misfit", element=None, until=None, by=word, comment=word
         )
-        baselining.note(session, document.id, at=START, kind="note", text=f"{word} was looked at", by=word)
+        baseline_changes.note(session, document.id, at=START, kind="note", text=f"{word} was looked at", by=word)
         reject = Rejection(START, f"rundown/v1/{document.plant}/{document.id}/samples", document.id, "undecodable", word, b"?")
         quarantine.add(session, [reject])
         session.flush()

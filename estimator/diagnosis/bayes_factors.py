@@ -1,0 +1,366 @@
+"""Diagnosis of a machine since its baseline: the hypotheses that explain its newest runs best, and the runners-up.
+
+The runs of the baseline are observations of one machine that varies from run to run, those of the window of newest runs of one
+that may besides have varied with the season (`healthy_variation`), and changed. Each hypothesis adds changes of an expected
+size; its evidence is the logarithm of the factor by which the window is more probable with it than without (Kass and Raftery,
+J. Am. Stat. Assoc. 90 (1995) 773, doi:10.1080/01621459.1995.10476572), in closed form, as everything is Gaussian. The
+strongest is taken first; more is added as long as the evidence for it is strong, so that an unbalance and a misalignment are
+both named.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import scipy.special
+
+from estimator.arrays import Floats
+from estimator.diagnosis.finding_kind import Cause
+from estimator.diagnosis.healthy_variation import run_variation, slow_variation, typical_amplitude
+from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
+from estimator.diagnosis.observation import Observation
+from estimator.machine.document import Machine
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
+
+STRONG = 4.0
+"""Evidence from which on a cause is reported [-]: a factor of 55, in runs that each speak for it."""
+BESIDE = 0.05
+"""Part of the strongest cause's evidence that a further cause needs as well [-]: a large cause is never explained quite
+exactly.
+"""
+BESIDE_LINEAR = 6.0
+"""Most evidence that a cause which enters the response linearly asks of a further one [-]: however large it is, a cause that
+stands for months must not hide a misalignment.
+"""
+MOST_CAUSES = 4
+"""Most causes at once that are told apart."""
+LARGEST_STEPS = 10
+"""Most steps in which causes are added and taken back."""
+RUNNERS_UP = 3
+"""Number of runners-up that are named."""
+GAIN_TOLERANCE = 0.05
+"""Standard deviation of a channel's gain as believed before the baseline [-]."""
+RUN_OUT_TOLERANCE = 0.5
+"""Standard deviation of a channel's run-out as believed before the baseline, in units of its median amplitude [-]."""
+OPEN = 1e-6
+"""Precision of everything else as believed before the baseline, in units of the healthy variation [-]: nothing."""
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Causes of the changes in a window of runs.
+
+    Attributes:
+        causes: The causes, the strongest first.
+        runners_up: Per cause the other causes that would explain it, the best first.
+        evidence: Evidence [-] by kind and element of everything that was considered, beside the other causes.
+    """
+
+    causes: tuple[Cause, ...]
+    runners_up: tuple[tuple[Cause, ...], ...]
+    evidence: dict[tuple[str, str], float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Baseline of a machine, from all of its runs together, in units of the run-to-run variation.
+
+    Attributes:
+        names: Names of the N quantities.
+        origin: Point (N,) from which everything is counted [SI, logarithms of direct terms].
+        unit: Run-to-run standard deviations (N,) [SI, 1 for logarithms].
+        centre: Mean of the baseline (N,) [-].
+        doubt: Covariance (N, N) of the healthy machine around it: the mean's own error and the slow variation [-].
+        hypotheses: Everything that can have happened.
+    """
+
+    names: tuple[str, ...]
+    origin: Floats
+    unit: Floats
+    centre: Floats
+    doubt: Floats
+    hypotheses: tuple[Hypothesis, ...]
+    _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
+
+    def spoken(self, one: Observation) -> tuple[Floats, Floats]:
+        """Return the likelihood of the quantities around which a run varies.
+
+        Args:
+            one: Observation of the run.
+
+        Returns:
+            Precision (N, N) [-] and pull (N,) away from the mean [-].
+        """
+        if one not in self._spoken:
+            seen, drawn = _through_variation(one, self.origin, self.unit)
+            self._spoken[one] = seen, drawn - seen @ self.centre
+        return self._spoken[one]
+
+    @property
+    def mean(self) -> Floats:
+        """Return the baseline's mean (N,) [SI, logarithms of direct terms]."""
+        return np.asarray(self.origin + self.unit * self.centre)
+
+
+def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
+    """Build the baseline from observations of a healthy machine.
+
+    Args:
+        machine: The machine.
+        baseline: Its observations.
+
+    Returns:
+        The baseline.
+
+    Raises:
+        ValueError: There are no observations, or they are of different quantities.
+    """
+    if not baseline:
+        raise ValueError("a baseline needs at least one identification")
+    names = baseline[0].names
+    if any(one.names != names for one in baseline):
+        raise ValueError("the baseline's identifications are of different quantities")
+    unknown = unknowns(machine, assemble_rotor(machine))
+    origin = np.median([one.reference for one in baseline], axis=0)
+    unit = run_variation(baseline)
+    precision = np.diag(OPEN + unit**2 * np.array([_believed(name, baseline) for name in names]))
+    pull = np.zeros(len(names))
+    for one in baseline:
+        seen, drawn = _through_variation(one, origin, unit)
+        precision += seen
+        pull += drawn
+    error = np.linalg.inv(precision)
+    doubt = error + slow_variation(unknown, names, origin) / np.outer(unit, unit)
+    amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
+    found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
+    return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found)
+
+
+def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
+    """Diagnose what has happened between the baseline and some runs, all of them after it (Kass and Raftery 1995).
+
+    Args:
+        baseline: The baseline.
+        window: Observations of the runs.
+
+    Returns:
+        The diagnosis.
+
+    Raises:
+        ValueError: There is no run, or one of other quantities.
+    """
+    if not window or any(one.names != baseline.names for one in window):
+        raise ValueError("the identifications are not of the baseline's quantities")
+    deviation = Deviation.of(baseline, window)
+    chosen = _chosen(deviation)
+    causes = []
+    for one in chosen:
+        beside = deviation.given([other for other in chosen if other is not one])
+        rest = sorted((o for o in baseline.hypotheses if o not in chosen), key=beside.evidence, reverse=True)
+        runners_up = tuple(beside.cause(o) for o in rest[:RUNNERS_UP] if beside.evidence(o) > 0.0)
+        causes.append((beside.cause(one), runners_up))
+    causes.sort(key=lambda pair: -pair[0].evidence)
+    left = deviation.given(chosen)
+    evidence: dict[tuple[str, str], float] = {(one.kind, one.element): left.evidence(one) for one in baseline.hypotheses}
+    evidence |= {(cause.kind, cause.element): cause.evidence for cause, _ in causes}
+    return Diagnosis(tuple(cause for cause, _ in causes), tuple(others for _, others in causes), evidence)
+
+
+def _chosen(deviation: "Deviation") -> list[Hypothesis]:
+    """Choose the hypotheses that explain a deviation, one by one while there is strong evidence for one more."""
+    chosen: list[Hypothesis] = []
+    least = STRONG
+    for _ in range(LARGEST_STEPS):
+        within = deviation.given(chosen)
+        left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
+        if not left or len(chosen) == MOST_CAUSES:
+            break
+        best = max(left, key=within.evidence)
+        if within.evidence(best) < least:
+            break
+        # A whole takes the place of its parts.
+        chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
+        least = max([STRONG, *(_asked_beside(one, deviation.evidence(one)) for one in chosen)])
+        # What a new cause explains better is taken back.
+        needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
+        if len(needed) < len(chosen) and best not in needed:
+            break
+        chosen = needed
+    return chosen
+
+
+def _asked_beside(one: Hypothesis, evidence: float) -> float:
+    """Return the evidence that a further cause needs beside one with so much."""
+    return min(BESIDE * evidence, BESIDE_LINEAR if one.linear else math.inf)
+
+
+def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
+    """Check whether a cause moves nothing but what another one moves as well, such as a bearing beside a misaligned
+    coupling."""
+    return bool(one.elements) and any(one.elements < other.elements for other in of)
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Deviation of the runs of a window from the baseline, in units of the run-to-run variation.
+
+    Attributes:
+        baseline: The baseline.
+        precision: Precision (N, N) of the likelihood of a change [-].
+        pull: Pull (N,) of the likelihood of a change [-].
+        runs: Of each run by itself the precision (N, N) of the quantities around which it varies and its pull (N,) away from
+            the baseline's mean [-].
+    """
+
+    baseline: Reference
+    precision: Floats
+    pull: Floats
+    runs: tuple[tuple[Floats, Floats], ...]
+    _evidence: dict[int, tuple[float, ...]] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def of(cls, baseline: Reference, window: Sequence[Observation]) -> "Deviation":
+        """Compute the deviation of some observations from the baseline.
+
+        Args:
+            baseline: The baseline.
+            window: The observations.
+
+        Returns:
+            The deviation.
+        """
+        runs = [baseline.spoken(one) for one in window]
+        precision = np.sum([seen for seen, _ in runs], axis=0)
+        pull = np.sum([drawn for _, drawn in runs], axis=0)
+        kept = np.linalg.inv(np.eye(len(pull)) + precision @ baseline.doubt)
+        return cls(baseline, _symmetric(kept @ precision), kept @ pull, tuple(runs))
+
+    def given(self, causes: Sequence[Hypothesis]) -> "Deviation":
+        """Return the deviation with some causes allowed for.
+
+        Args:
+            causes: The causes.
+
+        Returns:
+            The deviation that is left.
+        """
+        if not causes:
+            return self
+        columns = np.concatenate([self._best(one) for one in causes], axis=1) / self.baseline.unit[:, None]
+        spread = np.linalg.inv(np.eye(columns.shape[1]) + columns.T @ self.precision @ columns)
+        gain = self.precision @ columns @ spread
+        precision = _symmetric(self.precision - gain @ columns.T @ self.precision)
+        pull = self.pull - gain @ (columns.T @ self.pull)
+        explained = columns @ (spread @ (columns.T @ self.pull))
+        runs = tuple((seen, drawn - seen @ explained) for seen, drawn in self.runs)
+        return Deviation(self.baseline, precision, pull, runs)
+
+    def evidence(self, one: Hypothesis) -> float:
+        """Compute the logarithm of the factor by which a hypothesis makes the window more probable.
+
+        All of its variants are equally probable before.
+
+        Args:
+            one: The hypothesis.
+
+        Returns:
+            Evidence [-].
+        """
+        found = self._by_variant(one)
+        return float(np.logaddexp.reduce(found) - np.log(len(found)))
+
+    def cause(self, one: Hypothesis) -> Cause:
+        """Return the hypothesis with the changes that it has most probably made.
+
+        Args:
+            one: The hypothesis.
+
+        Returns:
+            The cause.
+        """
+        columns = self._best(one)
+        mean, spread = self._posterior(columns)
+        change = columns @ mean
+        white = change / self.baseline.unit
+        moved = np.flatnonzero(np.any(columns != 0.0, axis=1))
+        return Cause(
+            kind=one.kind,
+            element=one.element,
+            evidence=self.evidence(one),
+            names=tuple(self.baseline.names[place] for place in moved),
+            change=change[moved],
+            covariance=columns[moved] @ spread @ columns[moved].T,
+            distance=math.sqrt(max(0.0, float(mean @ self._pull_along(columns)))),
+            agreement=tuple(float(white @ drawn - 0.5 * white @ seen @ white) for seen, drawn in self.runs),
+        )
+
+    def _pull_along(self, columns: Floats) -> Floats:
+        return np.asarray((columns / self.baseline.unit[:, None]).T @ self.pull)
+
+    def _by_variant(self, one: Hypothesis) -> tuple[float, ...]:
+        if id(one) not in self._evidence:
+            self._evidence[id(one)] = tuple(self._evidence_of(columns, one.rising) for columns in one.variants)
+        return self._evidence[id(one)]
+
+    def _best(self, one: Hypothesis) -> Floats:
+        return one.variants[int(np.argmax(self._by_variant(one)))]
+
+    def _evidence_of(self, columns: Floats, rising: Floats) -> float:
+        white = columns / self.baseline.unit[:, None]
+        pull = self._pull_along(columns)
+        whole = np.eye(columns.shape[1]) + white.T @ self.precision @ white
+        found = 0.5 * float(pull @ np.linalg.solve(whole, pull)) - 0.5 * float(np.linalg.slogdet(whole)[1])
+        if len(rising):
+            mean, spread = self._posterior(columns)
+            along = rising @ columns
+            size = np.sqrt(np.einsum("ij,jk,ik->i", along, spread, along))
+            # Half of what was believed before has it fall.
+            found += float(np.sum(scipy.special.log_ndtr((along @ mean) / size) + np.log(2.0)))
+        return found
+
+    def _posterior(self, columns: Floats) -> tuple[Floats, Floats]:
+        white = columns / self.baseline.unit[:, None]
+        spread = np.linalg.inv(np.eye(columns.shape[1]) + white.T @ self.precision @ white)
+        return np.asarray(spread @ self._pull_along(columns)), np.asarray(spread)
+
+
+def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
+    """Compute the logarithm of the factor by which a cause's change makes a run by itself more probable.
+
+    Args:
+        baseline: The baseline.
+        cause: The cause.
+        one: Observation of the run.
+
+    Returns:
+        Logarithm of the factor [-].
+    """
+    white = np.zeros(len(baseline.names))
+    white[[baseline.names.index(name) for name in cause.names]] = cause.change
+    white /= baseline.unit
+    seen, drawn = baseline.spoken(one)
+    return float(white @ drawn - 0.5 * white @ seen @ white)
+
+
+def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:
+    """Compute precision (N, N) and pull (N,), in units of the variation, of the point around which a run's quantities vary."""
+    information = one.information * np.outer(unit, unit)
+    pull = unit * (one.gradient + one.information @ (one.reference - origin))
+    reach = np.linalg.inv(np.eye(len(origin)) + information)
+    return _symmetric(np.eye(len(origin)) - reach), np.asarray(reach @ pull)
+
+
+def _symmetric(matrix: Floats) -> Floats:
+    return np.asarray((matrix + matrix.T) / 2)
+
+
+def _believed(name: str, baseline: Sequence[Observation]) -> float:
+    """Return the precision of a channel's error as believed before the baseline; 0 for everything else."""
+    parts = name.split(".")
+    if parts[0] != "probe":
+        return 0.0
+    if parts[2] == "gain":
+        return 1.0 / GAIN_TOLERANCE**2
+    return 1.0 / (RUN_OUT_TOLERANCE * typical_amplitude(parts[1], baseline)) ** 2

@@ -1,0 +1,141 @@
+"""Faults of the data of some runs, not of the machine: lost channels, outliers, a model that fits no more."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.diagnosis.observation import Observation
+from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
+
+LOST = 0.1
+"""Part of the samples with a phasor of a channel below which the channel is lost [-]."""
+PRESENT = 0.5
+"""Part of the baseline's samples with a phasor of a channel above which it was present [-]."""
+MANY_OUTLIERS = 0.02
+"""Part of the phasors left out as outliers from which on they are reported [-]."""
+REFUSED = 1.0
+"""Least evidence of a run that no fit explains, whose χ² need not be the reason of the refusal [-]."""
+MOSTLY_LEFT_OUT = 0.3
+"""Part of a channel's phasors above which those left out do not count [-]: the channel is a cause by itself."""
+
+
+@dataclass(frozen=True)
+class DataFault:
+    """Fault of the data of some runs.
+
+    Attributes:
+        element: Name of the element.
+        agreement: Per run the logarithm of the factor by which the fault makes the run more probable [-].
+    """
+
+    element: str
+    agreement: tuple[float, ...]
+
+
+def lost_channels(baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Find the channels that the baseline had and no run of the window has.
+
+    The evidence is of the number of phasors that are missing, if each had been there as often as in the baseline.
+
+    Args:
+        baseline: Observations of the baseline.
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault for each lost channel.
+    """
+    for channel in window[-1].phasors:
+        before = float(np.mean([_part(one, channel) for one in baseline]))
+        if before <= PRESENT or any(_part(one, channel) >= LOST for one in window):
+            continue
+        missing = math.log(1.0 / (1.0 - min(before, 0.99)))
+        yield DataFault(f"probe.{channel}", tuple(one.samples * missing for one in window))
+
+
+def many_outliers(_baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Find outliers that are spread over the channels in each run; the evidence is against half of MANY_OUTLIERS.
+
+    Args:
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault where there are.
+    """
+    shares = [_outlying(one) for one in window]
+    if all(left_out > MANY_OUTLIERS * count for left_out, count in shares):
+        yield DataFault("machine", tuple(_surprise(*share) for share in shares))
+
+
+def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> Iterator[DataFault]:
+    """Find out whether no fit explains any of the runs, with the errors of some channels allowed for.
+
+    Args:
+        window: Observations of the newest runs.
+        faulty_channels: Ids of the channels whose errors are allowed for.
+
+    Yields:
+        A fault where none does.
+    """
+    if not any(fits(one, faulty_channels) for one in window):
+        yield DataFault("machine", tuple(max(REFUSED, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window))
+
+
+def fits(one: Observation, channels: frozenset[str]) -> bool:
+    """Check whether an identification was accepted, or would be with the errors of some channels allowed for.
+
+    Args:
+        one: Observation of the run.
+        channels: Ids of the channels.
+
+    Returns:
+        Whether it was or would be.
+    """
+    if one.accepted:
+        return True
+    others = {channel: count for channel, count in one.outliers.items() if channel not in channels}
+    usable = sum(one.phasors.values()) + sum(one.outliers.values())
+    if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
+        return False
+    if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
+        return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
+    return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
+
+
+def _explained(one: Observation, channels: frozenset[str]) -> float:
+    """Compute the fall of χ² when the gains and run-outs of these channels are fitted along."""
+    left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
+    known = np.diag(one.information) > 0.0  # of a channel without phasors nothing is
+    free = known & np.array([_channel(name) in channels - left_out for name in one.names])
+    machine = np.array([_channel(name) is None for name in one.names])
+    if not free.any():
+        return 0.0
+    across = one.information[np.ix_(free, machine)]
+    own = one.information[np.ix_(free, free)] - across @ np.linalg.solve(one.information[np.ix_(machine, machine)], across.T)
+    score = one.gradient[free]
+    return float(score @ np.linalg.solve(own, score))
+
+
+def _channel(name: str) -> str | None:
+    return name.split(".")[1] if name.startswith("probe.") else None
+
+
+def _usable(one: Observation, channel: str) -> int:
+    return one.phasors.get(channel, 0) + one.outliers.get(channel, 0)
+
+
+def _part(one: Observation, channel: str) -> float:
+    return _usable(one, channel) / max(1, one.samples)
+
+
+def _outlying(one: Observation) -> tuple[int, int]:
+    """Count outliers and phasors of the channels that were not mostly left out."""
+    counts = [(one.outliers.get(channel, 0), _usable(one, channel)) for channel in one.phasors]
+    kept = [(left_out, usable) for left_out, usable in counts if left_out <= MOSTLY_LEFT_OUT * usable]
+    return sum(left_out for left_out, _ in kept), sum(usable for _, usable in kept)
+
+
+def _surprise(left_out: int, count: int) -> float:
+    usual, share = MANY_OUTLIERS / 2.0, left_out / count
+    return left_out * math.log(share / usual) + (count - left_out) * math.log((1.0 - share) / (1.0 - usual))

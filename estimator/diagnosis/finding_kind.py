@@ -1,0 +1,140 @@
+"""Parts of a kind of finding: its elements, the changes it makes, its signs in the data, and its size."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.diagnosis.change_columns import ChangeColumns
+from estimator.diagnosis.data_faults import DataFault
+from estimator.diagnosis.observation import Observation
+
+ElementKind = Literal["coupling", "bearing", "seal", "disc", "shaft", "probe", "machine"]
+Place = Literal["machine", "channels", "data"]
+
+
+@dataclass(frozen=True, eq=False)
+class ExpectedChange:
+    """Change of the N quantities of a diagnosis that one finding at one element makes.
+
+    Attributes:
+        element: Name of the element, such as `coupling.C1`.
+        variants: Columns (N, r) of the size expected, from simple to free [SI, logarithms of direct terms].
+        moves: Names of the elements whose coefficients it changes.
+        rising: Functionals (q, N) of the change that must be positive [-]; None for none.
+    """
+
+    element: str
+    variants: tuple[Floats, ...]
+    moves: frozenset[str] = frozenset()
+    rising: Floats | None = None
+
+
+@dataclass(frozen=True)
+class Cause:
+    """Something that has happened.
+
+    Attributes:
+        kind: Kind of the finding.
+        element: Name of the element.
+        evidence: Logarithm of the factor by which it makes the runs more probable, beside the other causes [-].
+        names: Names of the k quantities that it moves.
+        change: Change (k,) of these [SI, logarithms of direct terms].
+        covariance: Covariance (k, k) of the change [SI²].
+        distance: Size of the change in standard deviations [-].
+        agreement: Per run of the window the logarithm of the factor by which the change makes this run by itself more probable
+            [-].
+    """
+
+    kind: str
+    element: str
+    evidence: float
+    names: tuple[str, ...]
+    change: Floats
+    covariance: Floats
+    distance: float
+    agreement: tuple[float, ...]
+
+    @property
+    def error(self) -> Floats:
+        """Return the standard errors (k,) of the change [SI, logarithms of direct terms]."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+@dataclass(frozen=True)
+class ChangeSize:
+    """Size of a cause in the units that people reckon in.
+
+    Attributes:
+        per_cent: Change in per cent of the element's values in the baseline [%]; None where the cause has no size.
+        quantities: Parts of the size by name with the unit at its end, such as `stiffness_per_cent`, `magnitude_g_mm`,
+            `angle_deg` [unit of the name].
+    """
+
+    per_cent: float | None
+    quantities: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class BaselineValues:
+    """Values of a machine in its baseline.
+
+    Attributes:
+        quantities: Mean of each quantity by name [SI, logarithms of direct terms].
+        amplitudes: Median amplitude by channel [m].
+    """
+
+    quantities: Mapping[str, float]
+    amplitudes: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class FindingKind:
+    """Declaration of one kind of finding.
+
+    Attributes:
+        kind: Its name.
+        elements: Kinds of elements at which it can lie.
+        place: Place of the fault: the machine's coefficients and forces, the measuring channels, or the data and their model.
+        changes: Function that yields the changes that it can make, one hypothesis each.
+        data_fault: Function that finds it in the phasors of the baseline and of a window of runs.
+        fit_fault: Function that finds it in the fits of a window, beside the channels that the diagnosis calls faulty.
+        size: Function that returns the size of a cause; needed beside `changes`.
+        form: Function that returns the form of a cause, as far as the data tell.
+        linear: Whether it enters the response linearly, so that it explains its effect exactly.
+
+    Raises:
+        ValueError: A part of the declaration is missing.
+    """
+
+    kind: str
+    elements: tuple[ElementKind, ...]
+    place: Place
+    changes: Callable[[ChangeColumns], Iterator[ExpectedChange]] | None = None
+    data_fault: Callable[[Sequence[Observation], Sequence[Observation]], Iterator[DataFault]] | None = None
+    fit_fault: Callable[[Sequence[Observation], frozenset[str]], Iterator[DataFault]] | None = None
+    size: Callable[[Cause, BaselineValues], ChangeSize] | None = None
+    form: Callable[[Cause], str | None] | None = None
+    linear: bool = False
+
+    def __post_init__(self) -> None:
+        if not self.elements:
+            raise ValueError(f"finding kind '{self.kind}' names no kinds of elements at which it can lie")
+        if self.changes is None and self.data_fault is None and self.fit_fault is None:
+            raise ValueError(f"finding kind '{self.kind}' has no changes, data_fault or fit_fault: nothing would ever find it")
+        if self.changes is not None and self.size is None:
+            raise ValueError(f"finding kind '{self.kind}' has changes and no size: nobody could say how large they are")
+
+    def require_element(self, element: str) -> None:
+        """Check that the finding can lie at an element.
+
+        Args:
+            element: Name of the element.
+
+        Raises:
+            ValueError: It cannot.
+        """
+        if element.split(".", 1)[0] not in self.elements:
+            raise ValueError(f"finding kind '{self.kind}' is declared for {', '.join(self.elements)}, not for '{element}'")

@@ -1,0 +1,250 @@
+"""Kinds of findings of a diagnosis, each declared once: `FINDING_KINDS`.
+
+To add one, write its changes (or its fault of the data) and its size here and declare it;
+`service/monitoring/finding_rules.py` has its sentence and limits.
+
+The signs of misalignment are the thesis's (§5.7-5.8): direct and cross-coupled coefficients of the coupling and of the
+bearings beside it grow together. A bearing or a coupling that changes alone is no misalignment; an unbalance moves no
+coefficient; an error of a channel moves everything that this channel measures, in proportions that the fit itself can tell.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.diagnosis.change_columns import RISE, ChangeColumns
+from estimator.diagnosis.data_faults import lost_channels, many_outliers, misfit
+from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
+from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.machine.parameter_description import describe
+from estimator.trends.deviations import element_of
+
+UNEVEN = 0.04
+"""Difference by which one element of a misaligned train may rise more than another, of logarithms [-]."""
+UNBALANCE = 0.5
+"""Expected change of an unbalance, in units of the machine's median one [-]."""
+GAIN = 0.15
+"""Expected change of a gain, each part [-]."""
+FORM_SIGNIFICANCE = 2.0
+"""Standard errors by which a coupling's lateral and angular stiffness must have risen differently to tell the form [-]."""
+
+
+# --- misalignment, a coupling or a bearing by itself -------------------------------------------------------------------------
+
+
+def _misalignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the common growth of each coupling and of the bearings beside it."""
+    for coupling in columns.machine.couplings:
+        own = f"coupling.{coupling.id}"
+        neighbours = [f"bearing.{bearing}" for bearing in neighbouring_bearings(columns.machine, coupling)]
+        beside = [element for element in neighbours if columns.direct_terms(element, "stiffness").any()]
+        if beside and columns.direct_terms(own, "stiffness").any():
+            yield _misalignment(columns, own, beside)
+
+
+def _misalignment(columns: ChangeColumns, own: str, beside: list[str]) -> ExpectedChange:
+    elements = [own, *beside]
+    together = RISE * sum(columns.growth(element) for element in elements)
+    each = [UNEVEN * columns.growth(element) for element in elements]
+    single = [column for element in elements for column in columns.single_coefficients(element)]
+    variants = tuple(np.column_stack([together, *each, *more]) for more in ([], single))
+    rising = np.stack([_mean_of(columns.direct_terms(element, "stiffness")) for element in elements])
+    return ExpectedChange(own, variants, frozenset(elements), rising)
+
+
+def _couplings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    return _single_elements(columns, [f"coupling.{one.id}" for one in columns.machine.couplings])
+
+
+def _bearings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    bearings = [f"bearing.{one.id}" for one in columns.machine.bearings]
+    return _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
+
+
+def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterator[ExpectedChange]:
+    """Yield the change of each element by itself, unless the document fixes all its coefficients or ties them to another's."""
+    for element in elements:
+        if columns.changes(element):
+            yield ExpectedChange(element, columns.element_variants(element), frozenset([element]))
+
+
+def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping."""
+    growths = _growths(cause)
+    stiffness = [per_cent for name, (per_cent, _) in growths.items() if name.endswith(".stiffness_per_cent")]
+    return ChangeSize(float(np.mean(stiffness)), {name: per_cent for name, (per_cent, _) in growths.items()})
+
+
+def _element_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the surest of the growths of stiffness and damping, beside both."""
+    growths = _growths(cause)
+    surest = max(((certainty, per_cent) for per_cent, certainty in growths.values()), default=None)
+    return ChangeSize(None if surest is None else surest[1], {name: per_cent for name, (per_cent, _) in growths.items()})
+
+
+def _growths(cause: Cause) -> Mapping[str, tuple[float, float]]:
+    """Return by `element.stiffness_per_cent` and `element.damping_per_cent` the growth and its number of standard errors."""
+    found: dict[str, tuple[float, float]] = {}
+    for element in dict.fromkeys(element_of(name) for name in cause.names):
+        for what, order in (("stiffness", 0), ("damping", 1)):
+            terms = [said.term if (said := describe(name)).element == element else None for name in cause.names]
+            which = _mean_of([term is not None and term.direct and term.order == order for term in terms])
+            if not which.any():
+                continue
+            value, error = float(which @ cause.change), math.sqrt(float(which @ cause.covariance @ which))
+            found[f"{element}.{what}_per_cent"] = 100.0 * math.expm1(value), abs(value) / max(error, 1e-12)
+    return found
+
+
+def misalignment_form(cause: Cause) -> str | None:
+    """Return the form of a misalignment, as far as a coupling's lateral and angular stiffness tell it.
+
+    A parallel offset bends the coupling's elements sideways, an angular one tilts them (thesis §5.7): the stiffness that has
+    clearly risen more decides.
+
+    Args:
+        cause: The misalignment.
+
+    Returns:
+        `parallel`, `angular` or `combined`; None where the data do not tell.
+    """
+    own = [said.quantity if (said := describe(name)).element == cause.element else None for name in cause.names]
+    lateral = _mean_of([term in ("kxx", "kyy") for term in own])
+    angular = _mean_of([term in ("k_phix", "k_phiy") for term in own])
+    if not lateral.any() or not angular.any():
+        return None
+    rises = np.stack([lateral, angular])
+    value, spread = rises @ cause.change, rises @ cause.covariance @ rises.T
+    error = np.sqrt(np.diag(spread))
+    difference = float(value[0] - value[1])
+    difference_error = math.sqrt(max(0.0, float(spread[0, 0] + spread[1, 1] - 2.0 * spread[0, 1])))
+    if difference_error > 0.0 and abs(difference) > FORM_SIGNIFICANCE * difference_error:
+        return "parallel" if difference > 0.0 else "angular"
+    # Where one was not measured by itself, the two only rise together because they are believed to.
+    measured = difference_error < float(min(value)) and bool(np.all(value > FORM_SIGNIFICANCE * error))
+    return "combined" if measured else None
+
+
+# --- unbalance ---------------------------------------------------------------------------------------------------------------
+
+
+def _unbalances(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of the unbalance in each plane, in any direction."""
+    planes = [one for one in columns.unknowns.unbalances if columns.knows(one.name)]
+    median = float(np.median([columns.magnitude(one.name) for one in planes])) if planes else 0.0
+    for plane in planes:
+        size = UNBALANCE * max(median, columns.magnitude(plane.name))
+        yield ExpectedChange(plane.element, (columns.complex_pair(plane.name, size),))
+
+
+def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
+    change = complex(_complex_changes(cause)[0])
+    before = complex(*(baseline.quantities[name] for name in cause.names))
+    after = before + change
+    quantities = {
+        "change_g_mm": 1e6 * abs(change),
+        "change_deg": math.degrees(np.angle(change)),
+        "before_g_mm": 1e6 * abs(before),
+        "after_g_mm": 1e6 * abs(after),
+        "after_deg": math.degrees(np.angle(after)),
+    }
+    return ChangeSize(100.0 * abs(change) / max(abs(before), 1e-300), quantities)
+
+
+# --- measuring channels ------------------------------------------------------------------------------------------------------
+
+
+def _gains(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of gain and phase of each channel."""
+    for probe in columns.machine.probes:
+        name = f"probe.{probe.id}.gain"
+        if columns.knows(name):
+            yield ExpectedChange(f"probe.{probe.id}", (columns.complex_pair(name, GAIN),))
+
+
+def _gain_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the change of gain and phase; a lost channel has none."""
+    if not cause.names:
+        return ChangeSize(None)
+    gain = _complex_changes(cause)[0]
+    quantities = {"gain_per_cent": 100.0 * (abs(1.0 + gain) - 1.0), "phase_deg": math.degrees(np.angle(1.0 + gain))}
+    return ChangeSize(100.0 * abs(gain), quantities)
+
+
+def _run_outs(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of the run-out of each channel."""
+    for probe in columns.machine.probes:
+        if columns.knows(f"probe.{probe.id}.run_out"):
+            yield ExpectedChange(f"probe.{probe.id}", (columns.run_out_pair(probe.id),))
+
+
+def _bows(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of the run-outs of all channels of each shaft."""
+    for shaft in columns.machine.shafts:
+        probes = [probe.id for probe in columns.machine.probes if probe.shaft == shaft.id]
+        known = [one for one in probes if columns.knows(f"probe.{one}.run_out")]
+        if len(known) > 1:
+            together = np.concatenate([columns.run_out_pair(one) for one in known], axis=1)
+            yield ExpectedChange(f"shaft.{shaft.id}", (together,))
+
+
+def _run_out_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
+    """Return the largest change of a run-out, of the channel's amplitude in the baseline."""
+    channels = [name.split(".")[1] for name in cause.names[::2]]
+    sizes = np.abs(_complex_changes(cause))
+    relative = [size / baseline.amplitudes[channel] for size, channel in zip(sizes, channels, strict=True)]
+    return ChangeSize(100.0 * max(relative), {"largest_um": 1e6 * float(sizes.max())})
+
+
+def _complex_changes(cause: Cause) -> Complexes:
+    """Return the changes of complex quantities, of which real and imaginary part stand one after the other."""
+    return np.asarray(cause.change[::2] + 1j * cause.change[1::2])
+
+
+def _mean_of(which: Sequence[bool] | Floats) -> Floats:
+    """Return weights of the mean over the entries that are chosen; zeros where none is."""
+    chosen = np.array(which, dtype=float)
+    return np.asarray(chosen / max(1.0, float(chosen.sum())))
+
+
+FINDING_KINDS: tuple[FindingKind, ...] = (
+    FindingKind(
+        "misalignment", ("coupling",), "machine", changes=_misalignments, size=_misalignment_size, form=misalignment_form
+    ),
+    FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size),
+    FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size),
+    FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
+    FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
+    FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),
+    FindingKind("sensor", ("probe",), "channels", changes=_gains, size=_gain_size, data_fault=lost_channels),
+    FindingKind("misfit", ("machine",), "data", fit_fault=misfit),
+    FindingKind("outliers", ("machine",), "data", data_fault=many_outliers),
+)
+"""Kinds of findings in the order in which they are named to people."""
+
+
+def _by_kind(declared: Sequence[FindingKind]) -> Mapping[str, FindingKind]:
+    found = {one.kind: one for one in declared}
+    if len(found) < len(declared):
+        raise ValueError(f"a finding kind is declared twice: {', '.join(one.kind for one in declared)}")
+    return found
+
+
+_BY_KIND = _by_kind(FINDING_KINDS)
+
+
+def finding_kind(kind: str) -> FindingKind:
+    """Return the declaration of a kind of finding.
+
+    Args:
+        kind: Name of the kind.
+
+    Returns:
+        The declaration.
+
+    Raises:
+        KeyError: There is none.
+    """
+    return _BY_KIND[kind]

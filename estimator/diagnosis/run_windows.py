@@ -1,0 +1,194 @@
+"""Watch over a machine after its newest run: causes that its newest runs agree on, and those that have gone.
+
+A step shows in the newest runs at once, a creeping change only in the mean of several, in which the run-to-run variation
+averages out. So windows of different lengths end at the newest run, and the shortest that shows something decides. A longer
+one adds to it only where what was found lasts through all of its runs: what stands for months must not hide what creeps.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from estimator.diagnosis.bayes_factors import STRONG, Diagnosis, Reference, agreement, diagnose, reference
+from estimator.diagnosis.data_faults import DataFault, fits
+from estimator.diagnosis.finding_kind import Cause, FindingKind
+from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
+from estimator.diagnosis.observation import Observation
+from estimator.machine.document import Machine
+
+LONGEST = 3
+"""Length of the longest window over the number of runs that must agree."""
+GONE = 0.3
+"""Part of the evidence it took to report a cause, below which the cause is gone [-]."""
+Delay = Callable[[str, str], int]
+"""Function of kind and element that returns how many runs must agree on such a cause."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A machine under watch.
+
+    Attributes:
+        baseline: The baseline's observations.
+        reference: The reference that they make together.
+    """
+
+    baseline: tuple[Observation, ...]
+    reference: Reference
+    _explained: dict[tuple[Observation, ...], Diagnosis] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
+        """Build the watch from the observations of a healthy machine.
+
+        Args:
+            machine: The machine.
+            baseline: Its observations.
+
+        Returns:
+            The watch.
+
+        Raises:
+            ValueError: The baseline does not make a reference, see `reference`.
+        """
+        return cls(tuple(baseline), reference(machine, baseline))
+
+    def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
+        """Find the causes that the newest of the runs after the baseline agree on.
+
+        Args:
+            after: Observations of the runs after the baseline, oldest first.
+            on_delay: Function that returns how many runs must agree on a cause.
+
+        Returns:
+            The diagnosis.
+        """
+        causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
+        for length in self._window_lengths(on_delay):
+            if length > len(after):
+                break
+            found = self._diagnosis(after[-length:])
+            agreed = {}
+            for cause, runners_up in zip(found.causes, found.runners_up, strict=True):
+                needed = on_delay(cause.kind, cause.element)
+                if needed <= length and min(cause.agreement[-needed:]) > 0.0:
+                    agreed[cause.kind, cause.element] = cause, runners_up
+            if not all(key in agreed and min(agreed[key][0].agreement) > 0.0 for key in causes):
+                break
+            causes = agreed | causes
+        order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
+        return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
+
+    def gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
+        """Check whether the newest runs show a cause no more.
+
+        Args:
+            after: Observations of the runs after the baseline, oldest first.
+            kind: Kind of the cause.
+            element: Element of the cause.
+            off_delay: Number of newest runs that must not show it.
+
+        Returns:
+            Whether it has gone.
+        """
+        if len(after) < off_delay:
+            return False
+        window = after[-off_delay:]
+        if any(self._shows_fault(one, kind, element) for one in window):
+            return False
+        whole = self._diagnosis(window)
+        if any((cause.kind, cause.element) == (kind, element) for cause in whole.causes):
+            return False
+        channels = faulty_channels(whole)
+        place = finding_kind(kind).place
+        if not all(fits(one, channels) for one in window) and place != "channels":
+            return place == "data" and all(one.accepted for one in window)
+        return self._explanation(window).evidence.get((kind, element), 0.0) < GONE * STRONG
+
+    def began(self, cause: Cause, after: Sequence[Observation]) -> int:
+        """Find the run with which a cause most probably began: from there on the runs together speak for it most.
+
+        Args:
+            cause: The cause.
+            after: Observations of the runs after the baseline, oldest first.
+
+        Returns:
+            Index of the run.
+        """
+        if not cause.names:
+            return len(after) - len(cause.agreement)
+        spoken = [agreement(self.reference, cause, one) for one in after]
+        sums = np.cumsum(spoken[::-1])[::-1]
+        return int(np.argmax(sums))
+
+    def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
+        """Check whether the data of a single run have this fault: one that comes and goes has not gone."""
+        declared = finding_kind(kind)
+        declared.require_element(element)
+        faults = () if declared.data_fault is None else declared.data_fault(self.baseline, [one])
+        return any(fault.element == element for fault in faults)
+
+    def _window_lengths(self, on_delay: Delay) -> list[int]:
+        delays = {on_delay(one.kind, one.element) for one in self.reference.hypotheses}
+        return sorted(length for delay in delays for length in (delay, delay + 1, LONGEST * delay))
+
+    def _explanation(self, window: Sequence[Observation]) -> Diagnosis:
+        """Diagnose a window once: several questions are asked about the same runs."""
+        runs = tuple(window)
+        if runs not in self._explained:
+            self._explained[runs] = diagnose(self.reference, runs)
+        return self._explained[runs]
+
+    def _diagnosis(self, window: Sequence[Observation]) -> Diagnosis:
+        """Find causes in the machine, in its channels and in the data; none of the machine where no fit explains the runs."""
+        found = self._explanation(window)
+        channels = faulty_channels(found)
+        if not all(fits(one, channels) for one in window):
+            kept = [i for i, cause in enumerate(found.causes) if _lies_in_channels(cause)]
+            found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
+        beside = tuple(self._data_causes(window, faulty_channels(found)))
+        return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
+
+    def _data_causes(self, window: Sequence[Observation], channels: frozenset[str]) -> Iterator[Cause]:
+        """Yield the faults of a window's data, where these channels are known to be faulty."""
+        for kind in FINDING_KINDS:
+            for fault in () if kind.data_fault is None else kind.data_fault(self.baseline, window):
+                yield _data_cause(kind, fault)
+            for fault in () if kind.fit_fault is None else kind.fit_fault(window, channels):
+                yield _data_cause(kind, fault)
+
+
+def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
+    """Return the channels that a diagnosis calls faulty.
+
+    Args:
+        diagnosis: The diagnosis.
+
+    Returns:
+        Ids of the channels.
+    """
+    names = (name for cause in diagnosis.causes if _lies_in_channels(cause) for name in cause.names)
+    return frozenset(name.split(".")[1] for name in names)
+
+
+def _lies_in_channels(cause: Cause) -> bool:
+    return finding_kind(cause.kind).place == "channels"
+
+
+def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:
+    """Return a fault of the data as a cause without quantities."""
+    kind.require_element(fault.element)
+    evidence = math.fsum(fault.agreement)
+    nothing = np.zeros(0)
+    return Cause(
+        kind=kind.kind,
+        element=fault.element,
+        evidence=evidence,
+        names=(),
+        change=nothing,
+        covariance=np.zeros((0, 0)),
+        distance=math.sqrt(2.0 * evidence),
+        agreement=fault.agreement,
+    )

@@ -1,0 +1,134 @@
+"""Effects of errors of single channels on a fit: a gain that is off, a run-out that was not there.
+
+A fit takes the measuring chains as the document describes them. Beside its estimates it can say, to first order, how each
+would move if a channel's gain or run-out were another, and how much better the data would then be explained: the score and the
+information of those errors (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987), from one more
+linearisation at the fitted point. A diagnosis tells a drifting probe from a changing bearing by this.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.maximum_likelihood import FitProblem, FitResult, settled
+from estimator.machine.parameter_description import describe
+
+MOSTLY_LEFT_OUT = 0.3
+"""Part of a channel's phasors [-]; where more was left out, the channel itself is at fault and all of its phasors are used."""
+RUN_OUT_UNIT = 1e-6
+"""Unit [m] of run-outs while the matrices are built, so that they are of the size of everything else."""
+
+
+@dataclass(frozen=True)
+class ChannelEffects:
+    """Errors of channels that a fit of n coordinates left out, e of them.
+
+    Attributes:
+        names: Names of the errors, such as `probe.B1L.gain.real` [-] and `probe.B1L.run_out.real` [m].
+        bias: Shift (n, e) of the fit's point, taken off it when an error of one unit is allowed for [SI per unit of the
+            error].
+        information: Information (e, e) of the errors beside all coordinates [1/unit²].
+        score: Half the derivative (e,) of -χ² by the errors [1/unit].
+        phasors: Number of used phasors of each of the m channels.
+        amplitude: Median amplitude of the used phasors of each of the m channels [m], 0 where none was used.
+    """
+
+    names: tuple[str, ...]
+    bias: Floats
+    information: Floats
+    score: Floats
+    phasors: tuple[int, ...]
+    amplitude: tuple[float, ...]
+
+
+def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
+    """Compute the effects of every channel's gain and run-out that the fit did not identify along.
+
+    Source: score and information after Rao (1948, doi:10.1017/S0305004100023987).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        inflation: Factor by which the fit's covariance was widened [-]; the information and the score are divided by it.
+
+    Returns:
+        Effects of e errors of channels.
+    """
+    whole = _with_every_channel(settled(problem, found))
+    doubtful = _mostly_left_out(whole)
+    own, extended = problem.coordinates, whole.coordinates
+    index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)
+    added = np.setdiff1d(np.arange(extended.size), index)
+    point = np.zeros(extended.size)
+    point[index] = own.point(found.theta)
+    theta = extended.theta(point)
+
+    amplitude = np.abs(whole.model(theta))
+    _, gradient, curvature = whole.linearised(theta, whole.weight(amplitude, 0.0))
+    unit = extended.unit
+    precision = np.diag((own.spread * own.unit) ** -2.0)
+    among = curvature[np.ix_(index, index)] / np.outer(unit[index], unit[index]) + precision
+    across = curvature[np.ix_(index, added)] / np.outer(unit[index], unit[added])
+    size = np.sqrt(np.diag(among))
+    bias = np.linalg.solve(among / np.outer(size, size), across / size[:, None]) / size[:, None]
+    information = curvature[np.ix_(added, added)] / np.outer(unit[added], unit[added]) - across.T @ bias
+    score = gradient[added] / unit[added]
+    if doubtful.any():
+        bias, information, score = _judged_alone(whole, theta, doubtful, added, (bias, information, score))
+    used = whole.used
+    return ChannelEffects(
+        names=tuple(extended.names[place] for place in added),
+        bias=bias,
+        information=information / inflation,
+        score=score / inflation,
+        phasors=tuple(int(count) for count in np.count_nonzero(used, axis=0)),
+        amplitude=tuple(
+            float(np.median(amplitude[used[:, c], c])) if used[:, c].any() else 0.0 for c in range(amplitude.shape[1])
+        ),
+    )
+
+
+def _mostly_left_out(problem: FitProblem) -> NDArray[np.bool_]:
+    """Mark the channels that the fit has given up (m,)."""
+    usable = np.count_nonzero(problem.measurement.usable, axis=0)
+    left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
+    return np.asarray(left_out > MOSTLY_LEFT_OUT * np.maximum(usable, 1))
+
+
+def _judged_alone(
+    problem: FitProblem,
+    theta: Floats,
+    doubtful: NDArray[np.bool_],
+    added: NDArray[np.intp],
+    effects: tuple[Floats, Floats, Floats],
+) -> tuple[Floats, Floats, Floats]:
+    """Compute the effects of doubtful channels' errors from all their phasors, against the fit of the others.
+
+    Gain and run-out enter a channel's phasors linearly, so that this holds for errors of any size; the fit's own error there
+    is small beside them and left out.
+    """
+    restored = replace(problem, outlier=problem.outlier & ~doubtful)
+    amplitude = np.abs(restored.model(theta))
+    _, gradient, curvature = restored.linearised(theta, restored.weight(amplitude, 0.0))
+    unit = problem.coordinates.unit[added]
+    channels = [channel for channel, bad in zip(problem.train.channels, doubtful, strict=True) if bad]
+    theirs = np.array([describe(problem.coordinates.names[place]).element_id in channels for place in added])
+    bias, information, score = (array.copy() for array in effects)
+    bias[:, theirs] = 0.0
+    information[theirs], information[:, theirs] = 0.0, 0.0
+    own = np.ix_(theirs, theirs)
+    information[own] = (curvature[np.ix_(added, added)] / np.outer(unit, unit))[own]
+    score[theirs] = (gradient[added] / unit)[theirs]
+    return bias, information, score
+
+
+def _with_every_channel(problem: FitProblem) -> FitProblem:
+    """Return the problem with gain and run-out of each channel among its coordinates."""
+    count = len(problem.train.channels)
+    train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
+    scale = problem.coordinates.excitation_scale
+    first = float(scale[0]) if scale.size else 1.0
+    return replace(problem, train=train, coordinates=Coordinates.of(train, unbalance_scale=first), _scaled={})

@@ -1,0 +1,455 @@
+"""Coordinates in which a train is fitted, and the prior that keeps undetermined directions from running away.
+
+Direct terms are fitted as ln(p / expected), so that they stay positive and a factor counts the same up and down; cross-coupled
+terms as p / scale; excitations in units of their own scale, real and imaginary part; scale factors of E and ρ as logarithms;
+gains of channels as real and imaginary part of their error, run-outs in units of their spread.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.bearings.model import CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.quantities import Quantity
+from estimator.rotor.coefficient_models import governing_models
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.parameters import Coefficient, Excitation
+from estimator.rotor.response import Sensitivity
+
+UNBALANCE_SPREAD = 1000.0
+"""Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
+
+
+@dataclass(frozen=True)
+class PlacedModel:
+    """A model whose coefficients follow the speed, with its P parameters among the coordinates.
+
+    Attributes:
+        model: The model.
+        coefficients: Indices of its c coefficients among the K.
+        columns: Index of each among the model's own coefficients.
+        first: Index of its first coordinate.
+        curves: Its curves at the train's speeds.
+    """
+
+    model: CoefficientModel
+    coefficients: tuple[int, ...]
+    columns: tuple[int, ...]
+    first: int
+    curves: CoefficientCurves
+
+    @cached_property
+    def places(self) -> range:
+        """Return the coordinates of the parameters."""
+        return range(self.first, self.first + len(self.model.parameters))
+
+    def own(self, theta: Floats) -> Floats:
+        """Return the parameters among all coordinates.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Fitted numbers (P,) [-].
+        """
+        return theta[self.first : self.places.stop]
+
+    def values(self, theta: Floats) -> Floats:
+        """Compute the coefficients.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Coefficients (S, c) [SI].
+        """
+        return self.curves.values(self.own(theta))[:, self.columns]
+
+    def derivatives(self, theta: Floats, block: slice) -> Floats:
+        """Compute the derivatives of the coefficients by the coordinates, at some of the speeds.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (s, c, P) [SI].
+        """
+        return self.curves.derivatives(self.own(theta), block)[:, self.columns]
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Map between physical parameters and fit coordinates θ (n,).
+
+    The train has K coefficients, E excitations and m channels.
+
+    Attributes:
+        names: Names of the n coordinates.
+        centre: Mean (n,) of the prior on θ [-].
+        spread: Standard deviation (n,) of the prior on θ [-].
+        origin: Offset (n,) [SI, logarithms of positive ones]: origin + unit·θ is the physical value.
+        unit: Unit (n,) of θ [SI, 1 for logarithms].
+        logarithmic: True for direct terms (K,).
+        expected: Expected value of each coefficient (K,) [SI].
+        scale: Scale of each coefficient (K,) [SI].
+        place: Coordinate of each constant coefficient (K,); -1 where it is fixed or follows the speed.
+        models: Models of the coefficients that follow the speed.
+        parameters: Parameters of all models, which are the first coordinates.
+        excitation_place: First coordinate of each excitation (E,); -1 where it is fixed.
+        excitation_scale: Scale of each excitation (E,) [SI].
+        held: Value of each fixed excitation (E,), 0 for the others [SI].
+        scale_place: Coordinate of each scale factor (F,).
+        gain_place: First coordinate of each channel's gain (m,); -1 where it is taken as exact.
+        run_out_place: First coordinate of each channel's run-out (m,); -1 where it is taken as exact.
+        quantities: Physical quantity of each of the K coefficients.
+        guessed: True for direct terms whose expected value no document gave (K,).
+    """
+
+    names: tuple[str, ...]
+    centre: Floats
+    spread: Floats
+    origin: Floats
+    unit: Floats
+    logarithmic: NDArray[np.bool_]
+    expected: Floats
+    scale: Floats
+    place: NDArray[np.intp]
+    models: tuple[PlacedModel, ...]
+    parameters: tuple[ModelParameter, ...]
+    excitation_place: NDArray[np.intp]
+    excitation_scale: Floats
+    held: Complexes
+    scale_place: NDArray[np.intp]
+    gain_place: NDArray[np.intp]
+    run_out_place: NDArray[np.intp]
+    quantities: tuple[Quantity, ...]
+    guessed: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, train: CondensedTrain, *, unbalance_scale: float) -> "Coordinates":
+        """Build coordinates and prior for the unknowns of a train.
+
+        Args:
+            train: The condensed train.
+            unbalance_scale: Scale of the excitations that have no spread of their own [SI].
+
+        Returns:
+            The coordinates.
+        """
+        return _CoordinateBuilder(train, unbalance_scale).build()
+
+    @property
+    def size(self) -> int:
+        """Return the number of coordinates n."""
+        return len(self.names)
+
+    @property
+    def channel_count(self) -> int:
+        """Return the number of coordinates that belong to channels, which a prior keeps small."""
+        return 2 * int(np.count_nonzero(self.gain_place >= 0) + np.count_nonzero(self.run_out_place >= 0))
+
+    def point(self, theta: Floats) -> Floats:
+        """Convert fit coordinates to physical values.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Physical values (n,) [SI, logarithms of positive ones].
+        """
+        return self.origin + self.unit * theta
+
+    def theta(self, point: Floats) -> Floats:
+        """Convert physical values to fit coordinates.
+
+        Args:
+            point: Physical values (n,) as `point` returns them [SI, logarithms of positive ones].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+        """
+        return (point - self.origin) / self.unit
+
+    def at_speeds(self, speed: Floats) -> "Coordinates":
+        """Return the same coordinates at other speeds.
+
+        Args:
+            speed: Speeds (S,), without sign [rad/s].
+
+        Returns:
+            The coordinates.
+        """
+        curves = {one.first: one.model.at(speed) for one in self.models}
+        return replace(self, models=tuple(replace(one, curves=curves[one.first]) for one in self.models))
+
+    def places(self, coefficient: int) -> range:
+        """Return the coordinates of a coefficient.
+
+        Args:
+            coefficient: Index of the coefficient.
+
+        Returns:
+            Indices of its coordinates: one, or those of the model that gives it, or none where it is fixed.
+        """
+        for one in self.models:
+            if coefficient in one.coefficients:
+                return one.places
+        place = int(self.place[coefficient])
+        return range(place, place + 1) if place >= 0 else range(0)
+
+    def coefficients(self, theta: Floats) -> Floats:
+        """Compute the physical coefficients.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Coefficients (K,), or (S, K) when one of them follows the speed [SI].
+        """
+        fixed = np.where(self.logarithmic, 0.0, self.expected / self.scale)
+        at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
+        exponent = np.where(self.logarithmic, at, 0.0)
+        constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
+        if not self.models:
+            return constant
+        following = [one.values(theta) for one in self.models]
+        whole = np.repeat(constant[None, :], len(following[0]), axis=0)
+        for one, values in zip(self.models, following, strict=True):
+            whole[:, one.coefficients] = values
+        return whole
+
+    def excitations(self, theta: Floats) -> Complexes:
+        """Compute the complex excitations.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Excitations (E,) [SI].
+        """
+        free = self.excitation_place >= 0
+        found = self.held.copy()
+        first = self.excitation_place[free]
+        found[free] = self.excitation_scale[free] * (theta[first] + 1j * theta[first + 1])
+        return found
+
+    def scales(self, theta: Floats) -> Floats:
+        """Compute the scale factors of Young's moduli E and densities ρ.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Factors (F,) [-].
+        """
+        return np.exp(theta[self.scale_place])
+
+    def gains(self, theta: Floats) -> Complexes:
+        """Compute the gain of each channel: measured over true.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Gains (m,) [-].
+        """
+        return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
+
+    def run_outs(self, theta: Floats) -> Complexes:
+        """Compute the run-out of each channel in rotation from +x to +y.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Run-outs (m,) [m].
+        """
+        return _pairs(self.unit, theta, self.run_out_place)
+
+    def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
+        """Return θ with the coordinates of other coefficients, constant over speed.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            coefficients: Coefficients (K,) [SI].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+
+        Raises:
+            ValueError: A direct term is not positive, or a model's coefficients cannot be constant.
+        """
+        if np.any(coefficients[self.logarithmic] <= 0):
+            raise ValueError("direct terms must be positive")
+        positive = np.where(self.logarithmic, coefficients / np.where(self.logarithmic, self.expected, 1.0), 1.0)
+        value = np.where(self.logarithmic, np.log(positive), coefficients / self.scale)
+        result = theta.copy()
+        result[self.place[self.place >= 0]] = value[self.place >= 0]
+        for one in self.models:
+            if len(one.coefficients) == len(one.model.coefficients):  # a tied one of several has no say
+                result[one.first : one.places.stop] = one.model.level(value[list(one.coefficients)])
+        return result
+
+    def jacobian(self, theta: Floats, found: Sensitivity, coefficients: Floats, direction: Floats, block: slice) -> Complexes:
+        """Compute ∂ phasor/∂θ at some of the speeds, from the derivatives by physical parameters there.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            found: Phasors and their derivatives at the S speeds of the block.
+            coefficients: Coefficients at θ, (K,) or at all speeds of the train (all, K) [SI].
+            direction: Sense of rotation (S,), +1 or -1 [-].
+            block: The speeds, among all of the train.
+
+        Returns:
+            Derivatives (n, S, m) [m].
+        """
+        whole = np.zeros((self.size, *found.phasor.shape), dtype=complex)
+        constant = self.place >= 0
+        slope = np.where(self.logarithmic, coefficients, self.scale)
+        slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
+        by_coefficient = found.by_coefficient * slope
+        for k in np.flatnonzero(constant).tolist():
+            whole[self.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
+        for one in self.models:
+            slopes = one.derivatives(theta, block)
+            for c, k in enumerate(one.coefficients):
+                for p, place in enumerate(one.places):
+                    whole[place] += slopes[:, c, p, None] * found.by_coefficient[k]
+        for column in np.flatnonzero(self.excitation_place >= 0):
+            first = self.excitation_place[column]
+            whole[first : first + 2] = self.excitation_scale[column] * found.by_excitation[2 * column : 2 * column + 2]
+        whole[self.scale_place] = found.by_scale
+        whole *= self.gains(theta)
+        for channel in np.flatnonzero(self.gain_place >= 0):
+            first = self.gain_place[channel]
+            whole[first, :, channel] = self.unit[first] * found.phasor[:, channel]
+            whole[first + 1, :, channel] = 1j * self.unit[first] * found.phasor[:, channel]
+        for channel in np.flatnonzero(self.run_out_place >= 0):
+            first = self.run_out_place[channel]
+            whole[first, :, channel] = self.unit[first]
+            whole[first + 1, :, channel] = 1j * self.unit[first] * direction
+        return whole
+
+
+class _CoordinateBuilder:
+    """Collects coordinates one by one."""
+
+    def __init__(self, train: CondensedTrain, unbalance_scale: float) -> None:
+        self.train = train
+        self.unbalance_scale = unbalance_scale
+        self.names: list[str] = []
+        self.centre: list[float] = []
+        self.spread: list[float] = []
+        self.origin: list[float] = []
+        self.unit: list[float] = []
+
+    def add(self, name: str, centre: float, spread: float, unit: float, origin: float = 0.0) -> int:
+        self.names.append(name)
+        self.centre.append(centre)
+        self.spread.append(spread)
+        self.unit.append(unit)
+        self.origin.append(origin)
+        return len(self.names) - 1
+
+    def add_pair(self, name: str, spread: float, unit: float, centre: complex = 0j) -> int:
+        first = self.add(f"{name}.real", centre.real, spread, unit)
+        self.add(f"{name}.imaginary", centre.imag, spread, unit)
+        return first
+
+    def build(self) -> Coordinates:
+        train = self.train
+        coefficients, excitations = train.unknowns.coefficients, train.unknowns.excitations
+        parameters, place, models = self._coefficients(coefficients)
+        excitation_scale = np.array([e.spread if e.spread is not None else self.unbalance_scale for e in excitations])
+        excitation_place = [
+            -1 if one.fixed else self._excitation(one, float(scale))
+            for one, scale in zip(excitations, excitation_scale, strict=True)
+        ]
+        scale_place = [self.add(n, 0.0, float(s), 1.0) for n, s in zip(train.scale_names, train.scale_spread, strict=True)]
+        gain_place = self._channels("gain", train.gain_spread)
+        run_out_place = self._channels("run_out", train.run_out_spread)
+        return Coordinates(
+            names=tuple(self.names),
+            centre=np.array(self.centre),
+            spread=np.array(self.spread),
+            origin=np.array(self.origin),
+            unit=np.array(self.unit),
+            logarithmic=np.array([c.direct for c in coefficients], dtype=bool),
+            expected=np.array([c.expected for c in coefficients], dtype=float),
+            scale=np.array([c.scale for c in coefficients], dtype=float),
+            place=place,
+            models=models,
+            parameters=parameters,
+            excitation_place=np.array(excitation_place, dtype=np.intp),
+            excitation_scale=excitation_scale,
+            held=np.array([(e.nominal or 0j) if e.fixed else 0j for e in excitations], dtype=complex),
+            scale_place=np.array(scale_place, dtype=np.intp),
+            gain_place=gain_place,
+            run_out_place=run_out_place,
+            quantities=tuple(c.quantity for c in coefficients),
+            guessed=np.array([c.direct and c.nominal is None for c in coefficients], dtype=bool),
+        )
+
+    def _excitation(self, one: Excitation, scale: float) -> int:
+        if one.spread is None:
+            return self.add_pair(one.name, UNBALANCE_SPREAD, scale)
+        return self.add_pair(one.name, sqrt(0.5), scale, centre=(one.nominal or 0j) / scale)
+
+    def _coefficients(
+        self, coefficients: tuple[Coefficient, ...]
+    ) -> tuple[tuple[ModelParameter, ...], NDArray[np.intp], tuple[PlacedModel, ...]]:
+        place = np.full(len(coefficients), -1, dtype=np.intp)
+        parameters: list[ModelParameter] = []
+        models: list[PlacedModel] = []
+        for one in governing_models(coefficients):
+            first = len(self.names)
+            for parameter in one.model.parameters:
+                self.add(parameter.name, parameter.centre, parameter.spread, parameter.step, parameter.origin)
+                parameters.append(parameter)
+            if one.model.constant:
+                place[one.coefficients[0]] = first
+            else:
+                columns = tuple(range(len(one.coefficients)))
+                models.append(PlacedModel(one.model, one.coefficients, columns, first, one.model.at(self.train.speed)))
+        return tuple(parameters), place, (*models, *_tied(coefficients, place, models))
+
+    def _channels(self, what: str, spread: Floats) -> NDArray[np.intp]:
+        if spread.size == 0:
+            return np.full(len(self.train.channels), -1, dtype=np.intp)
+        return np.array(
+            [
+                self.add_pair(f"probe.{channel}.{what}", sqrt(0.5), float(size)) if size > 0.0 else -1
+                for channel, size in zip(self.train.channels, spread, strict=True)
+            ],
+            dtype=np.intp,
+        )
+
+
+def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models: list[PlacedModel]) -> Iterator[PlacedModel]:
+    """Yield models of tied coefficients, with the coordinates of those they are tied to.
+
+    Places of constant ones are filled in.
+    """
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    for k, one in enumerate(coefficients):
+        if one.tied_to is None:
+            continue
+        leader = index[one.tied_to]
+        place[k] = place[leader]
+        for of in models:
+            if leader in of.coefficients:
+                yield replace(of, coefficients=(k,), columns=(of.columns[of.coefficients.index(leader)],))
+
+
+def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
+    """Compute complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
+    found = np.zeros(place.size, dtype=complex)
+    first = place[place >= 0]
+    found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])
+    return found

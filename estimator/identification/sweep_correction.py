@@ -1,0 +1,121 @@
+"""Effect of a sweep's rate on the 1× phasors: their deviation from the steady state, from a model's modes and the speed.
+
+Each mode k of the train, in the frame that turns with the shaft, obeys ẇ = (λ_k - jω) w + yᴴF with its eigenvalue λ_k, left
+vector y and the force F(ω, α) e^{jφ}. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w goes on
+ringing at the natural frequency while the 1× has moved on: the phasor beats. The difference of the integrated w from the
+steady one, seen at the probes through the mode's shape, is the part of a measured phasor that must not be blamed on the
+machine.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.modes.eigenmodes import modes
+from estimator.phasors.modal_transient import Sweep, modal_course
+from estimator.phasors.speed_law import SpeedLaw
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import probe_rows
+from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.parameters import unknowns
+from estimator.rotor.synchronous_force import synchronous_force
+from estimator.rotor.system_matrices import SystemMatrices, system_matrices_over_speed
+from estimator.updated_model.model import UpdatedModel
+
+STEP_ANGLE = 0.02
+"""Largest α h² of a step [rad]: the angle by which the speed turns the phasor within the step beyond its mean."""
+LARGEST_STEPS = 20_000
+"""Most steps of a whole run."""
+HIGHEST_MODE = 1.5
+"""Highest frequency of the modes that take part, as a multiple of the highest speed [-]; those above follow without delay."""
+SPIN_STEP = 1e-3
+"""Relative change of the spin speed by which eigenvalues are differentiated [-]."""
+
+
+@dataclass(frozen=True)
+class SweepTransient:
+    """Measured minus steady-state phasors that a model predicts for a sweep.
+
+    Attributes:
+        instant: Deviations (S, m) of phasors that are taken at an instant [m].
+        averaged: Deviations (S, m) of phasors that are means over the time from halfway after the sample before to halfway to
+            the next, as the blocks of a tracking filter are [m].
+    """
+
+    instant: Complexes
+    averaged: Complexes
+
+
+def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: Complexes | None = None) -> SweepTransient:
+    """Predict the deviations of phasors from the steady state for a sweep in the machine's sense of rotation.
+
+    Before the first sample the speed is taken to have changed slowly. Modes that the model has undamped or growing are left
+    out: they have no steady state to deviate from.
+
+    Args:
+        model: The updated model.
+        time: Times (S,), ascending [s].
+        speed: Speeds (S,), as measured [rad/s].
+        added: Known unbalances (P,) beside the model's own, such as a trial weight [kg m]; None for none.
+
+    Returns:
+        Deviations at S samples and m probes.
+    """
+    law = SpeedLaw.measured(time, speed)
+    grid, place = _grid(law, time)
+    spin = float(np.median(speed))
+    machine = model.scaled_machine
+    basis = modal_basis(machine, HIGHEST_MODE * float(speed.max()))
+    matrices = system_matrices_over_speed(machine, coefficients=model.coefficients, basis=basis)
+    direction = machine.direction
+    found = modes(matrices(spin), spin=direction * spin)
+    near = np.flatnonzero((found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0))
+    value, shape, left = found.eigenvalue[near], found.shape[:, near], found.left[:, near]
+    drift = _eigenvalue_drift(matrices, value, shape, left, spin=spin, direction=direction)
+    rotor = assemble_rotor(machine)
+    listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
+    if added is not None:
+        values[: added.size] += added
+    sweep = Sweep.along(law, grid)
+    force = synchronous_force(rotor, listed, values=values, direction=direction).onto(basis.expanded(left).conj().T)
+    pushed, resting = force.at(sweep.speed, sweep.acceleration), force.at(sweep.speed)
+    seen = probe_rows(machine, rotor) @ basis.expanded(shape)
+    instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
+    away = sweep.speed - spin
+    for k in range(near.size):
+        course = modal_course(sweep, value[k] + away * drift[k], pushed[:, k], resting[:, k])
+        instant += course.deviation[place, None] * seen[:, k]
+        averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
+    return SweepTransient(instant, averaged)
+
+
+def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """Choose instants fine enough to follow the phase, with one halfway between two samples, and find the samples
+    among them."""
+    step = np.sqrt(STEP_ANGLE / max(float(np.max(np.abs(law.acceleration(time)))), 1e-12))
+    step = max(step, (time[-1] - time[0]) / LARGEST_STEPS)
+    pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
+    place = np.concatenate([[0], np.cumsum(pieces)])
+    return np.interp(np.arange(place[-1] + 1), place, time), place
+
+
+def _eigenvalue_drift(
+    matrices: Callable[[float], SystemMatrices],
+    eigenvalue: Complexes,
+    shape: Complexes,
+    left: Complexes,
+    *,
+    spin: float,
+    direction: int,
+) -> Complexes:
+    """Compute dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
+    found = np.empty(eigenvalue.size, dtype=complex)
+    other = spin * (1.0 + SPIN_STEP)
+    here, there = matrices(spin), matrices(other)
+    for k, value in enumerate(eigenvalue):
+        change = there.dynamic_stiffness(value, spin=direction * other) - here.dynamic_stiffness(value, spin=direction * spin)
+        found[k] = -np.vdot(left[:, k], change @ shape[:, k]) / (other - spin)
+    return found

@@ -1,0 +1,215 @@
+"""Consistency of a machine document: the checks of parts and rules against each other that no field alone can make."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from fnmatch import translate
+from typing import Any, Protocol
+
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from estimator.machine.parameter_description import describe
+from estimator.machine.part_coefficients import ELEMENTS, Elements, coefficient_names, coefficient_values, planes
+from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Shaft
+from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
+
+
+class Train(Elements, Protocol):
+    """Parts and rules of a train that are checked against each other."""
+
+    @property
+    def materials(self) -> Mapping[str, Material]:
+        """Return the materials by id."""
+
+    @property
+    def shafts(self) -> Sequence[Shaft]:
+        """Return the shafts in the document's order."""
+
+    @property
+    def discs(self) -> Sequence[Disc]:
+        """Return the discs in the document's order."""
+
+    @property
+    def conditions(self) -> Sequence[Condition]:
+        """Return the operating conditions in the document's order."""
+
+    @property
+    def speed_range(self) -> SpeedRange:
+        """Return the speeds at which samples are taken seriously."""
+
+    @property
+    def operation(self) -> Operation:
+        """Return the operation of the machine."""
+
+    @property
+    def parameters(self) -> Sequence[ParameterRule]:
+        """Return the rules of parameters, later ones above earlier ones."""
+
+
+def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitErrorDetails:
+    # The message goes in as context: it may hold braces of its own.
+    error = PydanticCustomError("machine_document", "{message}", {"message": message})
+    return InitErrorDetails(type=error, loc=location, input=value)
+
+
+def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find every contradiction between the parts and rules of a train.
+
+    Args:
+        train: The train.
+
+    Yields:
+        The contradictions with their places in the document.
+    """
+    yield from _material_problems(train)
+    yield from _duplicate_problems(train)
+    yield from _station_problems(train)
+    running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
+    if running is not None and running > highest:
+        message = f"lies above the speed range, which ends at {highest:g} r/min"
+        yield _problem(("operation", "running_rpm"), running, message)
+    yield from _coupling_problems(train)
+    yield from _dependence_problems(train)
+    yield from _rule_problems(train)
+
+
+def _material_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = ", ".join(train.materials)
+    for i, shaft in enumerate(train.shafts):
+        for j, section in enumerate(shaft.sections):
+            if section.material not in train.materials:
+                message = f"'{section.material}' is not one of the materials: {known}"
+                yield _problem(("shafts", i, "sections", j, "material"), section.material, message)
+
+
+def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
+    for name in ("shafts", "discs", "bearings", "couplings", "seals", "probes"):
+        parts = getattr(train, name)
+        counts = Counter(part.id for part in parts)
+        for i, part in enumerate(parts):
+            if counts[part.id] > 1:
+                yield _problem((name, i, "id"), part.id, f"'{part.id}' stands more than once among the {name}")
+    conditions = [condition.name for condition in train.conditions]
+    names = Counter(conditions)
+    for i, name in enumerate(conditions):
+        if names[name] > 1:
+            yield _problem(("conditions", i, "name"), name, f"'{name}' stands more than once among the conditions")
+
+
+def _station_problems(train: Train) -> Iterator[InitErrorDetails]:
+    lengths = {shaft.id: shaft.length for shaft in train.shafts}
+    for name in ("discs", "bearings", "seals", "probes"):
+        for i, part in enumerate(getattr(train, name)):
+            if part.shaft not in lengths:
+                message = f"'{part.shaft}' is not one of the shafts: {', '.join(lengths)}"
+                yield _problem((name, i, "shaft"), part.shaft, message)
+            elif part.station > lengths[part.shaft] + STATION_TOLERANCE:
+                message = f"{part.station} lies beyond shaft '{part.shaft}', which is {lengths[part.shaft]:.6g} m long"
+                yield _problem((name, i, "station"), part.station, message)
+
+
+def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = [shaft.id for shaft in train.shafts]
+    for i, coupling in enumerate(train.couplings):
+        for end in ("driver", "driven"):
+            if getattr(coupling, end) not in known:
+                message = f"'{getattr(coupling, end)}' is not one of the shafts: {', '.join(known)}"
+                yield _problem(("couplings", i, end), getattr(coupling, end), message)
+        if coupling.driver == coupling.driven:
+            yield _problem(("couplings", i, "driven"), coupling.driven, "a coupling joins two different shafts")
+    yield from _ring_problems(train)
+    for end in ("driver", "driven"):
+        counts = Counter(getattr(coupling, end) for coupling in train.couplings)
+        for i, coupling in enumerate(train.couplings):
+            if counts[getattr(coupling, end)] > 1:
+                message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
+                yield _problem(("couplings", i, end), getattr(coupling, end), message)
+
+
+def _ring_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find couplings that join the shafts to a ring: from driver to driven a train must not come back."""
+    behind = {coupling.driver: coupling.driven for coupling in train.couplings}
+    for i, coupling in enumerate(train.couplings):
+        shaft: str | None = coupling.driven
+        for _ in train.couplings:
+            if shaft == coupling.driver != coupling.driven:
+                yield _problem(("couplings", i, "driven"), coupling.driven, "the couplings join the shafts to a ring")
+                break
+            shaft = behind.get(shaft) if shaft is not None else None
+
+
+def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
+    for place in ELEMENTS:
+        for i, part in enumerate(getattr(train, place)):
+            form = part.speed_dependence
+            known = coefficient_names(part)
+            for name in (form and form.coefficients) or ():
+                if name not in known:
+                    message = f"'{name}' is not identified here; what is: {', '.join(known)}"
+                    yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
+
+
+def _matching(pattern: str, names: Iterable[str]) -> list[str]:
+    """List those of the names that a rule's pattern fits."""
+    fits = re.compile(translate(pattern)).match
+    return [name for name in names if fits(name)]
+
+
+def rules_in_force(train: Train, names: Iterable[str]) -> dict[str, int]:
+    """Find the last rule whose pattern fits each name.
+
+    Args:
+        train: The train with its rules.
+        names: Names of parameters.
+
+    Returns:
+        Index of the rule by name; names that none fits are left out.
+    """
+    fitting = _fitting(train, names)
+    return {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
+
+
+def _fitting(train: Train, names: Iterable[str]) -> dict[str, list[str]]:
+    """List the names that each rule's pattern fits."""
+    return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in train.parameters}}
+
+
+def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
+    coefficients = coefficient_values(train)
+    values = coefficients | planes(train.discs)
+    fitting = _fitting(train, values)
+    in_force = {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
+    by_rule: dict[int, list[str]] = {}
+    for name, i in in_force.items():
+        by_rule.setdefault(i, []).append(name)
+    for i, rule in enumerate(train.parameters):
+        if not fitting[rule.names]:
+            message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
+            yield _problem(("parameters", i, "names"), rule.names, message)
+        ruled = by_rule.get(i, [])
+        unknown = [name for name in ruled if values[name] is None]
+        if unknown and rule.tied_to is None:
+            message = f"needs a nominal value of {', '.join(unknown)}"
+            yield _problem(("parameters", i), rule.names, message)
+        nothing = [name for name in ruled if name not in coefficients and values[name] == 0.0]
+        if nothing and rule.spread is not None:
+            message = f"a part of {', '.join(nothing)} is no spread: its nominal magnitude is zero"
+            yield _problem(("parameters", i), rule.names, message)
+    tied = {name: i for name, i in in_force.items() if train.parameters[i].tied_to is not None}
+    yield from _tie_problems(train, coefficients, tied)
+
+
+def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
+    """Find parameters that cannot be tied as a rule says; tied: by name of a tied parameter, the rule that ties it."""
+    for name, i in tied.items():
+        target = train.parameters[i].tied_to
+        leader = f"{target}.{describe(name).quantity}"
+        if leader == name:
+            message = f"'{name}' cannot be tied to itself"
+        elif leader not in coefficients or name not in coefficients:
+            message = f"'{name}' cannot be tied to '{leader}': both must be coefficients of bearings, couplings or seals"
+        elif leader in tied:
+            message = f"'{leader}' is itself tied: tie to an element that stands on its own"
+        else:
+            continue
+        yield _problem(("parameters", i, "tied_to"), target, message)

@@ -1,0 +1,189 @@
+"""The machine document: one rotor train, described once for file, API and storage. Axes and units are those of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from estimator.bearings.registry import place_of
+from estimator.errors import Invalid
+from estimator.field_types import Identifier, Length, Part, Text
+from estimator.machine.consistency import reference_problems
+from estimator.machine.parts import Bearing, Coupling, Disc, Material, Probe, RayleighDamping, Seal, Shaft
+from estimator.machine.rules import (
+    Collection,
+    Condition,
+    ImpactTest,
+    Noise,
+    Operation,
+    ParameterRule,
+    QualityRules,
+    SpeedRange,
+)
+
+
+class Machine(Part):
+    """One train. The document that a person writes and that everything else in the service is derived from."""
+
+    schema_version: Literal[1] = 1
+    id: Identifier
+    plant: Identifier
+    name: Annotated[Text, Field(min_length=1, max_length=200)]
+    rotation: Literal["positive", "negative"] = Field(default="positive", description="positive turns +x towards +y")
+    speed_range: SpeedRange
+    materials: Annotated[dict[Identifier, Material], Field(min_length=1, max_length=50)]
+    shafts: Annotated[tuple[Shaft, ...], Field(min_length=1, max_length=20)]
+    discs: Annotated[tuple[Disc, ...], Field(min_length=1, max_length=100)]
+    bearings: Annotated[tuple[Bearing, ...], Field(min_length=1, max_length=60)]
+    couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
+    seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
+    probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
+    conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
+    noise: Noise = Noise()
+    operation: Operation = Operation()
+    collection: Collection = Collection()
+    quality: QualityRules = QualityRules()
+    damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
+    parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
+    impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
+    element_length: Length | None = Field(
+        default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
+    )
+
+    @model_validator(mode="after")
+    def _references(self) -> Self:
+        problems = list(reference_problems(self))
+        if problems:
+            raise ValidationError.from_exception_data("Machine", problems)
+        return self
+
+    def describes_the_same_as(self, other: Machine) -> bool:
+        """Check whether identifications under both documents can be compared: only name and rules of the service differ.
+
+        Operating conditions may come and go, but not change their unit.
+
+        Args:
+            other: The other document.
+
+        Returns:
+            Whether they can.
+        """
+        units, others = ({condition.name: condition.unit for condition in one.conditions} for one in (self, other))
+        return all(unit == others.get(name, unit) for name, unit in units.items()) and self.is_the_same_train_as(other)
+
+    def is_the_same_train_as(self, other: Machine) -> bool:
+        """Check whether both documents differ in name, operating conditions and rules of the service only.
+
+        Args:
+            other: The other document.
+
+        Returns:
+            Whether they do.
+        """
+        said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
+        return self.model_dump(exclude=said) == other.model_dump(exclude=said)
+
+    def shaft(self, shaft_id: str) -> Shaft:
+        """Return the shaft of an id.
+
+        Args:
+            shaft_id: Id of the shaft.
+
+        Returns:
+            The shaft.
+
+        Raises:
+            KeyError: There is no shaft of that id.
+        """
+        for shaft in self.shafts:
+            if shaft.id == shaft_id:
+                return shaft
+        raise KeyError(shaft_id)
+
+    @property
+    def direction(self) -> int:
+        """Return +1 when the train turns from +x to +y, else -1."""
+        return 1 if self.rotation == "positive" else -1
+
+    @property
+    def condition_names(self) -> tuple[str, ...]:
+        """Return the names of the operating conditions in the document's order."""
+        return tuple(condition.name for condition in self.conditions)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return the channel ids in the document's order."""
+        return tuple(probe.id for probe in self.probes)
+
+
+class DocumentError(Invalid):
+    """Raised when a machine document is wrong.
+
+    Attributes:
+        problems: Pairs of a field, and what is wrong with it and what would be right.
+    """
+
+    def __init__(self, problems: list[tuple[str, str]]) -> None:
+        self.problems = problems
+        super().__init__("\n".join(f"{field}: {message}" for field, message in problems))
+
+    @property
+    def detail(self) -> str:
+        """State that the document is wrong as a whole; `field_errors` has the rest."""
+        return "the machine document is wrong"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Return each wrong field of the document with its message."""
+        return self.problems
+
+
+def parse_machine(document: Any) -> Machine:
+    """Read the machine that a decoded YAML or JSON document describes.
+
+    Args:
+        document: The decoded document.
+
+    Returns:
+        The machine.
+
+    Raises:
+        DocumentError: The document is wrong; the error names every wrong field.
+    """
+    try:
+        return Machine.model_validate(document)
+    except ValidationError as error:
+        raise DocumentError(problems_of(error.errors())) from None
+
+
+def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
+    """List pydantic's errors, without those that only follow from another inside the same field.
+
+    Args:
+        errors: Errors as pydantic lists them.
+
+    Returns:
+        Pairs of a field and a message.
+    """
+    places = [tuple(item["loc"]) for item in errors]
+
+    def follows(item: Any) -> bool:
+        place = tuple(item["loc"])
+        return item["type"] == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places)
+
+    return [(field_path(place_of(item)), item["msg"]) for item in errors if not follows(item)]
+
+
+def field_path(location: tuple[int | str, ...]) -> str:
+    """Convert a location to a path: `bearings[1].shaft` from ("bearings", 1, "shaft").
+
+    Args:
+        location: Names and indices from the document down.
+
+    Returns:
+        The path; `document` for the document itself.
+    """
+    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    return path.removeprefix(".") or "document"

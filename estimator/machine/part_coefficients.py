@@ -1,0 +1,81 @@
+"""Coefficients and unbalances of a document's parts by name, with the values that the document gives them."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Term
+from estimator.machine.parts import Bearing, Coupling, Disc, Seal
+
+ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
+"""Lists of the document whose parts have coefficients, and the beginning of their parameters' names."""
+
+
+class Elements(Protocol):
+    """Parts of a train that have coefficients."""
+
+    @property
+    def bearings(self) -> Sequence[Bearing]:
+        """Return the bearings in the document's order."""
+
+    @property
+    def couplings(self) -> Sequence[Coupling]:
+        """Return the couplings in the document's order."""
+
+    @property
+    def seals(self) -> Sequence[Seal]:
+        """Return the seals in the document's order."""
+
+
+def coefficient_values(train: Elements) -> dict[str, float | None]:
+    """Return the nominal value of every coefficient that is identified.
+
+    Args:
+        train: Parts with coefficients.
+
+    Returns:
+        Nominal value by name, such as `bearing.B1.kxx` [SI]; None where the document gives none.
+    """
+    return {
+        f"{kind}.{part.id}.{name}": getattr(part, name)
+        for place, kind in ELEMENTS.items()
+        for part in getattr(train, place)
+        for name in coefficient_names(part)
+    }
+
+
+def coefficient_names(part: Bearing | Coupling | Seal) -> tuple[str, ...]:
+    """Return the names of the coefficients that are identified of a part.
+
+    Args:
+        part: The part.
+
+    Returns:
+        Names, such as `kxx`.
+    """
+    return tuple(term.name for term in coefficient_terms(part))
+
+
+def coefficient_terms(part: Bearing | Coupling | Seal) -> tuple[Term, ...]:
+    """Return the terms that are identified of a part: those of its kind, and optional ones that its document gives.
+
+    Args:
+        part: The part.
+
+    Returns:
+        The terms.
+    """
+    always = LATERAL + (ANGULAR if isinstance(part, Coupling) else ())
+    optional = COUPLING if isinstance(part, Coupling) else SEAL if isinstance(part, Seal) else ()
+    return always + tuple(term for term in optional if getattr(part, term.name) is not None)
+
+
+def planes(discs: Sequence[Disc]) -> dict[str, float | None]:
+    """Return the nominal magnitude of every residual unbalance.
+
+    Args:
+        discs: The discs.
+
+    Returns:
+        Magnitude by name, such as `disc.D1.unbalance` [kg m]; None where the document gives none.
+    """
+    return {f"disc.{d.id}.unbalance": None if d.unbalance is None else d.unbalance.magnitude for d in discs}

@@ -1,0 +1,247 @@
+"""Beating behind a resonance that was crossed quickly, found in the 1× vector alone: no model and no clock are needed.
+
+At a steady rate α the rotor that still rings at its natural frequency ω_n adds to the phasor, seen from the turning shaft,
+
+    a e^{-ζ ω_n t} e^{-j∫(ω - ω_n) dt} = a e^{-d x} e^{∓j b x²},  x = |ω - ω_n|, b = 1/(2|α|), d = ζ ω_n / |α|
+
+which is a pure sinusoid over x². It turns against the phase's lead in a run-up and with it in a run-down, ever faster: no
+steady state does that, whose every mode makes one loop. The sinusoid is looked for behind each peak, over a background that
+falls off as a mode's response does.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.phasors.half_power import peak_samples
+from estimator.phasors.modal_transient import modal_deviation
+from estimator.phasors.speed_law import SpeedLaw
+
+FEWEST_TURNS = 3.0
+"""Least turns of the beat behind the peak: fewer may be another resonance."""
+FEWEST_SAMPLES = 16
+"""Least samples behind a peak."""
+SAMPLES_PER_TURN = 3.0
+"""Least samples in a turn of the beat; a faster beat is not believed."""
+BEHIND = 0.5
+"""Part of the peak's amplitude at whose passing the window behind it begins, and ends [-]."""
+LARGEST_WINDOW = 200
+"""Most samples in a window."""
+PEAKS = 3
+"""Most peaks whose window is searched, the largest first."""
+EXPLAINED = 0.6
+"""Least part of what the background leaves that the beat must explain [-]."""
+LIKELIHOOD_RATIO = 30.0
+"""Least (n - 9) times explained over unexplained squares [-]."""
+NATURAL_FREQUENCIES = 8
+"""Number of trial values of ω_n before each peak."""
+LAG = 4.0
+"""Farthest trial value of ω_n before a peak, in units of √α."""
+PROMISING = 0.4
+"""Least part of what the background leaves that a first look must explain [-]."""
+GRID = 512
+"""Points over x² of a first look."""
+DECAYS = (0.5, 2.5, 8.0)
+"""Trial decays: exponents at the end of the window [-]."""
+BACKGROUND = 5
+"""Number of complex unknowns of the background."""
+
+
+@dataclass(frozen=True)
+class Beat:
+    """A ringing mode.
+
+    Attributes:
+        natural_frequency: Natural frequency ω_n [rad/s].
+        damping_ratio: Damping ratio ζ [-].
+        acceleration: Rate of the speed [rad/s²], signed.
+        deviation: Size (S,) of the mode's addition to the phasors [m], predicted from these three and scaled to the observed
+            beat.
+        turns: Turns of the beat that were seen [-].
+        explained: Part of what the background leaves that the beat explains [-].
+    """
+
+    natural_frequency: float
+    damping_ratio: float
+    acceleration: float
+    deviation: Floats
+    turns: float
+    explained: float
+
+
+def find_beats(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> tuple[Beat | None, ...]:
+    """Find the clearest beat in each channel of a sweep.
+
+    Args:
+        speed: Speeds (S,) in order of time [rad/s].
+        phasor: Phasors (S, m) [m].
+        usable: True where a phasor may be used (S, m).
+
+    Returns:
+        For each of the m channels its clearest beat, or None.
+    """
+    sense = 1.0 if speed[-1] >= speed[0] else -1.0
+    order = _monotone(sense * speed)
+    found: list[Beat | None] = []
+    for channel in range(phasor.shape[1]):
+        kept = order[usable[order, channel]]
+        beat = _clearest(sense * speed[kept], phasor[kept, channel], sense) if kept.size > FEWEST_SAMPLES else None
+        found.append(None if beat is None else _placed(beat, speed, sense))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Chirp:
+    """A fitted beat over x: ω_n (times the sense), b, d, its size a [m], the window's first place, and how good it is."""
+
+    natural_frequency: float
+    rate: float
+    decay: float
+    size: float
+    turns: float
+    explained: float
+    ratio: float
+
+
+def _monotone(place: Floats) -> NDArray[np.intp]:
+    """Find the samples at which the speed is beyond all before: a sweep without its reversals."""
+    highest = np.maximum.accumulate(place)
+    return np.flatnonzero(np.concatenate([[True], place[1:] > highest[:-1]]))
+
+
+def _clearest(place: Floats, phasor: Complexes, sense: float) -> _Chirp | None:
+    amplitude = np.abs(phasor)
+    smooth = np.convolve(np.pad(amplitude, 1, mode="edge"), [0.25, 0.5, 0.25], mode="valid")
+    peaks = peak_samples(smooth)
+    best: _Chirp | None = None
+    for peak in peaks[np.argsort(-smooth[peaks])][:PEAKS]:
+        found = _behind(place, phasor, smooth, int(peak), sense)
+        if found is not None and (best is None or found.ratio > best.ratio):
+            best = found
+    return best
+
+
+def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: float) -> _Chirp | None:
+    """Find the beat behind one peak, if there is one."""
+    below = np.flatnonzero(smooth[peak:] < BEHIND * smooth[peak])
+    if not below.size:
+        return None
+    begin = peak + int(below[0])
+    above = np.flatnonzero(smooth[begin:] > BEHIND * smooth[peak])
+    end = min(begin + LARGEST_WINDOW, begin + int(above[0]) if above.size else place.size)
+    if end - begin < FEWEST_SAMPLES:
+        return None
+    where, values = place[begin:end], phasor[begin:end]
+    if sense > 0:
+        values = np.conj(values)  # so that the beat turns forward in both
+    spacing = float(np.median(np.diff(where)))
+    length = float(where[-1] - place[peak])
+    # Enough turns in the window, and enough samples in the turns that are looked at.
+    slowest = 2.0 * np.pi * FEWEST_TURNS / length**2
+    fastest = 2.0 * np.pi / (SAMPLES_PER_TURN * spacing) / (2.0 * np.sqrt(length * (where[0] - place[peak] + spacing)))
+    if fastest <= slowest:
+        return None
+    best, at = PROMISING, (0.0, 0.0, 0.0)
+    for part in np.linspace(0.0, LAG, NATURAL_FREQUENCIES):
+        # The lag behind ω_n goes with √α; that of a middle rate is near enough to begin with.
+        frequency = float(place[peak] - part * np.sqrt(0.5 / np.sqrt(slowest * fastest)))
+        x = where - frequency
+        background = _background(x)
+        rest = values - background @ (background.conj().T @ values)
+        score, rate, decay = _scan(x, rest, length, slowest, fastest)
+        if score > best:
+            best, at = score, (frequency, rate, decay)
+    return None if best == PROMISING else _refined(where, values, at, lowest=float(place[0]), peak_place=float(place[peak]))
+
+
+def _background(x: Floats) -> Complexes:
+    """Build orthonormal columns (n, 5) that fall off behind a resonance."""
+    scaled = x / x[-1]
+    columns = np.stack([np.ones_like(x), scaled, 1 / scaled, 1 / scaled**2, scaled**2], axis=1)
+    return np.asarray(np.linalg.qr(columns)[0], dtype=complex)
+
+
+def _scan(x: Floats, rest: Complexes, length: float, slowest: float, fastest: float) -> tuple[float, float, float]:
+    """Estimate the part of the squares that the best chirp explains, its rate and its decay: a Fourier transform over x²."""
+    square = np.linspace(x[0] ** 2, x[-1] ** 2, GRID)
+    at = np.sqrt(square)
+    decay = np.array(DECAYS)[:, None] / length
+    # Samples are even in x: a sum over them is an integral over x² with this weight.
+    weight = np.exp(-decay * at) / at
+    power = np.abs(np.fft.fft(np.interp(at, x, rest) * weight, 2 * GRID)[:, :GRID]) ** 2
+    power /= np.sum(weight * np.exp(-decay * at), axis=1, keepdims=True) * np.sum(1.0 / at)
+    rates = np.pi * np.arange(GRID) / (GRID * (square[1] - square[0]))
+    power[:, (rates < slowest) | (rates > fastest)] = 0.0
+    which, best = np.unravel_index(int(np.argmax(power)), power.shape)
+    explained = float(power[which, best]) / max(float(np.mean(np.abs(rest) ** 2)), 1e-300)
+    return explained, float(rates[best]), float(decay[which, 0])
+
+
+def _refined(
+    where: Floats, values: Complexes, start: tuple[float, float, float], *, lowest: float, peak_place: float
+) -> _Chirp | None:
+    """Fit the chirp nearest to the values, from a start (ω_n, b, d); None where it is not clear enough."""
+    scale = np.array([np.sqrt(0.5 / start[1]), start[1], 1.0 / (where[-1] - peak_place)])
+    left_over = float(np.sqrt(np.mean(np.abs(values) ** 2)))
+
+    def fitted(theta: Floats) -> tuple[Complexes, Complexes, complex, Floats]:
+        frequency, rate, decay = theta * scale
+        x = np.maximum(where - frequency, 1e-3 * scale[0])
+        background = _background(x)
+        chirp = np.exp(1j * rate * x**2 - abs(decay) * x)
+        across = chirp - background @ (background.conj().T @ chirp)
+        rest = values - background @ (background.conj().T @ values)
+        size = complex(np.vdot(across, rest) / max(float(np.vdot(across, across).real), 1e-300))
+        return rest, rest - size * across, size, x
+
+    def residual(theta: Floats) -> Floats:
+        return np.asarray(fitted(theta)[1].view(float) / left_over)
+
+    if lowest + scale[0] >= where[0] - 1e-2 * scale[0]:
+        return None
+    begin = np.array(start) / scale
+    # The resonance was crossed in this sweep, not before it.
+    low = np.array([max(lowest + scale[0], peak_place - 2 * LAG * scale[0]) / scale[0], 0.5, 0.0])
+    high = np.array([(where[0] - 1e-3 * scale[0]) / scale[0], 2.0, 20.0])
+    solved = scipy.optimize.least_squares(residual, np.clip(begin, low + 1e-9, high - 1e-9), bounds=(low, high), max_nfev=30)
+    rest, unexplained, size, x = fitted(solved.x)
+    frequency, rate, decay = (solved.x * scale).tolist()
+    whole, left = float(np.vdot(rest, rest).real), float(np.vdot(unexplained, unexplained).real)
+    if whole <= 0.0:
+        return None
+    explained = 1.0 - left / whole
+    freedom = 2 * where.size - 2 * BACKGROUND - 5
+    ratio = freedom * explained / max(1.0 - explained, 1e-12)
+    # Turns that carry weight: as far as the beat stands above what is left.
+    noise = np.sqrt(left / where.size)
+    seen = abs(size) * np.exp(-abs(decay) * x) > noise
+    turns = float(rate * (x[seen].max() ** 2 - x[0] ** 2) / (2.0 * np.pi)) if seen.any() else 0.0
+    if explained < EXPLAINED or ratio < LIKELIHOOD_RATIO or turns < FEWEST_TURNS:
+        return None
+    return _Chirp(frequency, rate, abs(decay), abs(size), turns, explained, ratio)
+
+
+def _placed(beat: _Chirp, speed: Floats, sense: float) -> Beat:
+    """Add to the beat its deviation at every sample: one mode through the same sweep, scaled to the observed size."""
+    frequency, acceleration = sense * beat.natural_frequency, sense / (2.0 * beat.rate)
+    growth = complex(-beat.decay * abs(acceleration), frequency)
+    place = np.maximum.accumulate(sense * speed)
+    grid = np.linspace(place[0], place[-1], max(400, 8 * speed.size))
+    law = SpeedLaw.through((grid - grid[0]) / abs(acceleration), sense * grid)
+    shape = np.abs(modal_deviation(law, (grid - grid[0]) / abs(acceleration), growth))
+    x = np.maximum(grid - beat.natural_frequency, 0.0)
+    behind = (x > 0.0) & (2.0 * beat.rate * x**2 > np.pi)
+    expected = beat.size * np.exp(-beat.decay * x)
+    scale = float(np.sum(expected[behind] * shape[behind]) / max(np.sum(shape[behind] ** 2), 1e-300)) if behind.any() else 0.0
+    deviation = np.interp(place, grid, scale * shape)
+    return Beat(
+        natural_frequency=frequency,
+        damping_ratio=-growth.real / abs(growth),
+        acceleration=acceleration,
+        deviation=deviation,
+        turns=beat.turns,
+        explained=beat.explained,
+    )

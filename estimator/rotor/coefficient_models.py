@@ -1,0 +1,81 @@
+"""Bearing models of a train's coefficients, and what is believed of a coefficient before any measurement."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+
+from estimator.bearings.model import CoefficientModel, ModelParameter
+from estimator.rotor.parameters import Coefficient
+
+KNOWN_SPREAD = log(10.0)
+"""Prior standard deviation of the logarithm of a direct term whose nominal value the document gives [-]: a factor of 10."""
+UNKNOWN_SPREAD = log(1000.0)
+"""Prior standard deviation of the logarithm of a direct term whose nominal value no document gives [-]: a factor of 1000."""
+CROSS_SPREAD = 10.0
+"""Prior standard deviation of a cross-coupled term in units of its element's direct terms [-]."""
+
+
+@dataclass(frozen=True)
+class GoverningModel:
+    """A model with the coefficients of a train that it gives.
+
+    Attributes:
+        model: The model.
+        coefficients: Indices of its C coefficients.
+    """
+
+    model: CoefficientModel
+    coefficients: tuple[int, ...]
+
+
+def governing_models(coefficients: Sequence[Coefficient]) -> tuple[GoverningModel, ...]:
+    """Return the models of all coefficients that are neither fixed nor tied.
+
+    Args:
+        coefficients: The train's coefficients.
+
+    Returns:
+        The models, in the order of the first coefficient that each gives.
+    """
+    groups: dict[tuple[str, int], list[Coefficient]] = {}
+    for one in coefficients:
+        if not one.fixed and one.tied_to is None:
+            groups.setdefault((one.element, id(one.form)), []).append(one)
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    found = [
+        GoverningModel(model, tuple(index[name] for name in model.coefficients))
+        for group in groups.values()
+        for model in group[0].form.models([believed(one) for one in group])
+    ]
+    return tuple(sorted(found, key=lambda one: min(one.coefficients)))
+
+
+def believed(coefficient: Coefficient) -> ModelParameter:
+    """Return a coefficient as a parameter of its own, with the prior on it.
+
+    Args:
+        coefficient: The coefficient.
+
+    Returns:
+        The parameter.
+    """
+    return ModelParameter(
+        name=coefficient.name,
+        quantity=coefficient.quantity,
+        unit=coefficient.unit,
+        positive=coefficient.direct,
+        expected=coefficient.expected,
+        scale=coefficient.scale,
+        spread=_spread(coefficient),
+        coefficient=coefficient.name,
+    )
+
+
+def _spread(coefficient: Coefficient) -> float:
+    if coefficient.spread is not None:
+        # A part of nothing is no spread: a cross-coupled term of zero is measured by the direct terms beside it.
+        part = 1.0 if coefficient.direct else abs(coefficient.expected) / coefficient.scale or 1.0
+        return coefficient.spread * part
+    if not coefficient.direct:
+        return CROSS_SPREAD
+    return UNKNOWN_SPREAD if coefficient.nominal is None else KNOWN_SPREAD

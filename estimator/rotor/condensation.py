@@ -1,0 +1,237 @@
+"""Exact dynamic condensation of a train to the degrees of freedom that carry unknowns or probes.
+
+At each speed everything else is eliminated by the dynamic Schur complement, so that the unknowns sit in a small system
+Z(ω, p) q = F(ω, U) without any approximation. (The thesis's Eq. 4.8-4.20 condense the same way; its high-frequency form of
+§4.4 drops the stiffness and is not used here.) The eliminated parts, shafts and discs, are the same in every direction
+across the axis: in forward and backward whirl they separate into two systems of half the size, real without damping.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.machine.document import Machine
+from estimator.rotor.assembly import Rotor, assemble_rotor, plane_columns
+from estimator.rotor.elimination import GivenShafts, WhirlElimination
+from estimator.rotor.parameters import ScaleFactor, Unknowns, dense, scale_factors, unknowns
+from estimator.rotor.shaft_element import NODE_DOFS
+
+BLOCK = 256
+"""Number of speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""
+
+
+@dataclass(frozen=True)
+class CondensedTrain:
+    """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
+
+    Attributes:
+        speed: Spin speeds (S,) [rad/s], positive.
+        direction: Sense of rotation (S,), +1 or -1 [-].
+        shafts: Dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
+        left: Vectors a (n, T), one per term [-].
+        right: Vectors b (n, T), one per term [-].
+        output: Displacement (m, n) at each probe, along its angle [-].
+        unknowns: Names and expectations of coefficients and excitations.
+        channels: Ids of the m channels.
+        gain_spread: Standard deviation (m,) of each channel's gain [-]; empty where gains are exact.
+        run_out_spread: Standard deviation (m,) of each channel's run-out [m]; empty where run-outs are exact.
+        scale_factors: The F factors of E and ρ that are not known exactly.
+    """
+
+    speed: Floats
+    direction: Floats
+    shafts: WhirlElimination | GivenShafts
+    left: Floats
+    right: Floats
+    output: Floats
+    unknowns: Unknowns
+    channels: tuple[str, ...]
+    gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
+    scale_factors: tuple[ScaleFactor, ...] = ()
+
+    @property
+    def scale_names(self) -> tuple[str, ...]:
+        """Return the names of the scale factors."""
+        return tuple(one.name for one in self.scale_factors)
+
+    @property
+    def scale_spread(self) -> Floats:
+        """Return the relative rms spread (F,) of each scale factor [-]."""
+        return np.array([one.spread for one in self.scale_factors])
+
+    @property
+    def known(self) -> Complexes:
+        """Return the dynamic stiffness of shafts and discs (S, n, n) [N/m, N, N m/rad]."""
+        return self.shafts.known()
+
+    @property
+    def force(self) -> Complexes:
+        """Return the forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit]."""
+        return self.shafts.force()
+
+    @property
+    def owner(self) -> NDArray[np.intp]:
+        """Return the coefficient (T,) that each term belongs to, ascending."""
+        return np.repeat(np.arange(len(self.unknowns.coefficients)), [len(c.pairs) for c in self.unknowns.coefficients])
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """Return the power (K,) of jω with which each coefficient acts."""
+        return np.array([c.order for c in self.unknowns.coefficients], dtype=np.intp)
+
+    def dynamic_stiffness(self, coefficients: Floats) -> Complexes:
+        """Assemble Z = known + Σ (jω)ⁿ p a bᵀ.
+
+        Args:
+            coefficients: Coefficients p (K,) or, where they follow the speed, (S, K) [SI].
+
+        Returns:
+            Z (S, n, n) [N/m, N, N m/rad].
+        """
+        whole = self.known
+        order = self.order[self.owner]
+        value = coefficients[..., self.owner]
+        for power in np.unique(order):
+            which = order == power
+            part = (self.left[:, which] * value[..., None, which]) @ self.right[:, which].T
+            whole += ((1j * self.speed) ** power)[:, None, None] * part
+        return whole
+
+    def force_of(self, excitations: Complexes) -> Complexes:
+        """Assemble the force of excitations.
+
+        Args:
+            excitations: Excitations (E,) or, where they differ from sample to sample, (S, E) [SI].
+
+        Returns:
+            F (S, n) [N, N m].
+        """
+        parts = np.stack([excitations.real, excitations.imag], axis=-1)
+        parts = parts.reshape(*excitations.shape[:-1], -1)
+        return np.asarray((self.force @ parts[..., None])[..., 0])
+
+    def pick(self, which: slice) -> "CondensedTrain":
+        """Return the same train at some of its speeds.
+
+        Args:
+            which: The speeds to keep.
+
+        Returns:
+            The train at these speeds.
+        """
+        return replace(
+            self,
+            speed=self.speed[which],
+            direction=self.direction[which],
+            shafts=self.shafts.pick(which),
+        )
+
+    def blocks(self) -> Iterator[slice]:
+        """Divide the speeds into blocks of at most BLOCK.
+
+        Yields:
+            Slices of the speeds that together are all of them.
+        """
+        for begin in range(0, self.speed.size, BLOCK):
+            yield slice(begin, min(begin + BLOCK, self.speed.size))
+
+    def scaled(self, factors: Floats) -> "CondensedTrain":
+        """Return the train with Young's modulus E and density ρ of its materials multiplied.
+
+        Args:
+            factors: Factors (F,) of `scale_names` [-].
+
+        Returns:
+            The scaled train; the same one where there is nothing to scale.
+        """
+        if factors.size == 0 or isinstance(self.shafts, GivenShafts):
+            return self
+        return replace(self, shafts=self.shafts.scaled(dict(zip(self.scale_names, factors, strict=True))))
+
+
+def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floats | None = None) -> CondensedTrain:
+    """Condense a machine at the given speeds (dynamic Schur complement; compare thesis Eq. 4.8-4.20).
+
+    Args:
+        machine: The machine.
+        speed: Spin speeds (S,) [rad/s], positive and finite.
+        direction: Sense of rotation (S,) [-]: +1 from +x to +y, -1 against it.
+        output: Rows (m, N) over all degrees of freedom to look at [-]; None for the probes.
+
+    Returns:
+        The condensed train.
+
+    Raises:
+        ValueError: A speed is not positive and finite, or direction does not hold +1 or -1 for each speed.
+        SingularCondensation: Elimination is impossible at a speed.
+    """
+    speed = np.asarray(speed, dtype=float)
+    direction = np.asarray(direction, dtype=float)
+    if speed.ndim != 1 or speed.size == 0 or not np.all(np.isfinite(speed) & (speed > 0)):
+        raise ValueError("speed must be a non-empty list of positive, finite spin speeds [rad/s]")
+    if direction.shape != speed.shape or not np.all(np.abs(direction) == 1):
+        raise ValueError("direction must hold +1 or -1 for each speed")
+    rotor = assemble_rotor(machine)
+    unknown = unknowns(machine, rotor)
+    pairs = [pair for coefficient in unknown.coefficients for pair in coefficient.pairs]
+    vectors = {
+        "left": _in_planes(rotor, dense([left for left, _ in pairs], rotor.size)),
+        "right": _in_planes(rotor, dense([right for _, right in pairs], rotor.size)),
+        "output": _in_planes(rotor, (probe_rows(machine, rotor) if output is None else output).T),
+        "acting": _in_planes(rotor, dense([item.acting or {} for item in unknown.excitations], rotor.size)),
+    }
+    touched = np.any(np.concatenate(list(vectors.values()), axis=1), axis=1)
+    retained = np.flatnonzero(touched[: rotor.plane_size] | touched[rotor.plane_size :])
+    kept = np.concatenate([retained, rotor.plane_size + retained])
+    scales = scale_factors(machine, rotor)
+    elimination = WhirlElimination.of(
+        rotor,
+        retained=retained,
+        acting=vectors["acting"][kept],
+        excitations=unknown.excitations,
+        speed=speed,
+        direction=direction,
+        reusable=bool(scales),
+    )
+    return CondensedTrain(
+        speed=speed,
+        direction=direction,
+        shafts=elimination,
+        left=vectors["left"][kept],
+        right=vectors["right"][kept],
+        output=vectors["output"][kept].T,
+        unknowns=unknown,
+        channels=machine.channels,
+        gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
+        run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
+        scale_factors=scales,
+    )
+
+
+def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:
+    """Convert vectors (N, count) over (x, y, θx, θy) per node to vectors over the x-z plane, then the y-z plane."""
+    x_plane, y_plane = plane_columns(rotor.size)
+    return np.concatenate([x_plane.T @ vectors, y_plane.T @ vectors])
+
+
+def probe_rows(machine: Machine, rotor: Rotor) -> Floats:
+    """Assemble the map from the motion of all degrees of freedom to the probes.
+
+    Args:
+        machine: The machine, with m probes.
+        rotor: Its assembled rotor, with N degrees of freedom.
+
+    Returns:
+        Displacement (m, N) at each probe, along its angle, per motion of each degree of freedom [-].
+    """
+    rows = np.zeros((len(machine.probes), rotor.size))
+    for row, probe in zip(rows, machine.probes, strict=True):
+        x = NODE_DOFS * rotor.node(probe.shaft, probe.station)
+        angle = np.deg2rad(probe.angle_deg)
+        row[x], row[x + 1] = np.cos(angle), np.sin(angle)
+        row[np.abs(row) < 1e-15] = 0.0  # a probe along an axis sees that axis only
+    return rows

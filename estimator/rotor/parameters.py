@@ -1,0 +1,414 @@
+"""Unknowns of a train: their names, the places where they act, and what is believed of them before any measurement.
+
+A coefficient p adds (jω)ⁿ p Σ a bᵀ to the dynamic stiffness, with n = 0 for a stiffness, 1 for a damping, 2 for an inertia and
+a, b vectors over the degrees of freedom: `kxy` of a bearing has a at x and b at y. An excitation is complex and enters the
+force: a residual unbalance, a bow, a misalignment's equivalent load.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.bearings.model import BearingForm
+from estimator.bearings.registry import CONSTANT
+from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Axis, Term
+from estimator.machine.document import Machine
+from estimator.machine.parts import Bearing, Coupling, LateralCoefficients, Seal, Shaft
+from estimator.machine.rules import ParameterRule
+from estimator.quantities import UNITS, Quantity
+from estimator.rotor.assembly import Rotor
+from estimator.rotor.identity_cache import remembered
+from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
+from estimator.units import rpm_to_rad_per_s
+
+_DOF: dict[Axis, int] = {"x": 0, "y": 1, "phix": 2, "phiy": 3}
+"""Degree of freedom of a node along each axis."""
+
+Vector = dict[int, float]
+"""Sparse vector over the degrees of freedom of the rotor."""
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One real stiffness, damping or inertia coefficient.
+
+    Attributes:
+        name: Name, such as `bearing.B1.kxx`.
+        element: Name of the element, such as `bearing.B1`.
+        term: The term that it is.
+        pairs: Vectors (a, b), each {degree of freedom: sign}; only a coupling of translation and rotation has two pairs.
+        nominal: The document's value [unit]; None where it gives none.
+        scale: Magnitude expected of it, always positive [unit].
+        fixed: Whether it is kept at the nominal value.
+        tied_to: Name of the coefficient whose value it takes.
+        spread: Standard deviation from the nominal value, where the document states it: of the logarithm [-], or [unit].
+        form: Form of the bearing model that gives it.
+    """
+
+    name: str
+    element: str
+    term: Term
+    pairs: tuple[tuple[Vector, Vector], ...]
+    nominal: float | None
+    scale: float
+    fixed: bool = False
+    tied_to: str | None = None
+    spread: float | None = None
+    form: BearingForm = CONSTANT
+
+    @property
+    def quantity(self) -> Quantity:
+        """Return the physical quantity."""
+        return self.term.quantity
+
+    @property
+    def direct(self) -> bool:
+        """Return whether it is positive by nature, so that its logarithm is fitted."""
+        return self.term.direct
+
+    @property
+    def unit(self) -> str:
+        """Return the SI unit."""
+        return UNITS[self.quantity]
+
+    @property
+    def order(self) -> int:
+        """Return the power of jω with which it acts."""
+        return self.term.order
+
+    @property
+    def left(self) -> Vector:
+        """Return the first pair's a."""
+        return self.pairs[0][0]
+
+    @property
+    def right(self) -> Vector:
+        """Return the first pair's b."""
+        return self.pairs[0][1]
+
+    @property
+    def expected(self) -> float:
+        """Return the best guess before any measurement [unit].
+
+        It is the nominal value; else the scale, or zero for a cross-coupled term.
+        """
+        if self.nominal is not None:
+            return self.nominal
+        return self.scale if self.direct else 0.0
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """One complex unknown of the force: magnitude·e^{j angle}, the angle counted from the keyphasor mark from +x to +y.
+
+    Attributes:
+        name: Name, such as `disc.D1.unbalance`.
+        element: Name of the element, such as `disc.D1`.
+        quantity: Physical quantity.
+        nominal: The document's value [unit]; None where it gives none.
+        speed_power: Power of ω with which the force goes.
+        shape: Shape (N/2,) over (displacement, slope) per node of an excitation that turns with the shaft: of a bow the
+            deflection [m/m], else the force [-].
+        stiffened: Whether the force is the shafts' stiffness times the shape.
+        acting: Vector over all degrees of freedom, of an excitation along one degree of freedom only.
+        spread: Expected rms distance from the nominal value, or from zero [unit]; None where the data themselves give its
+            size.
+        fixed: Whether it is kept at the nominal value.
+        node: Number of the node, of an unbalance.
+    """
+
+    name: str
+    element: str
+    quantity: Quantity
+    nominal: complex | None = None
+    speed_power: int = 0
+    shape: NDArray[np.float64] | None = None
+    stiffened: bool = False
+    acting: Vector | None = None
+    spread: float | None = None
+    fixed: bool = False
+    node: int = -1
+
+    @property
+    def unit(self) -> str:
+        """Return the SI unit."""
+        return UNITS[self.quantity]
+
+
+@dataclass(frozen=True)
+class ScaleFactor:
+    """A factor on a property of a material that is not known exactly.
+
+    Attributes:
+        material: Id of the material.
+        what: The property.
+        spread: Relative rms spread [-].
+    """
+
+    material: str
+    what: Literal["young_modulus", "density"]
+    spread: float
+
+    @property
+    def element(self) -> str:
+        """Return the name of the material, such as `material.steel`."""
+        return f"material.{self.material}"
+
+    @property
+    def name(self) -> str:
+        """Return the name of the factor, such as `material.steel.density`."""
+        return f"{self.element}.{self.what}"
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """Everything in the model of a train that an identification determines.
+
+    Attributes:
+        coefficients: The K coefficients.
+        excitations: The E excitations, the residual unbalances first.
+    """
+
+    coefficients: tuple[Coefficient, ...]
+    excitations: tuple[Excitation, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the names of all coefficients, then of all excitations."""
+        return tuple([item.name for item in self.coefficients] + [item.name for item in self.excitations])
+
+    @property
+    def unbalances(self) -> tuple[Excitation, ...]:
+        """Return the residual unbalances, which are the first excitations."""
+        return tuple(item for item in self.excitations if item.quantity == "unbalance")
+
+
+@remembered
+def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
+    """List all coefficients and excitations of a machine (thesis Eq. 3.7, 3.9), in the document's order.
+
+    Args:
+        machine: The machine.
+        rotor: Its assembled rotor.
+
+    Returns:
+        The unknowns.
+    """
+    coefficients: list[Coefficient] = []
+    to_ground: list[Bearing | Seal] = [*machine.bearings, *machine.seals]
+    for part in to_ground:
+        coefficients += _to_ground(machine, rotor, part)
+    for coupling in machine.couplings:
+        coefficients += _coupling(machine, rotor, coupling)
+    unbalances = [_held(one, machine.parameters) for one in _unbalances(machine, rotor)]
+    return Unknowns(
+        _tied([_ruled(one, machine.parameters) for one in coefficients]),
+        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor)),
+    )
+
+
+def scale_factors(machine: Machine, rotor: Rotor) -> tuple[ScaleFactor, ...]:
+    """List the factors of E and ρ of a machine's materials that are not known exactly.
+
+    Args:
+        machine: The machine.
+        rotor: Its assembled rotor.
+
+    Returns:
+        The F factors.
+    """
+    found: list[ScaleFactor] = []
+    for name in rotor.materials:
+        material = machine.materials[name]
+        if material.young_modulus_spread > 0.0:
+            found.append(ScaleFactor(name, "young_modulus", material.young_modulus_spread))
+        if material.density_spread > 0.0:
+            found.append(ScaleFactor(name, "density", material.density_spread))
+    return tuple(found)
+
+
+def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
+    """Convert sparse vectors to the columns of a matrix.
+
+    Args:
+        vectors: The sparse vectors.
+        size: Number of rows.
+
+    Returns:
+        Matrix (size, count) [-].
+    """
+    matrix = np.zeros((size, len(vectors)))
+    for column, vector in enumerate(vectors):
+        for row, value in vector.items():
+            matrix[row, column] = value
+    return matrix
+
+
+def _to_ground(machine: Machine, rotor: Rotor, part: Bearing | Seal) -> list[Coefficient]:
+    nodes = {rotor.node(part.shaft, part.station): 1.0}
+    scales = _scales(machine, machine.shaft(part.shaft), part)
+    element = f"seal.{part.id}" if isinstance(part, Seal) else f"bearing.{part.id}"
+    found = [_coefficient(element, part, term, nodes, scales[term.name]) for term in LATERAL]
+    for term in SEAL if isinstance(part, Seal) else ():
+        value = getattr(part, term.name)
+        if value is not None:
+            found.append(_coefficient(element, part, term, nodes, value))
+    return found
+
+
+def _coupling(machine: Machine, rotor: Rotor, coupling: Coupling) -> list[Coefficient]:
+    nodes = {rotor.end_node(coupling.driver): 1.0, rotor.first_node[coupling.driven]: -1.0}
+    shaft = machine.shaft(coupling.driver)
+    element = f"coupling.{coupling.id}"
+    scales = _scales(machine, shaft, coupling)
+    stiff = 10 * _bending_stiffness(machine, shaft) / shaft.length
+    found = [_coefficient(element, coupling, term, nodes, scales[term.name]) for term in LATERAL]
+    found += [_coefficient(element, coupling, term, nodes, getattr(coupling, term.name) or stiff) for term in ANGULAR]
+    for term in COUPLING:
+        value = getattr(coupling, term.name)
+        if value is not None:
+            found.append(_coefficient(element, coupling, term, nodes, _coupling_scale(coupling, term, value, stiff, shaft)))
+    return found
+
+
+def _coupling_scale(coupling: Coupling, term: Term, value: float, stiff: float, shaft: Shaft) -> float:
+    """Return the magnitude expected of a coupling's term that its document gives; stiff: of its angular stiffness [N
+    m/rad]."""
+    if term.direct:
+        return value
+    if term.quantity == "angular stiffness":
+        return math.sqrt((coupling.k_phix or stiff) * (coupling.k_phiy or stiff))
+    return abs(value) or stiff / shaft.length
+
+
+def _relative(nodes: dict[int, float], dof: int) -> Vector:
+    return {NODE_DOFS * node + dof: sign for node, sign in nodes.items()}
+
+
+def _coefficient(element: str, part: LateralCoefficients, term: Term, nodes: dict[int, float], scale: float) -> Coefficient:
+    form = part.speed_dependence
+    return Coefficient(
+        name=f"{element}.{term.name}",
+        element=element,
+        term=term,
+        pairs=tuple((_relative(nodes, _DOF[force]), _relative(nodes, _DOF[motion])) for force, motion in term.axes),
+        nominal=getattr(part, term.name),
+        scale=scale,
+        form=form if form is not None and form.governs(term.name) else CONSTANT,
+    )
+
+
+def _unbalances(machine: Machine, rotor: Rotor) -> list[Excitation]:
+    found = []
+    for disc in machine.discs:
+        node = rotor.node(disc.shaft, disc.station)
+        shape = np.zeros(rotor.plane_size)
+        shape[PLANE_DOFS * node] = 1.0
+        nominal = None if disc.unbalance is None else _complex(disc.unbalance.magnitude, disc.unbalance.angle_deg)
+        element = f"disc.{disc.id}"
+        found.append(Excitation(f"{element}.unbalance", element, "unbalance", nominal, speed_power=2, shape=shape, node=node))
+    return found
+
+
+def _complex(magnitude: float, angle_deg: float) -> complex:
+    return magnitude * complex(np.exp(1j * math.radians(angle_deg)))
+
+
+def _bows(machine: Machine, rotor: Rotor) -> list[Excitation]:
+    """Build a half sine over each shaft's length, measured at its middle."""
+    found = []
+    for shaft in machine.shafts:
+        if shaft.bow_spread == 0.0:
+            continue
+        angle = math.pi * rotor.stations[shaft.id] / shaft.length
+        first = PLANE_DOFS * rotor.first_node[shaft.id]
+        shape = np.zeros(rotor.plane_size)
+        shape[first : first + 2 * angle.size : 2] = np.sin(angle)
+        shape[first + 1 : first + 2 * angle.size : 2] = math.pi / shaft.length * np.cos(angle)
+        element = f"shaft.{shaft.id}"
+        found.append(Excitation(f"{element}.bow", element, "bow", shape=shape, stiffened=True, spread=shaft.bow_spread))
+    return found
+
+
+def _loads(machine: Machine, rotor: Rotor) -> list[Excitation]:
+    found = []
+    for coupling in machine.couplings:
+        if coupling.load is None:
+            continue
+        nodes = {rotor.end_node(coupling.driver): 1.0, rotor.first_node[coupling.driven]: -1.0}
+        element = f"coupling.{coupling.id}"
+        quantities: tuple[tuple[Quantity, dict[str, Axis], float], ...] = (
+            ("force", {"x": "x", "y": "y"}, coupling.load.force_spread),
+            ("moment", {"x": "phix", "y": "phiy"}, coupling.load.moment_spread),
+        )
+        for quantity, axes, spread in quantities:
+            for axis, along in axes.items():
+                acting = _relative(nodes, _DOF[along])
+                found.append(Excitation(f"{element}.{quantity}_{axis}", element, quantity, acting=acting, spread=spread))
+    return found
+
+
+def _ruled(coefficient: Coefficient, rules: tuple[ParameterRule, ...]) -> Coefficient:
+    """Return the coefficient with the last rule that names it."""
+    name = coefficient.name
+    for rule in reversed(rules):
+        if fnmatchcase(name, rule.names):
+            if rule.tied_to is not None:
+                return replace(coefficient, tied_to=f"{rule.tied_to}.{coefficient.term.name}")
+            return replace(coefficient, fixed=rule.fixed, spread=rule.spread)
+    return coefficient
+
+
+def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
+    """Return the coefficients, tied ones with the expectations of those whose value they take."""
+    by_name = {one.name: one for one in coefficients}
+
+    def led(one: Coefficient) -> Coefficient:
+        if one.tied_to is None:
+            return one
+        of = by_name[one.tied_to]
+        return replace(one, nominal=of.nominal, scale=of.scale, form=of.form)
+
+    return tuple(led(one) for one in coefficients)
+
+
+def _held(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
+    """Return the unbalance with the last rule that names it."""
+    for rule in reversed(rules):
+        if fnmatchcase(unbalance.name, rule.names):
+            spread = None if rule.spread is None else rule.spread * abs(unbalance.nominal or 0.0)
+            return replace(unbalance, fixed=rule.fixed, spread=spread)
+    return unbalance
+
+
+def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[str, float]:
+    """Estimate magnitudes from the nominal direct terms where known, else from the shaft's own stiffness and mass."""
+    stiffness = 48 * _bending_stiffness(machine, shaft) / shaft.length**3
+    known_k = [value for value in (part.kxx, part.kyy) if value is not None]
+    k = float(np.mean(known_k)) if known_k else stiffness
+    known_c = [value for value in (part.cxx, part.cyy) if value is not None]
+    # A tenth of the stiffness force at the middle of the speed range is a usual damping force.
+    middle = rpm_to_rad_per_s((machine.speed_range.minimum_rpm + machine.speed_range.maximum_rpm) / 2)
+    c = float(np.mean(known_c)) if known_c else 0.1 * k / middle
+    values = {term.name: (k if term.quantity == "stiffness" else c) for term in LATERAL}
+    for term in LATERAL:
+        if term.direct:
+            values[term.name] = getattr(part, term.name) or values[term.name]
+    return values
+
+
+def _bending_stiffness(machine: Machine, shaft: Shaft) -> float:
+    """Compute the length-weighted mean of EI [N m²]."""
+    total = math.fsum(
+        section.length
+        * machine.materials[section.material].young_modulus
+        * math.pi
+        / 64
+        * (section.outer_diameter**4 - section.inner_diameter**4)
+        for section in shaft.sections
+    )
+    return total / shaft.length

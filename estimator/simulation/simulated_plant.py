@@ -1,0 +1,247 @@
+"""Simulation of a plant's machine: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
+from estimator.machine.rules import Noise
+from estimator.quantities import Quantity
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense
+from estimator.rotor.parameters import Unknowns, unknowns
+from estimator.rotor.response import response
+from estimator.runs.segmentation import RunKind
+from estimator.trends.covariates import usual_change
+from estimator.units import rpm_to_rad_per_s
+
+Story = Literal["healthy", "misalignment", "unbalance"]
+
+TRUTH_SPREAD = 0.08
+"""Standard deviation of the logarithm of each coefficient by which a machine differs from its document [-]."""
+RUN_SCATTER: dict[Quantity, float] = {"damping": 0.02, "angular damping": 0.02, "unbalance": 0.01}
+"""Relative run-to-run scatter of the true parameters by quantity [-]."""
+OTHER_RUN_SCATTER = 0.005
+"""Relative run-to-run scatter of the quantities not named there, stiffnesses and inertias [-]."""
+COUPLING_STIFFENING = 0.6
+"""Relative growth of a coupling's coefficients at the end of the misalignment story [-]."""
+BEARING_STIFFENING = 0.25
+"""Relative growth of the coefficients of the bearings beside it at the end of the misalignment story [-]."""
+CONDITION_LEVEL = 5.0
+"""Mean of a simulated operating condition in usual changes of it [-]: 50 °C, 100 %."""
+SEASON, WEATHER = 1.0, 0.3
+"""Swing of a condition over a year, and its scatter from run to run, in usual changes [-]."""
+CONDITION_EFFECT = -0.01
+"""Change of the logarithm of every bearing coefficient by a usual change of each condition [-]."""
+YEAR_S = 365.25 * 86_400.0
+"""Length of a year [s]."""
+UNBALANCE_GROWTH = 1.5 * np.exp(0.7j)
+"""Factor on one disc's unbalance at the end of the unbalance story: larger and elsewhere [-]."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """True parameters of a simulated machine.
+
+    Attributes:
+        unknowns: Names and expectations of coefficients and excitations.
+        coefficients: Coefficients (K,) [SI].
+        unbalances: Complex unbalances (P,) [kg m].
+        factors: Factors by name on E and density of the materials that the document does not take as known [-].
+    """
+
+    unknowns: Unknowns
+    coefficients: Floats
+    unbalances: Complexes
+    factors: dict[str, float]
+
+
+def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
+    """Draw a machine near its document: every coefficient off by some per cent, unbalances turned and scaled.
+
+    Args:
+        machine: The machine.
+        rng: Random generator.
+
+    Returns:
+        The truth.
+
+    Raises:
+        ValueError: The document leaves a direct term or a disc's unbalance without a nominal value.
+    """
+    unknown = unknowns(machine, assemble_rotor(machine))
+    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None]
+    missing += [p.name for p in unknown.unbalances if p.nominal is None]
+    if missing:
+        raise ValueError(f"to simulate '{machine.id}' its document must give nominal values of {', '.join(missing)}")
+    expected = np.array([c.expected for c in unknown.coefficients])
+    factor = np.exp(TRUTH_SPREAD * rng.standard_normal(expected.size))
+    nominal = np.array([p.nominal for p in unknown.unbalances], dtype=complex)
+    turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
+    train = condense(machine, speed=np.ones(1), direction=np.ones(1))
+    drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
+    return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
+
+
+def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
+    """Return the truth when a story has gone a part of its way.
+
+    Args:
+        truth: Truth of the healthy machine.
+        machine: The machine.
+        story: The story.
+        progress: Part of its way, from 0 (healthy) to 1 [-].
+
+    Returns:
+        The truth then.
+
+    Raises:
+        ValueError: The story is of misalignment and the machine has no coupling.
+    """
+    if story == "misalignment":
+        return _misaligned(truth, machine, progress)
+    if story == "unbalance":
+        unbalances = truth.unbalances.copy()
+        unbalances[0] *= 1.0 + progress * (UNBALANCE_GROWTH - 1.0)
+        return replace(truth, unbalances=unbalances)
+    return truth
+
+
+def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
+    """Make the first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
+    if not machine.couplings:
+        raise ValueError(f"'{machine.id}' has no coupling that could be misaligned")
+    coupling = machine.couplings[0]
+    growth = {f"coupling.{coupling.id}": COUPLING_STIFFENING}
+    growth |= {f"bearing.{bearing}": BEARING_STIFFENING for bearing in neighbouring_bearings(machine, coupling)}
+    factor = np.array([1.0 + progress * growth.get(c.element, 0.0) for c in truth.unknowns.coefficients])
+    return replace(truth, coefficients=truth.coefficients * factor)
+
+
+def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
+    """Draw the truth of one run: load and temperature are never quite the same.
+
+    Args:
+        truth: Truth of the machine.
+        rng: Random generator.
+
+    Returns:
+        Truth of the run.
+    """
+    size = np.array([RUN_SCATTER.get(c.quantity, OTHER_RUN_SCATTER) for c in truth.unknowns.coefficients])
+    coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
+    turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
+    return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
+
+
+def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) -> Floats:
+    """Draw the operating conditions of one run: a season, and the day's own.
+
+    Args:
+        machine: The machine.
+        time_s: Time [s].
+        rng: Random generator.
+
+    Returns:
+        Conditions (k,) in the document's order [units of the document].
+    """
+    size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
+    season = SEASON * np.sin(2 * np.pi * time_s / YEAR_S)
+    return np.asarray(size * (CONDITION_LEVEL + season + WEATHER * rng.standard_normal(size.size)))
+
+
+def under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Truth:
+    """Return the truth under operating conditions: oil that is warmer is thinner, and the bearings softer.
+
+    Args:
+        truth: Truth of the machine.
+        machine: The machine.
+        conditions: Conditions (k,) in the document's order [units of the document].
+
+    Returns:
+        The truth under these conditions.
+    """
+    size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
+    change = float(np.sum(conditions / size - CONDITION_LEVEL))
+    of_bearing = np.array([describe(c.name).element_kind == "bearing" for c in truth.unknowns.coefficients])
+    return replace(truth, coefficients=truth.coefficients * np.where(of_bearing, np.exp(CONDITION_EFFECT * change), 1.0))
+
+
+def speed_law(machine: Machine, kind: RunKind, *, duration: float, samples: int) -> tuple[Floats, Floats]:
+    """Compute a sweep over the machine's speed range.
+
+    A coast-down under dry friction, viscous and windage drag, ω̇ = -(a + bω + cω²), each a third of the drag at full speed; a
+    run-up is its mirror image in time. The top is just inside the speed range, the bottom just below it, where a run is over.
+
+    Args:
+        machine: The machine.
+        kind: Run-up or run-down.
+        duration: Length of the sweep [s].
+        samples: Number of samples S.
+
+    Returns:
+        Times (S,) [s] and spin speeds (S,) [rad/s].
+    """
+    top = 0.999 * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    bottom = 0.95 * rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
+    grid = np.linspace(1.0, bottom / top, 2001)
+    drag = (1.0 + grid + grid**2) / 3.0
+    elapsed = np.concatenate([[0.0], np.cumsum(np.diff(1.0 - grid) * (1 / drag[1:] + 1 / drag[:-1]) / 2)])
+    elapsed *= duration / elapsed[-1]
+    times = np.linspace(0.0, duration, samples)
+    speeds = top * np.interp(times, elapsed, grid)
+    return times, speeds if kind == "run-down" else speeds[::-1].copy()
+
+
+def measured_phasors(machine: Machine, truth: Truth, speed: Floats, rng: np.random.Generator) -> Complexes:
+    """Compute steady-state 1× phasors with the document's noise.
+
+    Args:
+        machine: The machine, with m channels.
+        truth: Its true parameters.
+        speed: Speeds (S,) [rad/s].
+        rng: Random generator.
+
+    Returns:
+        Phasors (S, m) [m].
+    """
+    clean = true_phasors(machine, truth, speed)
+    return clean + noise(machine.noise, clean, rng)
+
+
+def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
+    """Compute steady-state 1× phasors without noise.
+
+    Args:
+        machine: The machine, with m channels.
+        truth: Its true parameters.
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Phasors (S, m) [m].
+    """
+    train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
+    train = train.scaled(np.array([truth.factors[name] for name in train.scale_names]))
+    # A simulated machine has no bow and no misalignment load, even where its document allows for them.
+    excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
+    excitations[: truth.unbalances.size] = truth.unbalances
+    return response(train, coefficients=truth.coefficients, excitations=excitations)
+
+
+def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:
+    """Draw circular complex Gaussian errors whose rms is √((relative·|X|)² + floor²).
+
+    Args:
+        model: Noise model.
+        clean: Phasors X without noise (S, m) [m].
+        rng: Random generator.
+
+    Returns:
+        Errors (S, m) [m].
+    """
+    size = np.sqrt((model.relative * np.abs(clean)) ** 2 + model.floor**2)
+    return np.asarray(size / np.sqrt(2) * (rng.standard_normal(clean.shape) + 1j * rng.standard_normal(clean.shape)))

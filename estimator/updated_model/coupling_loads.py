@@ -1,0 +1,94 @@
+"""Forces and moments in a coupling over speed: the loads of misalignment on bearings and shaft ends (thesis Eq. 2.11-2.12).
+
+F = (k + jωc) times the displacement of the driver's half relative to the driven one's; M = k_phi times the relative slope. The
+thesis's M_xz (moment in the x-z plane) is the moment about y here, its M_yz the one about x. Displacements come from the
+updated model, as §4.6 of the thesis suggests, because slopes are not measured.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import dense, unknowns
+from estimator.rotor.shaft_element import NODE_DOFS
+from estimator.rotor.whirl import orbit
+from estimator.updated_model.forced_response import coefficient_slopes, forced_response
+from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.uncertainty import PhasorBand, phasor_band
+
+
+@dataclass(frozen=True)
+class CouplingForce:
+    """Loads that one coupling carries at S speeds, as 1× phasors with 95 % bands.
+
+    The coupling pushes its driven half with them and its driver half with the opposite. An equivalent load that was identified
+    acts beside them and is not in them.
+
+    Attributes:
+        coupling: Id of the coupling.
+        speed: Speeds (S,) [rad/s].
+        force_x: Force along x (S,) [N].
+        force_y: Force along y (S,) [N].
+        moment_x: Moment about x (S,) [N m].
+        moment_y: Moment about y (S,) [N m].
+        force: Force (S,) along the major axis of its ellipse, the largest in a turn [N].
+        moment: Moment (S,) along the major axis of its ellipse, the largest in a turn [N m].
+    """
+
+    coupling: str
+    speed: Floats
+    force_x: PhasorBand
+    force_y: PhasorBand
+    moment_x: PhasorBand
+    moment_y: PhasorBand
+    force: PhasorBand
+    moment: PhasorBand
+
+
+def coupling_forces(model: UpdatedModel, *, speed: Floats) -> tuple[CouplingForce, ...]:
+    """Compute forces and moments in each coupling of a machine in its sense of rotation (thesis Eq. 2.11-2.12).
+
+    Args:
+        model: The updated model.
+        speed: Spin speeds (S,) [rad/s], positive.
+
+    Returns:
+        Loads of each coupling in the document's order.
+
+    Raises:
+        ValueError: A speed is not positive.
+    """
+    return tuple(_coupling_force(model, coupling.id, np.asarray(speed)) for coupling in model.machine.couplings)
+
+
+def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> CouplingForce:
+    """Sum a load over the terms that act on it: Σ p r bᵀq, r = (jω)ⁿ."""
+    rotor = assemble_rotor(model.machine)
+    numbered = enumerate(unknowns(model.machine, rotor).coefficients)
+    terms = [(k, one, pair) for k, one in numbered if one.element == f"coupling.{coupling}" for pair in one.pairs]
+    rows = dense([right for _, _, (_, right) in terms], rotor.size).T
+    found = forced_response(model, speed=speed, output=rows)
+    coordinates = model.coordinates_at(speed)
+    slopes = coefficient_slopes(coordinates, coordinates.theta(model.values), found.coefficients)
+    load = np.zeros((speed.size, NODE_DOFS), dtype=complex)
+    load_slope = np.zeros((*load.shape, model.values.size), dtype=complex)
+    for i, (k, one, (left, _)) in enumerate(terms):
+        component = min(left) % NODE_DOFS
+        rate = (1j * speed) ** one.order
+        deformation = rate * found.phasor[:, i]
+        load[:, component] += found.coefficients[:, k] * deformation
+        load_slope[:, component] += (found.coefficients[:, k] * rate)[:, None] * found.slope[:, i]
+        for place, by_coordinate in slopes.get(k, {}).items():
+            load_slope[:, component, place] += by_coordinate * deformation
+    bands = [phasor_band(load[:, dof], load_slope[:, dof], model.covariance) for dof in range(NODE_DOFS)]
+    largest = [_along_major_axis(load[:, pair], load_slope[:, pair], model) for pair in (slice(0, 2), slice(2, 4))]
+    return CouplingForce(coupling, speed, *bands, *largest)
+
+
+def _along_major_axis(load: Complexes, slope: Complexes, model: UpdatedModel) -> PhasorBand:
+    """Project a load (S, 2) with slopes (S, 2, n) on its major axis; to first order the axis itself stays where it is."""
+    inclination = orbit(load[:, 0], load[:, 1], direction=model.machine.direction).inclination
+    axis = np.stack([np.cos(inclination), np.sin(inclination)], axis=1)
+    return phasor_band(np.sum(axis * load, axis=1), np.sum(axis[:, :, None] * slope, axis=1), model.covariance)

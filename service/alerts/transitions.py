@@ -1,0 +1,229 @@
+"""What happens to alerts: each event moves the alert's standing, is written down and queued for delivery, all at once.
+
+Everything here works inside the caller's transaction, so that a state without its event, or an event that nobody is told of,
+cannot be stored.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy.orm import Session
+
+from estimator.errors import Invalid
+from service.alerts.lifecycle import (
+    Acknowledged,
+    AlertCondition,
+    AlertStanding,
+    Cleared,
+    Event,
+    Forbidden,
+    Raised,
+    Released,
+    Reset,
+    Severity,
+    Suppressed,
+    Suppression,
+    advance,
+)
+from storage.alerts import alerts, deliveries, suppressions
+from storage.clock import now
+from storage.tables import AlertRow, SuppressionRow
+
+SERVICE = "rundown"
+"""Who does what nobody else does."""
+LONGEST_SHELVING_DAYS = 30
+LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
+"""Shelving ends: at the latest after thirty days [ns]."""
+
+
+class MomentRefused(Invalid):
+    """An alert is not shelved until then."""
+
+    @property
+    def detail(self) -> str:
+        """Say that a field is wrong; `field_errors` says which."""
+        return "the request is wrong"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Blame the field that says until when."""
+        return [("until", str(self))]
+
+
+@dataclass(frozen=True)
+class AlertFinding:
+    """What an identification says for an alert: its message, evidence and severity."""
+
+    message: str
+    evidence: dict[str, Any]
+    identification_id: int
+    measured_at: int
+    severity: Severity = Severity.ALERT
+    latching: bool = False
+
+
+@dataclass(frozen=True)
+class Person:
+    """Who does something, and why."""
+
+    name: str
+    comment: str = ""
+
+
+def standing(row: AlertRow) -> AlertStanding:
+    """Where a stored alert stands."""
+    return AlertStanding(
+        condition=AlertCondition(row.condition),
+        severity=Severity(row.severity),
+        latching=row.latching,
+        suppressions=frozenset(Suppression(one) for one in row.suppressions),
+    )
+
+
+def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, finding: AlertFinding) -> AlertRow:
+    """The cause is there: open an episode, or bring the open one up to date."""
+    row = alerts.open_alert(session, machine_id, rule=rule, element=element)
+    if row is None:
+        row = alerts.add(
+            session,
+            machine_id,
+            rule=rule,
+            element=element,
+            message=finding.message,
+            evidence=finding.evidence,
+            identification_id=finding.identification_id,
+            measured_at=finding.measured_at,
+            latching=finding.latching,
+        )
+        row.suppressions = sorted({one.kind for one in suppressions.of_alert(session, machine_id, rule=rule, element=element)})
+        row.state = standing(row).state
+    else:
+        row.message, row.evidence, row.latching = finding.message, finding.evidence, finding.latching
+        row.identification_id, row.measured_at = finding.identification_id, finding.measured_at
+        row.updated_at = now()
+    _happen(session, row, Raised(finding.severity), "raised", Person(SERVICE))
+    return row
+
+
+def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
+    """The cause is gone."""
+    _happen(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+
+
+def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
+    """A person has seen it. Raises Forbidden."""
+    _happen(session, row, Acknowledged(), "acknowledged", person)
+
+
+def reset(session: Session, row: AlertRow, person: Person) -> None:
+    """A person unlatches it. Raises Forbidden."""
+    _happen(session, row, Reset(), "reset", person)
+
+
+def comment(session: Session, row: AlertRow, person: Person) -> None:
+    """A person notes something, also on a closed alert."""
+    _record(session, row, "commented", row.state, person, at=now())
+
+
+def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
+    """Let it call nobody until a moment [ns], neither now nor in a later episode.
+
+    Raises Forbidden, and MomentRefused for one that has passed or is more than 30 days ahead: nothing is shelved for ever.
+    """
+    if row.closed_at is not None:
+        raise Forbidden("the alert is closed: only an open alert is shelved")
+    if Suppression.SHELVED in standing(row).suppressions:
+        raise Forbidden("the alert is shelved already: end that first")
+    moment = now()
+    if not moment < until <= moment + LONGEST_SHELVING_NS:
+        raise MomentRefused(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING_DAYS} days ahead")
+    suppress(session, row.machine_id, Suppression.SHELVED, person, rule=row.rule, element=row.element, until=until)
+
+
+def unshelve(session: Session, row: AlertRow, person: Person) -> None:
+    """End a shelving before its time. Raises Forbidden."""
+    shelved = [
+        one
+        for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)
+        if one.kind == Suppression.SHELVED
+    ]
+    if not shelved:
+        raise Forbidden("the alert is not shelved")
+    for one in shelved:
+        release(session, one, person)
+
+
+def suppress(
+    session: Session,
+    machine_id: str,
+    kind: Suppression,
+    person: Person,
+    *,
+    rule: str | None = None,
+    element: str | None = None,
+    until: int | None = None,
+) -> SuppressionRow:
+    """Suppress the alerts of a machine, or those of a rule or an element, open ones and ones to come."""
+    begun = suppressions.add(
+        session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
+    )
+    for row in _matching(session, begun):
+        _happen(session, row, Suppressed(kind), kind.value, person)
+    return begun
+
+
+def release(session: Session, begun: SuppressionRow, person: Person) -> None:
+    """End a suppression. Raises Forbidden when it has ended already."""
+    if begun.ended_at is not None:
+        raise Forbidden("the suppression has ended already")
+    suppressions.end(begun, by=person.name)
+    session.flush()
+    kind = Suppression(begun.kind)
+    for row in _matching(session, begun):
+        left = {one.kind for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)}
+        if kind not in left and kind in standing(row).suppressions:
+            _happen(session, row, Released(kind), f"{kind.value}_ended", person)
+
+
+def release_over(session: Session) -> int:
+    """End every suppression whose time is over. Returns how many."""
+    over = suppressions.over(session, now())
+    for one in over:
+        release(session, one, Person(SERVICE, "its time is over"))
+    return len(over)
+
+
+def any_over(session: Session) -> bool:
+    """Whether the time of any suppression is over."""
+    return bool(suppressions.over(session, now()))
+
+
+def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
+    return [
+        row
+        for row in alerts.open_alerts(session, one.machine_id)
+        if one.rule in (None, row.rule) and one.element in (None, row.element)
+    ]
+
+
+def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
+    """Move an alert on; an event that changes nothing is none."""
+    before = standing(row)
+    after = advance(before, event)
+    if after == before:
+        return
+    if isinstance(event, Raised) and after.condition is before.condition:
+        kind = "severity_changed"
+    state_before = row.state
+    row.condition, row.severity, row.state = after.condition.value, int(after.severity), after.state
+    row.suppressions = sorted(after.suppressions)
+    row.updated_at = now() if row.event_count else row.opened_at  # with its first event it opens
+    if after.closed:
+        row.closed_at = row.updated_at
+    _record(session, row, kind, state_before, person, at=row.updated_at)
+
+
+def _record(session: Session, row: AlertRow, kind: str, state_before: str, person: Person, *, at: int) -> None:
+    event = alerts.add_event(session, row, kind=kind, state_before=state_before, by=person.name, comment=person.comment, at=at)
+    deliveries.queue(session, event)

@@ -1,0 +1,257 @@
+"""Alert events as server-sent events: live, and from any event on for a client that was away.
+
+Source: WHATWG HTML, "Server-sent events". One task reads new events for all clients; each client has a bounded queue, and one
+that does not read is let go: it comes back with its `Last-Event-ID` and loses nothing.
+"""
+
+import asyncio
+import logging
+import threading
+from collections import OrderedDict
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Annotated, cast
+
+from fastapi import APIRouter, Header, Query, Request
+from fastapi.responses import StreamingResponse
+from sqlalchemy.exc import DBAPIError
+
+from service.alerts.event_message import AlertEvent, alert_event
+from service.api.conventions.dependencies import database, principal
+from service.security.requirement import VIEWER
+from service.security.scope import Visibility
+from storage.alerts import alerts
+from storage.database.engine import Database
+from storage.tables import AlertEventRow
+
+logger = logging.getLogger(__name__)
+router = APIRouter(tags=["alerts"], dependencies=[VIEWER])
+
+POLL_S = 0.05
+"""How often the event table is asked for news: a bell inside the process would not ring for events that another one wrote."""
+RETRY_S = 1.0
+KEEP_ALIVE_S = 15.0
+"""A comment as often as this tells proxies and clients that the stream lives."""
+QUEUE_SIZE = 256
+EVENT_SCHEMA = {
+    "type": "object",
+    "description": "each event",
+    "properties": {
+        "id": {"type": "string", "description": "for Last-Event-ID"},
+        "event": {"const": "alert"},
+        "data": {"type": "string", "description": "an AlertEvent", "contentMediaType": "application/json"},
+    },
+}
+PAGE = 100
+"""Events read at once for clients that were away, who share them: …"""
+PAGES = 8
+"""… so many of these pages are kept."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into.
+
+    event: None where what is stored cannot be told.
+    """
+
+    number: int
+    event: AlertEvent | None
+    text: bytes = b""
+
+
+@dataclass(eq=False)
+class Client:
+    """One reader. joined: it gets every event behind this one; slow: it gets no more, and must come back.
+
+    None in its queue: the service stops.
+    """
+
+    joined: int
+    queue: asyncio.Queue[Told | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
+    slow: bool = False
+
+
+class Broadcaster:
+    """Hands each new event to every client. Reads the table only while there are clients."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._clients: set[Client] = set()
+        self._joining = asyncio.Lock()
+        self._task: asyncio.Task[None] | None = None
+        self._last = 0
+        self._ended = False
+        self._pages: OrderedDict[int, list[Told]] = OrderedDict()
+        self._lock = threading.Lock()  # of the pages
+        self.trouble: str | None = None
+        """Why those who listen are told nothing at the moment."""
+
+    @property
+    def clients(self) -> int:
+        """Count the clients that read."""
+        return len(self._clients)
+
+    async def join(self) -> Client:
+        """Add a client."""
+        async with self._joining:
+            if self._task is None or self._task.done():
+                if not self._clients:  # else they would miss what they have not been told yet
+                    self._last = await asyncio.to_thread(self.newest)
+                self._task = asyncio.create_task(self._run())
+            client = Client(self._last)
+            if self._ended:
+                client.slow = True
+            else:
+                self._clients.add(client)
+            return client
+
+    def leave(self, client: Client) -> None:
+        """Forget a client that is gone."""
+        self._clients.discard(client)
+
+    def end(self) -> None:
+        """End all streams, once their clients have what there is."""
+        self._ended = True
+        for client in self._clients:
+            client.slow = True
+            if client.queue.empty():
+                client.queue.put_nowait(None)
+        self._clients.clear()
+
+    def page(self, after: int) -> list[Told]:
+        """Return some events behind a number, oldest first; none only where there are no more."""
+        first = after // PAGE * PAGE
+        with self._lock:
+            page = self._pages.get(first)
+            if page is None:
+                page = self._read(first)
+                if len(page) == PAGE:  # nothing will be added to it
+                    self._pages[first] = page
+                    while len(self._pages) > PAGES:
+                        self._pages.popitem(last=False)
+        return [one for one in page if one.number > after]
+
+    def _read(self, after: int) -> list[Told]:
+        with self._database.reading() as session:
+            return [_told(row) for row in alerts.events_after(session, after, limit=PAGE)]
+
+    def newest(self) -> int:
+        """Return the number of the newest event."""
+        with self._database.reading() as session:
+            return alerts.newest_event(session)
+
+    async def _run(self) -> None:
+        while True:
+            try:
+                for one in await asyncio.to_thread(self._read, self._last):
+                    self._hand_out(one)
+                self.trouble = None
+            except DBAPIError as error:
+                self.trouble = f"alert events cannot be read: {error.orig}"
+                logger.error("alert events cannot be read, trying again: %s", error.orig)
+            except Exception:
+                self.trouble = "unexpected error; the log has it"
+                logger.exception("unexpected error while alert events are handed out, trying again")
+            await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
+            if not self._clients:
+                self.trouble = None  # nobody's
+                return
+
+    def _hand_out(self, one: Told) -> None:
+        self._last = one.number
+        for client in list(self._clients):
+            if client.queue.full():
+                client.slow = True
+                self._clients.discard(client)
+            else:
+                client.queue.put_nowait(one)
+
+
+def _told(row: AlertEventRow) -> Told:
+    """Return an event as a stream tells it; one that cannot be told must not stop those behind it."""
+    try:
+        event = alert_event(row)
+        return Told(row.id, event, _text(event))
+    except (ValueError, OverflowError):
+        logger.exception("alert event %d cannot be told in streams", row.id)
+        return Told(row.id, None)
+
+
+def _text(event: AlertEvent) -> bytes:
+    return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
+
+
+async def _anybody_still() -> bool:
+    return True
+
+
+def _everything(_event: AlertEvent) -> bool:
+    return True
+
+
+def _for(sees: Callable[[AlertEvent], bool], one: Told) -> bool:
+    return one.event is not None and sees(one.event)
+
+
+async def stream(
+    broadcaster: Broadcaster,
+    after: int | None,
+    *,
+    sees: Callable[[AlertEvent], bool] = _everything,
+    still: Callable[[], Awaitable[bool]] = _anybody_still,
+) -> AsyncGenerator[bytes]:
+    """Yield events behind `after` that the client sees, or from now on, for ever; first the id behind which they begin.
+
+    An `after` that no event has reached yet is of another store, such as the one before a restore: it begins from now on.
+    Ends when the client does not keep up, and when its credentials are `still` good no more.
+    """
+    client = await broadcaster.join()
+    try:
+        last = client.joined if after is None else after
+        if last > client.joined and last > await asyncio.to_thread(broadcaster.newest):
+            yield f": there is no event {last}: this begins behind the newest one, ask for the alerts anew\n".encode()
+            last = client.joined
+        yield f": who comes back with the last id in Last-Event-ID misses nothing\nid: {last}\nretry: 1000\n\n".encode()
+        while last < client.joined and (page := await asyncio.to_thread(broadcaster.page, last)):
+            for one in page:
+                if _for(sees, one):
+                    yield one.text
+            last = page[-1].number
+        while not (client.slow and client.queue.empty()):
+            try:
+                news = await asyncio.wait_for(client.queue.get(), KEEP_ALIVE_S)
+            except TimeoutError:
+                if not await still():
+                    return
+                yield b": still here\n\n"
+                continue
+            if not await still():
+                return
+            if news is not None and news.number > last:
+                if _for(sees, news):
+                    yield news.text
+                last = news.number
+    finally:
+        broadcaster.leave(client)
+
+
+@router.get(
+    "/alert-events/stream",
+    operation_id="stream_alert_events",
+    response_class=StreamingResponse,
+    responses={200: {"content": {"text/event-stream": {"schema": EVENT_SCHEMA}}}},
+)
+async def stream_alert_events(
+    request: Request,
+    last_event_id: Annotated[int | None, Header(ge=0, le=2**62, description="continue behind this event")] = None,
+    after: Annotated[int | None, Query(ge=0, le=2**62, description="the same, for clients that cannot set headers")] = None,
+) -> StreamingResponse:
+    """Stream alert events as they happen (server-sent events); `data` is an alert event in JSON."""
+    broadcaster: Broadcaster = request.app.state.broadcaster
+    database(request).check()
+    begin = last_event_id if last_event_id is not None else after
+    who, visibility = principal(request), cast(Visibility, request.app.state.visibility)
+    events = stream(broadcaster, begin, sees=lambda event: visibility.sees(who, event.machine), still=request.state.still)
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(events, media_type="text/event-stream", headers=headers)

@@ -1,0 +1,164 @@
+"""Alerts, what people do to them, and what ever happened to them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from sqlalchemy.orm import Session
+
+from service.alerts import transitions
+from service.alerts.event_message import AlertEvent, alert_event
+from service.alerts.lifecycle import Forbidden
+from service.alerts.transitions import Person
+from service.api.alerts import rendering, schemas
+from service.api.cache.response_cache import Cached
+from service.api.conventions.dependencies import MachineId, Number, Reading, database, instant
+from service.api.conventions.paging import ById, ByTime, Paging
+from service.api.conventions.preconditions import ANYTHING, IfMatch, Stale, require, tagged
+from service.api.conventions.problems import CHANGES, RESPONSES
+from service.security.requirement import ANALYST, OPERATOR, VIEWER
+from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
+from storage.clock import to_datetime
+from storage.machines import machines
+from storage.paging import Keys
+from storage.tables import AlertRow
+
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
+
+OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
+After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
+
+
+@router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
+async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open: OnlyOpen = False) -> Response:
+    """List alerts of all machines, newest first."""
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            return _listed(session, paging, machine_id=None, only_open=only_open)
+
+    return await cache.answer(request, ("alerts",), read)
+
+
+@router.get("/alert-events", operation_id="list_alert_events")
+def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
+    """List the events of all alerts, oldest first; ask again with the last id for later ones."""
+    begin = after if paging.after is None else int(paging.after[0])
+    rows = alerts.events_after(session, begin, limit=paging.wanted)
+    return [alert_event(row) for row in paging.page(rows, lambda row: (row.id,))]
+
+
+@router.get("/alerts/{alert_id}", operation_id="read_alert")
+def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
+    """Read one alert with its evidence, and the ETag with which it can be changed."""
+    return tagged(response, rendering.alert(alerts.get(session, alert_id)))
+
+
+@router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
+def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
+    """List the events of one alert, oldest first."""
+    alerts.get(session, alert_id)
+    rows = alerts.history(session, alert_id, limit=paging.wanted, after=paging.after)
+    return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
+
+
+@router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
+async def list_machine_alerts(
+    request: Request, cache: Cached, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
+) -> Response:
+    """List alerts of one machine, newest first."""
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            machines.get(session, machine_id)
+            return _listed(session, paging, machine_id=machine_id, only_open=only_open)
+
+    return await cache.answer(request, ("machines", "alerts"), read)
+
+
+def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
+    rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
+    return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
+
+
+@router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", dependencies=[OPERATOR], responses=CHANGES)
+def acknowledge_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
+    """Note that a person has seen it."""
+    change = AlertChange(request, response, alert_id, if_match)
+    return change.made(lambda session, row: transitions.acknowledge(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", dependencies=[OPERATOR], responses=CHANGES)
+def reset_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
+    """Unlatch an acknowledged alert whose cause is gone."""
+    change = AlertChange(request, response, alert_id, if_match)
+    return change.made(lambda session, row: transitions.reset(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", dependencies=[OPERATOR], responses=CHANGES)
+def shelve_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
+) -> schemas.AlertOut:
+    """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
+    until = instant(said.until)
+    change = AlertChange(request, response, alert_id, if_match)
+    return change.made(lambda session, row: transitions.shelve(session, row, _person(said), until=until))
+
+
+@router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", dependencies=[OPERATOR], responses=CHANGES)
+def unshelve_alert(
+    request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.AlertOut:
+    """End a shelving before its time."""
+    change = AlertChange(request, response, alert_id, if_match)
+    return change.made(lambda session, row: transitions.unshelve(session, row, _person(said)))
+
+
+@router.post("/alerts/{alert_id}/comments", operation_id="comment_alert", dependencies=[ANALYST])
+def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
+    """Note something on an alert, open or closed."""
+    person = Person(said.by, said.comment)
+    change = AlertChange(request, response, alert_id, ANYTHING)
+    return change.made(lambda session, row: transitions.comment(session, row, person))
+
+
+@dataclass
+class AlertChange:
+    """A change of an alert, as it was read; comments change nothing that others decide on."""
+
+    request: Request
+    response: Response
+    alert_id: int
+    if_match: str | None
+
+    def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
+        """Change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
+        with database(self.request).transaction() as session:
+            row = alerts.get(session, self.alert_id, to_change=True)
+            try:
+                require(self.if_match, rendering.alert(row))
+                change(session, row)
+            except (Stale, Forbidden) as refused:
+                raise type(refused)(f"{refused}; {_what_happened(session, row)}") from refused
+            return tagged(self.response, rendering.alert(row))
+
+
+def _what_happened(session: Session, row: AlertRow) -> str:
+    """Say who changed the alert last: people who act at once are told of each other."""
+    last = alerts.last_event(session, row.id)
+    kind, at = last.kind.replace("_", " "), to_datetime(last.at)
+    return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"
+
+
+def _place(row: ListedAlert) -> Keys:
+    return row.opened_at, row.id
+
+
+def _person(said: schemas.By) -> Person:
+    return Person(said.by, said.comment)

@@ -1,0 +1,134 @@
+"""Serves subscriptions to alert events and the deliveries to them."""
+
+from collections.abc import Awaitable, Callable
+from typing import cast
+
+from fastapi import APIRouter, HTTPException, Request, Response, status
+
+from service.alerts.lifecycle import Forbidden
+from service.api.alerts import subscription_rendering as rendering
+from service.api.alerts import subscription_schemas as schemas
+from service.api.conventions.dependencies import Number, Reading, database, principal
+from service.api.conventions.paging import ById
+from service.api.conventions.preconditions import IfMatch, require, tagged
+from service.api.conventions.problems import CHANGES, RESPONSES
+from service.delivery.addresses import parsed
+from service.delivery.channel import DeliveryOutcome
+from service.delivery.channels import channel_kind
+from service.delivery.signing import new_secret
+from service.delivery.signing_secrets import SigningSecrets
+from service.security.requirement import ADMIN, OPERATOR
+from storage.alerts import deliveries
+
+TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
+"""Sends a test message to a subscription."""
+
+router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
+
+
+@router.get("", operation_id="list_subscriptions")
+def list_subscriptions(request: Request, session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
+    """List all subscriptions, without their secrets."""
+    rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
+    return [rendering.subscription(row, _secrets(request)) for row in paging.page(rows, lambda row: (row.id,))]
+
+
+@router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
+def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
+    """Subscribe to every event from now on. A webhook's secret is shown here, once."""
+    declared = channel_kind(said.kind)
+    if declared.url_target:
+        parsed(said.target)
+    who = principal(request)
+    plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
+    for plant in plants or ():
+        if not who.sees(plant):
+            raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{plant}' is not one of those of {who.name}")
+    kept, secrets = _reference(request, said), _secrets(request)
+    secret = new_secret() if declared.signed and kept is None else None
+    with database(request).transaction() as session:
+        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=kept, plants=plants)
+        if secret is not None:
+            row.secret = secrets.sealed(secret, row.id)
+            request.state.sealing = secrets.sealing  # of this answer, should it be kept for who asks again
+        return schemas.SubscriptionCreated(**rendering.subscription(row, secrets).model_dump(), secret=secret)
+
+
+def _secrets(request: Request) -> SigningSecrets:
+    return cast(SigningSecrets, request.app.state.secrets)
+
+
+def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
+    """Tell where the service finds the secret, if that is said. Raises SecretUnusable."""
+    if said.secret_file is None and said.secret_env is None:
+        return None
+    who = principal(request)
+    if who.plants is not None:  # with another plant's secret, the service would sign what they send in its name
+        detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
+        raise HTTPException(status.HTTP_403_FORBIDDEN, detail)
+    return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
+
+
+@router.get("/{subscription_id}", operation_id="read_subscription")
+def read_subscription(
+    request: Request, session: Reading, response: Response, subscription_id: Number
+) -> schemas.SubscriptionOut:
+    """Read one subscription, and the ETag with which it can be changed."""
+    return tagged(response, rendering.subscription(deliveries.get(session, subscription_id), _secrets(request)))
+
+
+@router.post("/{subscription_id}/disable", operation_id="disable_subscription", dependencies=[ADMIN])
+def disable_subscription(
+    request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
+) -> schemas.SubscriptionOut:
+    """Send it nothing more; what was on its way is given up, and can be delivered again."""
+    with database(request).transaction() as session:
+        row = deliveries.get(session, subscription_id)
+        require(if_match, rendering.subscription(row, _secrets(request)))
+        deliveries.disable(session, row, "by request")
+        return tagged(response, rendering.subscription(row, _secrets(request)))
+
+
+@router.post("/{subscription_id}/enable", operation_id="enable_subscription", dependencies=[ADMIN])
+def enable_subscription(
+    request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
+) -> schemas.SubscriptionOut:
+    """Tell it of what happens from now on."""
+    with database(request).transaction() as session:
+        row = deliveries.get(session, subscription_id)
+        require(if_match, rendering.subscription(row, _secrets(request)))
+        deliveries.enable(row)
+        return tagged(response, rendering.subscription(row, _secrets(request)))
+
+
+@router.get("/{subscription_id}/deliveries", operation_id="list_deliveries")
+def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> list[schemas.DeliveryOut]:
+    """List the delivery log, newest first."""
+    deliveries.get(session, subscription_id)
+    rows = deliveries.of_subscription(session, subscription_id, limit=paging.wanted, after=paging.after)
+    return [rendering.delivery(row) for row in paging.page(rows, lambda row: (row.id,))]
+
+
+@router.post(
+    "/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", dependencies=[ADMIN], responses=CHANGES
+)
+def redeliver(request: Request, subscription_id: Number, delivery_id: Number) -> schemas.DeliveryOut:
+    """Deliver an event once more, now, whatever became of it."""
+    with database(request).transaction() as session:
+        subscription = deliveries.get(session, subscription_id)
+        row = deliveries.delivery(session, delivery_id)
+        if row.subscription_id != subscription_id:
+            raise deliveries.DeliveryUnknown(f"{delivery_id} of subscription {subscription_id}")
+        deliveries.require_active(subscription)
+        deliveries.again(row)
+        return rendering.delivery(row)
+
+
+@router.post("/{subscription_id}/test", operation_id="test_subscription", dependencies=[ADMIN], responses=CHANGES)
+async def test_subscription(request: Request, subscription_id: Number) -> schemas.TestOut:
+    """Send it a message that says it is a test, now, and answer how that went. It is not in the delivery log."""
+    try_out: TryOut | None = request.app.state.try_out
+    if try_out is None:
+        raise Forbidden("this process delivers nothing: ask the one that does")
+    outcome = await try_out(subscription_id)
+    return schemas.TestOut(result=outcome.result, answer=outcome.answer)

@@ -1,0 +1,72 @@
+"""Serve suppressions: machines, probes and rules whose alerts call nobody for a while."""
+
+from fastapi import APIRouter, Request, Response, status
+
+from service.alerts import transitions
+from service.alerts.lifecycle import Forbidden, Suppression
+from service.alerts.transitions import Person
+from service.api.alerts import rendering, schemas
+from service.api.conventions.dependencies import MachineId, Number, Reading, database, instant
+from service.api.conventions.paging import ById
+from service.api.conventions.preconditions import IfMatch, require, tagged
+from service.api.conventions.problems import CHANGES, RESPONSES
+from service.security.requirement import OPERATOR, VIEWER
+from storage.alerts import suppressions
+from storage.clock import now
+from storage.machines import machines
+
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
+
+
+@router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
+def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.SuppressionOut]:
+    """List what is suppressed on a machine now, shelvings among it."""
+    machines.get(session, machine_id)
+    rows = suppressions.in_force(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [rendering.suppression(row) for row in paging.page(rows, lambda row: (row.id,))]
+
+
+@router.post(
+    "/machines/{machine_id}/suppressions",
+    operation_id="begin_suppression",
+    dependencies=[OPERATOR],
+    status_code=status.HTTP_201_CREATED,
+    responses=CHANGES,
+)
+def begin_suppression(
+    request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
+) -> schemas.SuppressionOut:
+    """Suppress alerts of a machine in maintenance or a probe out of service: open ones and new ones, until it is ended."""
+    until = None if said.until is None else instant(said.until)
+    if until is not None and until <= now():
+        raise Forbidden("until must be a moment to come")
+    with database(request).transaction() as session:
+        machines.get(session, machine_id)
+        row = transitions.suppress(
+            session,
+            machine_id,
+            Suppression(said.kind),
+            Person(said.by, said.comment),
+            rule=said.rule,
+            element=said.element,
+            until=until,
+        )
+        return tagged(response, rendering.suppression(row))
+
+
+@router.get("/suppressions/{suppression_id}", operation_id="read_suppression")
+def read_suppression(session: Reading, response: Response, suppression_id: Number) -> schemas.SuppressionOut:
+    """Read one suppression, in force or ended, and the ETag with which it can be ended."""
+    return tagged(response, rendering.suppression(suppressions.get(session, suppression_id)))
+
+
+@router.post("/suppressions/{suppression_id}/end", operation_id="end_suppression", dependencies=[OPERATOR], responses=CHANGES)
+def end_suppression(
+    request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
+) -> schemas.SuppressionOut:
+    """End a suppression: alerts whose cause is there call again."""
+    with database(request).transaction() as session:
+        row = suppressions.get(session, suppression_id)
+        require(if_match, rendering.suppression(row))
+        transitions.release(session, row, Person(said.by, said.comment))
+        return tagged(response, rendering.suppression(row))

@@ -1,0 +1,162 @@
+"""Caches responses to requests that many repeat, until something is committed that they depend on.
+
+Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
+but for what changes with every sample, where half a second is allowed.
+What is asked at once is computed once.
+"""
+
+import asyncio
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from anyio import CapacityLimiter
+from anyio.to_thread import run_sync
+from fastapi import Depends, Request, Response
+from fastapi.concurrency import run_in_threadpool
+
+from service.api.conventions.dependencies import principal
+from service.http.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
+from storage.database.change_counts import Changes
+from storage.database.engine import Database
+
+THREADS = 2
+"""That make answers at a time: they mostly compute, and more of them would take turns and all be late."""
+MOST_KEPT_BYTES = 64 * 1024 * 1024
+LATELY_S = 0.5
+"""What changes with every sample may be so far behind in an answer that says so, …"""
+AHEAD_S = 0.25
+"""… and from this age on is made anew while those who ask get the one there is: nobody waits for it."""
+LARGEST_KEPT_BYTES = 4 * 1024 * 1024
+"""A larger answer is made anew each time."""
+
+
+@dataclass(frozen=True)
+class _KeptAnswer:
+    """An answer; mark: of the store before it was made, lately: of what may be a little behind; begun: when that was [s]."""
+
+    mark: Hashable | None
+    lately: Hashable | None
+    begun: float
+    body: bytes
+    media_type: str | None
+    headers: dict[str, str]
+
+    def response(self) -> Response:
+        return Response(self.body, media_type=self.media_type, headers=self.headers)
+
+
+class ResponseCache:
+    """Responses by request. Belongs to one event loop."""
+
+    def __init__(self, database: Database) -> None:
+        self._changes = Changes(database)
+        self._kept: OrderedDict[Hashable, _KeptAnswer] = OrderedDict()
+        self._bytes = 0
+        self._threads: CapacityLimiter | None = None
+        self._made: dict[Hashable, asyncio.Task[_KeptAnswer]] = {}
+
+    @property
+    def making(self) -> int:
+        """Count the responses under way."""
+        return len(self._made)
+
+    async def answer(
+        self,
+        request: Request,
+        tables: Sequence[str],
+        make: Callable[[], Response],
+        *,
+        lately: Sequence[str] = (),
+        apart: Hashable = None,
+    ) -> Response:
+        """Return the response of `make`, made now or earlier, as long as nothing was committed to the tables that it reads.
+
+        lately: further tables that it reads; what is committed to them may be LATELY_S behind. apart: what the answer depends
+        on beside the address, the Accept header and the plants of who asks. Raises what `make` raises.
+        """
+        zipped = takes_gzip(request.headers.get("accept-encoding", ""))
+        asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        mark = await self._mark(tables)
+        kept = self._kept.get(asked)
+        if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
+            self._kept.move_to_end(asked)
+            if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
+                self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_passed_over)
+            return kept.response()
+        if mark is None:
+            return (await self._apart(make, mark, None, zipped=zipped)).response()
+        # Shielded: who goes away does not take the answer from the others.
+        return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
+
+    async def _is_late_enough(self, kept: _KeptAnswer, lately: Sequence[str]) -> bool:
+        if not lately or time.monotonic() < kept.begun + LATELY_S:
+            return True
+        return kept.lately is not None and kept.lately == await self._mark(lately)
+
+    async def _apart(
+        self, make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, *, zipped: bool
+    ) -> _KeptAnswer:
+        if self._threads is None:
+            self._threads = CapacityLimiter(THREADS)
+        return await run_sync(_made, make, mark, lately, zipped, limiter=self._threads)
+
+    async def _mark(self, tables: Sequence[str]) -> Hashable | None:
+        if self._changes.waits:
+            return await run_in_threadpool(self._changes.mark, tables)
+        return self._changes.mark(tables)
+
+    def _begin(
+        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+    ) -> "asyncio.Task[_KeptAnswer]":
+        """Make an answer, unless that is under way."""
+        task = self._made.get((asked, mark))
+        if task is None:
+            task = self._made[asked, mark] = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
+        return task
+
+    async def _make(
+        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+    ) -> _KeptAnswer:
+        try:
+            kept = await self._apart(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
+            self._keep(asked, kept)
+            return kept
+        finally:
+            del self._made[asked, mark]
+
+    def _keep(self, asked: Hashable, kept: _KeptAnswer) -> None:
+        if len(kept.body) > LARGEST_KEPT_BYTES:
+            return
+        earlier = self._kept.pop(asked, None)
+        self._bytes += len(kept.body) - (0 if earlier is None else len(earlier.body))
+        self._kept[asked] = kept
+        while self._bytes > MOST_KEPT_BYTES:
+            self._bytes -= len(self._kept.popitem(last=False)[1].body)
+
+
+def _passed_over(task: "asyncio.Task[_KeptAnswer]") -> None:
+    """Pass over an error that nobody waits for: the next request meets it again."""
+    if not task.cancelled():
+        task.exception()
+
+
+def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _KeptAnswer:
+    begun = time.monotonic()
+    response = make()
+    body = bytes(response.body)
+    headers = {name: value for name, value in response.headers.items() if name not in ("content-length", "content-type")}
+    headers["vary"] = ", ".join([*filter(None, [headers.get("vary")]), "Accept-Encoding"])
+    if zipped and response.media_type in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
+        body = compressed(body)
+        headers["content-encoding"] = "gzip"
+    return _KeptAnswer(mark, lately, begun, body, response.media_type, headers)
+
+
+async def _response_cache(request: Request) -> ResponseCache:
+    return cast(ResponseCache, request.app.state.response_cache)
+
+
+Cached = Annotated[ResponseCache, Depends(_response_cache)]

@@ -1,0 +1,137 @@
+"""Answers every error with a problem detail (RFC 9457)."""
+
+import re
+from collections.abc import Iterable, Mapping
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from sqlalchemy.exc import DataError, DBAPIError
+from starlette.exceptions import HTTPException as StarletteHTTPException
+
+from estimator.errors import DomainError, Missing
+from estimator.machine.document import problems_of
+from service.api.conventions.patterns import WORDS
+from service.http.error_status import status_of
+from service.http.problem import FieldProblem, problem_response
+from service.http.security_headers import ALWAYS
+from storage.database.damage import is_damage, said
+
+UNREADABLE = "There was an error parsing the body"
+"""What the framework says of a body that is no JSON at all."""
+OF_MACHINE = "GET /api/v1/machines/<id>"
+LISTED: Mapping[str, str] = {
+    "machine": ": GET /api/v1/machines lists those there are",
+    "revision": f": {OF_MACHINE}/revisions lists them",
+    "parameter": "",
+    "run": f": {OF_MACHINE}/runs lists those of a machine",
+    "identification": f": {OF_MACHINE}/identifications lists them",
+    "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
+    "job": f": {OF_MACHINE}/jobs lists those of a machine",
+    "alert": ": GET /api/v1/alerts lists those there are",
+    "suppression": f": {OF_MACHINE}/suppressions lists those in force",
+    "subscription": ": GET /api/v1/subscriptions lists those there are",
+    "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
+}
+"""Where those that are there are listed, by the subject of what is missing."""
+
+
+def add_handlers(app: FastAPI) -> None:
+    """Make the application answer every error with a problem detail."""
+    app.exception_handler(DomainError)(_domain_error)
+    app.exception_handler(RequestValidationError)(_wrong_request)
+    app.exception_handler(StarletteHTTPException)(_http_error)
+    app.exception_handler(DataError)(_unstorable)
+    app.exception_handler(DBAPIError)(_no_database)
+    app.exception_handler(Exception)(_unexpected)
+
+
+async def _domain_error(_request: Request, error: DomainError) -> JSONResponse:
+    detail = error.detail + (LISTED.get(error.subject, "") if isinstance(error, Missing) else "")
+    headers = {} if error.retry_after_s is None else {"Retry-After": str(error.retry_after_s)}
+    return problem_response(status_of(error), detail, headers, _field_problems(error.field_errors))
+
+
+def _field_problems(errors: Iterable[tuple[str, str]]) -> list[FieldProblem]:
+    return [FieldProblem(field=field, message=message) for field, message in errors]
+
+
+async def _wrong_request(request: Request, error: RequestValidationError) -> JSONResponse:
+    if _mislabelled(request, error):
+        said = request.headers.get("content-type", "nothing")
+        detail = f"the body says that it is {said}: send JSON, with Content-Type: application/json"
+        return problem_response(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, detail)
+    problems = _field_problems(problems_of(_worded(error)))
+    return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
+
+
+async def _http_error(request: Request, error: StarletteHTTPException) -> JSONResponse:
+    headers, detail = dict(error.headers or {}), str(error.detail)
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+        headers["Allow"] = ", ".join(_methods(request))
+        detail = f"{request.method} is not for {request.url.path}: it takes {headers['Allow']}"
+    elif error.status_code == HTTPStatus.NOT_FOUND and detail == HTTPStatus.NOT_FOUND.phrase:
+        detail = f"there is nothing at {request.url.path}: /api/v1/docs shows what there is"
+    elif error.status_code == HTTPStatus.BAD_REQUEST and detail == UNREADABLE:
+        detail = "the body cannot be read: it must be JSON in UTF-8, and not nested without end"
+    return problem_response(error.status_code, detail, headers)
+
+
+async def _unstorable(_request: Request, error: DataError) -> JSONResponse:
+    return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, f"the database cannot hold or look for that: {error.orig}")
+
+
+async def _no_database(request: Request, error: DBAPIError) -> JSONResponse:
+    if is_damage(error):
+        return _damaged(request, error)
+    return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
+
+
+async def _unexpected(_request: Request, error: Exception) -> JSONResponse:
+    return problem_response(
+        HTTPStatus.INTERNAL_SERVER_ERROR,
+        f"unexpected {type(error).__name__}; the log has the details",
+        {name.decode(): value.decode() for name, value in ALWAYS},  # answered outside of all middleware
+    )
+
+
+def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
+    """Answer that stored data are damaged; where the path names a machine, the service's health names it, too."""
+    machine_id = request.path_params.get("machine_id")
+    if machine_id is not None:
+        request.app.state.database.damage.concerns(machine_id)
+    detail = f"what is stored is damaged, and cannot be read: {said(error)}; look at the disk, and restore a backup"
+    return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)
+
+
+def _mislabelled(request: Request, error: RequestValidationError) -> bool:
+    """Tell whether a body was not parsed because its Content-Type is not JSON."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    labelled = kind == "application/json" or (kind.startswith("application/") and kind.endswith("+json"))
+    return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
+
+
+def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
+    """Return the errors with fields of the body by their own names, and in words without pydantic's own."""
+    found = []
+    for item in error.errors():
+        place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
+        if item["type"] == "json_invalid":
+            place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"
+        if item["type"] == "string_pattern_mismatch":
+            message = WORDS.get(item["ctx"]["pattern"], message)
+        found.append(item | {"loc": place[1:] if place[:1] == ("body",) and len(place) > 1 else place, "msg": message})
+    return found
+
+
+def _methods(request: Request) -> list[str]:
+    """List the methods of a path: each route knows only its own (RFC 9110 §10.2.1)."""
+    found: set[str] = set()
+    for path, item in request.app.openapi()["paths"].items():
+        pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))
+        if re.fullmatch(pattern, request.url.path):
+            found |= {method.upper() for method in item}
+    found = found or {"GET"}
+    return sorted(found | {"HEAD"} if "GET" in found else found)

@@ -1,0 +1,19 @@
+"""Patterns of texts in words: nobody should have to read a regular expression in an answer."""
+
+from collections.abc import Mapping
+
+from service.secrets.references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
+
+WORDS: Mapping[str, str] = {
+    r"^[A-Za-z0-9_-]{1,64}$": "an id has 1 to 64 letters, digits, '_' and '-'",
+    r"^[^\x00-\x1f]*$": "a name is one line without control characters",
+    r"^[^\x00]*$": "a text has no NUL in it",
+    r"^[^\x00]*[^\x00\s][^\x00]*$": "it must say something: more than blanks, and without NUL",
+    r"^[!-~]+$": "a header's value has visible ASCII characters only",
+    r"^(none|in_force|[0-9]{1,9})$": "it is 'none', 'in_force' or the number of a version",
+    r"^\w+\.\S{1,200}$": "it is a kind, a dot and a name, such as bearing.B1 or bearing.B1.kxx",
+    r"^\w+\.\S+$": "a parameter is a kind, a dot and a name, such as bearing.B1.kxx or critical_speed.1",
+    FILE_NAME: "it is the name of a file: letters, digits, '.', '_' and '-', at most 100, not a '.' first",
+    VARIABLE: f"it is a variable of capital letters, digits and '_' that begins with {VARIABLE_PREFIX}",
+}
+"""By the pattern of a field."""

@@ -1,0 +1,190 @@
+"""Models of results of updated models: critical speeds, Campbell diagram, modes, coupling loads, balancing."""
+
+from pydantic import BaseModel, Field
+
+from service.api.conventions.units import Column, Units
+
+
+class OfModel(BaseModel):
+    """Fields that all of these begin with."""
+
+    identification: int
+    machine: str
+    direction: str = Field(description="sense of rotation of the runs, positive turns +x towards +y")
+    units: Units
+
+
+class CriticalSpeedOut(BaseModel):
+    """A speed at which a natural frequency equals the spin speed."""
+
+    speed: float
+    standard_error: float | None
+    lower: float | None = Field(description="of the 95 % interval")
+    upper: float | None
+    damping_ratio: float
+    log_decrement: float
+    whirl: float = Field(description="+1 forward to -1 backward")
+
+
+class CriticalSpeeds(OfModel):
+    """Critical speeds, ascending; those so heavily damped that nothing is felt in passing are left out."""
+
+    highest: float = Field(description="up to which they were looked for")
+    critical_speeds: list[CriticalSpeedOut]
+
+
+class Curve(BaseModel):
+    """One mode over the speeds; null where it is overdamped or not followed."""
+
+    frequency_hz: Column = Field(description="damped natural frequency")
+    damping_ratio: Column
+    whirl: Column
+
+
+class CampbellOut(OfModel):
+    """Natural frequencies over spin speed; a curve crosses the synchronous line at a critical speed."""
+
+    speed: Column
+    synchronous_hz: Column = Field(description="the frequency of once per turn at each speed")
+    curves: list[Curve]
+    critical_speeds: list[CriticalSpeedOut] = Field(description="without errors; see critical-speeds")
+
+
+class Displacement(BaseModel):
+    """Complex displacements of the nodes along an axis; the largest semi-major axis of the train is 1."""
+
+    real: list[float]
+    imaginary: list[float]
+
+
+class ShaftShapeOut(BaseModel):
+    """A shaft in a mode, at its nodes."""
+
+    shaft: str
+    at: list[float] = Field(description="[m] from the train's driver-side end, as in the drawing")
+    x: Displacement
+    y: Displacement
+    semi_major: list[float]
+    semi_minor: list[float] = Field(description="positive where the node whirls forward")
+    inclination_deg: list[float] = Field(description="of the major axis, from +x towards +y")
+
+
+class ModeOut(BaseModel):
+    """A mode: the motion is Re(q e^{λt})."""
+
+    frequency_hz: float
+    standard_error_hz: float | None
+    damping_ratio: float = Field(description="negative for a mode that grows")
+    log_decrement: float
+    whirl: float = Field(description="+1 forward to -1 backward")
+    shafts: list[ShaftShapeOut]
+
+
+class ModesOut(OfModel):
+    """Modes at one spin speed, by ascending natural frequency."""
+
+    speed: float
+    highest_hz: float
+    modes: list[ModeOut]
+
+
+class Load(BaseModel):
+    """The 1× amplitude of a force [N] or moment [N m] over speed, 0-to-peak, with its 95 % band, and its phase."""
+
+    amplitude: Column
+    lower: Column
+    upper: Column
+    phase: Column
+
+
+class CouplingLoad(BaseModel):
+    """Load in a coupling; it pushes its driven half with it and its driver half with the opposite."""
+
+    coupling: str
+    force_x: Load
+    force_y: Load
+    moment_x: Load
+    moment_y: Load
+
+
+class MisalignmentForce(OfModel):
+    """Forces [N] and moments [N m] of each coupling over speed. An equivalent load that was identified is not in them."""
+
+    speed: Column
+    couplings: list[CouplingLoad]
+
+
+class PlaneCorrection(BaseModel):
+    """Unbalance to add in a plane."""
+
+    plane: str
+    unbalance_g_mm: float
+    angle_deg: float = Field(description="from the keyphasor mark, in the sense +x to +y")
+
+
+class Vibration(BaseModel):
+    """A channel's amplitude over the speeds, with its 95 % band."""
+
+    channel: str
+    amplitude: Column
+    lower: Column
+    upper: Column
+
+
+class Balancing(OfModel):
+    """The correction that leaves least vibration over the speeds, in squares; and what is left then."""
+
+    speed: Column
+    corrections: list[PlaneCorrection]
+    before: list[Vibration]
+    after: list[Vibration] = Field(description="with this very correction")
+    condition_number: float = Field(
+        description="of the influence coefficients; beyond some hundreds different corrections do nearly the same"
+    )
+
+
+class BodeColumns(BaseModel):
+    """A channel over speed."""
+
+    channel: str
+    amplitude: Column
+    phase: Column
+
+
+class FittedChannel(BodeColumns):
+    """A channel's fitted curve with the 95 % band of its amplitude."""
+
+    lower: Column
+    upper: Column
+
+
+class MeasuredChannel(BodeColumns):
+    """A channel's measured points, as the fit saw them, beside the fit at the same speeds."""
+
+    used: list[bool] = Field(description="false for points that quality left out")
+    residual: Column = Field(description="|measured - fitted|, an amplitude")
+    residual_sigma: Column = Field(description="the same over the expected error; null where that is not known")
+
+
+class FittedCurve(BaseModel):
+    """The fit over evenly spaced speeds."""
+
+    speed: Column
+    channels: list[FittedChannel]
+
+
+class MeasuredRun(BaseModel):
+    """The points of a run."""
+
+    run: int
+    time: list[str]
+    speed: Column
+    channels: list[MeasuredChannel]
+
+
+class Bode(OfModel):
+    """Fit and measurement over speed. Slow-roll vectors that the identification subtracted are subtracted here, too."""
+
+    slow_roll_subtracted: bool
+    fitted: FittedCurve
+    measured: list[MeasuredRun] = Field(description="runs whose samples are still stored")

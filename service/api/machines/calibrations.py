@@ -1,0 +1,90 @@
+"""Calibrations of a machine's channels. They stand on the timeline, too: a step in a trend may be one of the probe."""
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, status
+from pydantic import BaseModel, ConfigDict, Field
+
+from estimator.field_types import Identifier
+from service.api.conventions.dependencies import MachineId, Period, Reading, database, instant
+from service.api.conventions.fields import Moment, Said
+from service.api.conventions.paging import ByTime
+from service.api.conventions.problems import RESPONSES, Unsuitable
+from service.security.principal import Author
+from service.security.requirement import ANALYST, VIEWER
+from storage.clock import is_ahead, to_datetime
+from storage.machines import calibrations, machines, timeline
+from storage.tables import CalibrationRow
+
+router = APIRouter(prefix="/machines/{machine_id}/calibrations", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
+
+CALIBRATION = "calibration"
+"""Kind of its entry on the timeline."""
+
+
+class CalibrationIn(BaseModel):
+    """A channel was calibrated. A sensitivity that is another one now is put into the machine's document."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    channel: Identifier = Field(description="of a probe in the document in force")
+    at: Moment = Field(description="when it was calibrated")
+    certificate: Said = Field(description="what it says: number, laboratory, sensitivity found, uncertainty")
+    by: Author
+
+
+class CalibrationOut(BaseModel):
+    """When a channel was calibrated, by whom, and what the certificate says."""
+
+    id: int
+    machine: str
+    channel: str
+    at: datetime
+    certificate: str
+    by: str
+    created_at: datetime
+
+
+@router.get("", operation_id="list_calibrations")
+def list_calibrations(
+    session: Reading,
+    machine_id: MachineId,
+    period: Period,
+    paging: ByTime,
+    channel: Annotated[Identifier | None, Query(description="only of this channel")] = None,
+) -> list[CalibrationOut]:
+    """List calibrations in a time range, newest first; those of channels that are no longer there as well."""
+    machines.get(session, machine_id)
+    rows = calibrations.of_machine(
+        session, machine_id, channel=channel, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
+    )
+    return [_rendered(row) for row in paging.page(rows, lambda row: (row.at, row.id))]
+
+
+@router.post("", operation_id="add_calibration", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
+def add_calibration(request: Request, machine_id: MachineId, said: CalibrationIn) -> CalibrationOut:
+    """Note that a channel was calibrated; it is never changed or deleted."""
+    at = instant(said.at)
+    if is_ahead(at):
+        raise Unsuitable("a calibration is noted when it was done, not in the future: note the plan as a note")
+    with database(request).transaction() as session:
+        channels = machines.document(session, machine_id).channels
+        if said.channel not in channels:
+            raise Unsuitable(f"machine '{machine_id}' has no channel {said.channel}; it has {', '.join(channels)}")
+        row = calibrations.add(session, machine_id, channel=said.channel, at=at, certificate=said.certificate, by=said.by)
+        words = f"{said.channel}: {said.certificate}"
+        timeline.add(session, machine_id, at=at, kind=CALIBRATION, text=words, by=said.by)
+        return _rendered(row)
+
+
+def _rendered(row: CalibrationRow) -> CalibrationOut:
+    return CalibrationOut(
+        id=row.id,
+        machine=row.machine_id,
+        channel=row.channel,
+        at=to_datetime(row.at),
+        certificate=row.certificate,
+        by=row.by,
+        created_at=to_datetime(row.created_at),
+    )

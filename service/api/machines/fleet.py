@@ -1,0 +1,105 @@
+"""All machines at a glance, for an overview."""
+
+from datetime import datetime, timedelta
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request, Response
+from pydantic import BaseModel, Field
+
+from estimator.runs.operating_state import Mode
+from service.api.cache.response_cache import Cached
+from service.api.conventions.dependencies import database, instant
+from service.api.conventions.paging import ByName
+from service.api.conventions.problems import RESPONSES
+from service.api.conventions.times import Time
+from service.api.machines.machine_list import MachineList
+from service.api.machines.machine_state import OpenRun
+from service.api.machines.overview import Overview
+from service.security.requirement import VIEWER
+from storage.clock import now, to_datetime
+from storage.machines import fleet
+
+router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
+
+A_MINUTE = 60 * 1_000_000_000
+A_DAY = int(timedelta(days=1).total_seconds()) * 1_000_000_000
+
+
+class LastRun(BaseModel):
+    """The newest run, open or not."""
+
+    id: int
+    kind: str
+    state: str
+    started_at: datetime
+    ended_at: datetime | None
+
+
+class LastIdentification(BaseModel):
+    """The newest identification by the time of its measurement."""
+
+    id: int
+    measured_at: datetime
+    accepted: bool
+    verdict: str
+
+
+class Happened(BaseModel):
+    """Counts of what happened since the time asked for."""
+
+    runs: int = Field(description="that began")
+    identifications: int = Field(description="that were computed")
+    alert_events: int
+    revisions: int = Field(description="of the document")
+    timeline: int = Field(description="entries")
+
+
+class FleetMachine(BaseModel):
+    """A machine at a glance."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    state: Mode = Field(description="unknown before the first sample and after a silence")
+    state_since: datetime | None
+    speed_rpm: float | None = Field(description="of the newest sample")
+    newest_sample_at: datetime | None
+    open_run: OpenRun | None
+    last_run: LastRun | None
+    last_identification: LastIdentification | None
+    open_alerts: dict[str, int] = Field(description="by severity: alert, danger")
+    unacknowledged: int = Field(description="open alerts that nobody has seen")
+    happened: Happened
+
+
+class Fleet(BaseModel):
+    """All machines at a glance, by id."""
+
+    since: datetime
+    machines: list[FleetMachine]
+
+
+@router.get("/fleet", operation_id="read_fleet", response_model=Fleet)
+async def read_fleet(
+    request: Request,
+    cache: Cached,
+    paging: ByName,
+    since: Annotated[
+        Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
+    ] = None,
+) -> Response:
+    """List every machine with its state, its last run, its open alerts, and what happened to it since a time.
+
+    Speeds, states and progress may be half a second behind what is stored, all else is not.
+    """
+    begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
+    known: MachineList = request.app.state.machine_list
+    overview: Overview = request.app.state.overview
+
+    def read() -> Response:
+        with database(request).reading() as session:
+            machines = paging.page(known.page(session, limit=paging.wanted, after=paging.after), lambda one: (one.id,))
+            return paging.json({"since": to_datetime(begin), "machines": overview.rows(session, machines, since=begin)})
+
+    return await cache.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)

@@ -1,0 +1,30 @@
+"""Models of limits."""
+
+from datetime import datetime
+
+from pydantic import BaseModel, ConfigDict
+
+from service.api.conventions.fields import Said
+from service.monitoring.limits import Limits
+from service.security.principal import Author
+
+
+class LimitsIn(BaseModel):
+    """Limits to put in force, by whom and why. What they leave out is as in the defaults."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    by: Author
+    comment: Said
+    limits: Limits
+
+
+class LimitsOut(BaseModel):
+    """One version of a machine's limits. Version 0 are the defaults, which nobody has set."""
+
+    machine: str
+    version: int
+    limits: Limits
+    set_at: datetime | None
+    by: str | None
+    comment: str | None

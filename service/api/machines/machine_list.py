@@ -1,0 +1,39 @@
+"""All machines by id, kept in memory until one is created or revised: their names stand in their documents, which are long."""
+
+import threading
+from bisect import bisect_right
+from collections.abc import Sequence
+
+from sqlalchemy.orm import Session
+
+from storage.database.plant_scope import Plants, plants_of
+from storage.machines import fleet
+from storage.machines.fleet import ListedMachine
+from storage.paging import Keys
+
+Stamp = tuple[int | None, ...]
+MOST_KEPT = 32
+"""Lists for so many different sets of plants."""
+
+
+class MachineList:
+    """The machines of a store, as each session sees them."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Plants | None, tuple[Stamp, list[ListedMachine]]] = {}
+        self._lock = threading.Lock()
+
+    def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:
+        """Return machines by id; after: the one before the first."""
+        stamp, seen = fleet.stamp(session), plants_of(session)
+        with self._lock:
+            kept = self._kept.get(seen)
+        machines = kept[1] if kept is not None and kept[0] == stamp else None
+        if machines is None:
+            machines = fleet.every(session)
+            with self._lock:
+                if len(self._kept) >= MOST_KEPT:
+                    self._kept.clear()
+                self._kept[seen] = stamp, machines
+        begin = 0 if after is None else bisect_right(machines, str(after[0]), key=lambda one: one.id)
+        return machines[begin : begin + limit]

@@ -1,0 +1,108 @@
+"""Serves what each machine is doing, since when, and what it did before."""
+
+from datetime import datetime
+from typing import Literal
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+from sqlalchemy.orm import Session
+
+from estimator.machine.document import Machine
+from estimator.runs.operating_state import Mode
+from estimator.units import rad_per_s_to_rpm
+from service.api.conventions.dependencies import MachineId, Period, Reading
+from service.api.conventions.paging import ByTime
+from service.api.conventions.problems import RESPONSES
+from service.api.conventions.values import direction
+from service.runs.collection_state import CollectionState, standing
+from service.security.requirement import VIEWER
+from storage.clock import to_datetime
+from storage.machines import machines
+from storage.measurements import runs
+
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
+
+
+class OpenRun(BaseModel):
+    """The run that is being collected."""
+
+    id: int
+    kind: str
+    started_at: datetime
+    progress: float = Field(description="part of the speed range that lies behind it, 0 to 1")
+
+
+class MachineState(BaseModel):
+    """State of a machine by its newest samples."""
+
+    machine: str
+    state: Mode = Field(description="unknown before the first sample and after a silence")
+    since: datetime | None
+    speed_rpm: float | None = Field(description="of the newest sample")
+    direction: Literal["positive", "negative"] | None = Field(description="positive turns +x towards +y")
+    newest_sample_at: datetime | None
+    run: OpenRun | None
+    late_samples_waiting: int = Field(0, description="they came late, are stored, and will be sorted into their runs")
+
+
+class PastState(BaseModel):
+    """A state that a machine entered."""
+
+    state: Mode
+    since: datetime
+    speed_rpm: float | None = Field(description="when it was noticed")
+
+
+@router.get("/{machine_id}/state", operation_id="read_machine_state")
+def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
+    """Tell the state: stopped, slow roll, run-up, at speed, run-down or trip; and how far the open run has come."""
+    machine = machines.document(session, machine_id)
+    now = standing(session, machine_id)
+    if now is None:
+        return MachineState(
+            machine=machine_id, state="unknown", since=None, speed_rpm=None, direction=None, newest_sample_at=None, run=None
+        )
+    last = now.operating.sweep.readings.last_time
+    return MachineState(
+        machine=machine_id,
+        state=now.operating.mode,
+        since=to_datetime(now.operating.since) if now.operating.since else None,
+        speed_rpm=rad_per_s_to_rpm(now.operating.sweep.readings.last_speed) if last is not None else None,
+        direction=direction(now.direction),
+        newest_sample_at=to_datetime(now.seen),
+        run=_open_run(session, machine, now),
+        late_samples_waiting=sum(count for _, _, _, count in now.late),
+    )
+
+
+def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm: float) -> float:
+    """Return the part of the speed range that lies behind a sweep, 0 to 1."""
+    part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
+    part = min(1.0, max(0.0, part))
+    return part if kind == "run-up" else 1.0 - part
+
+
+def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:
+    row = runs.current(session, machine.id)
+    if row is None:
+        return None
+    limits = machine.speed_range
+    part = progress(row.kind, now, minimum_rpm=limits.minimum_rpm, maximum_rpm=limits.maximum_rpm)
+    return OpenRun(id=row.id, kind=row.kind, started_at=to_datetime(row.time_first), progress=part)
+
+
+@router.get("/{machine_id}/states", operation_id="list_machine_states")
+def list_machine_states(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[PastState]:
+    """List states entered in a time range, newest first. Samples that come late change runs, not this history."""
+    machines.get(session, machine_id)
+    rows = runs.states(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
+    return [
+        PastState.model_validate(
+            {
+                "state": row.mode,
+                "since": to_datetime(row.since),
+                "speed_rpm": None if row.speed is None else rad_per_s_to_rpm(row.speed),
+            }
+        )
+        for row in paging.page(rows, lambda row: (row.since, row.id))
+    ]

@@ -1,0 +1,113 @@
+"""Rows of the overview of all machines, kept: while samples come, only the machines that sent some are looked at again."""
+
+import threading
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+from sqlalchemy.orm import Session
+
+from estimator.units import rad_per_s_to_rpm
+from service.alerts.lifecycle import Severity
+from service.api.conventions.values import time_or_none
+from service.api.machines.machine_state import progress
+from service.runs.collection_state import CollectionState
+from storage.clock import to_datetime
+from storage.database.change_counts import Changes
+from storage.database.engine import Database
+from storage.machines import fleet
+from storage.machines.fleet import IdentificationGlance, ListedMachine, MachineGlance, RunGlance
+from storage.measurements.runs import OPEN
+
+LABELS = [(severity, severity.label) for severity in Severity]
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class _KeptRow:
+    """A row as JSON, and what it was made of. standing: where run collection stood, as JSON; None before samples."""
+
+    glance: MachineGlance
+    standing: str | None
+    row: msgspec.Raw
+
+
+class Overview:
+    """Rows of the overview of all machines."""
+
+    def __init__(self, database: Database) -> None:
+        self._changes = Changes(database)
+        self._glances: tuple[Hashable, list[MachineGlance]] | None = None
+        self._rows: dict[str, _KeptRow] = {}
+        self._lock = threading.Lock()
+
+    def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
+        """Return one row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
+        glances = self._glanced(session, machines, since)
+        standings = fleet.collectors(session)
+        with self._lock:
+            return [self._row(one, standings.get(one.machine.id)) for one in glances]
+
+    def _glanced(self, session: Session, machines: Sequence[ListedMachine], since: int) -> list[MachineGlance]:
+        mark = self._changes.mark(fleet.TABLES)
+        asked = (mark, since, tuple(one.id for one in machines))
+        kept = self._glances
+        if mark is not None and kept is not None and kept[0] == asked:
+            return kept[1]
+        found = fleet.glances(session, machines, since=since)
+        self._glances = asked, found
+        return found
+
+    def _row(self, glance: MachineGlance, standing: str | None) -> msgspec.Raw:
+        kept = self._rows.get(glance.machine.id)
+        if kept is None or kept.standing != standing or (kept.glance is not glance and kept.glance != glance):
+            known = None if standing is None else CollectionState.restored(msgspec.json.decode(standing))
+            kept = _KeptRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
+            self._rows[glance.machine.id] = kept
+        return kept.row
+
+
+def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
+    # Encoded without a model: a thousand of them would be looked at field by field.
+    readings = None if standing is None else standing.operating.sweep.readings
+    known = readings is not None and readings.last_time is not None
+    return {
+        "id": one.machine.id,
+        "plant": one.machine.plant,
+        "name": one.machine.name,
+        "revision": one.machine.revision,
+        "state": "unknown" if standing is None else standing.operating.mode,
+        "state_since": time_or_none(standing.operating.since or None) if standing is not None else None,
+        "speed_rpm": rad_per_s_to_rpm(readings.last_speed) if known and readings is not None else None,
+        "newest_sample_at": None if standing is None else to_datetime(standing.seen),
+        "open_run": _open_run(one, standing),
+        "last_run": _last_run(one.last_run),
+        "last_identification": _last_identification(one.last_identification),
+        "open_alerts": {label: one.open_alerts.get(severity, 0) for severity, label in LABELS},
+        "unacknowledged": one.unacknowledged,
+        "happened": one.since,
+    }
+
+
+def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | None:
+    run = one.last_run
+    if standing is None or run is None or run.state != OPEN:
+        return None
+    part = progress(run.kind, standing, minimum_rpm=one.machine.minimum_rpm, maximum_rpm=one.machine.maximum_rpm)
+    return {"id": run.id, "kind": run.kind, "started_at": to_datetime(run.time_first), "progress": part}
+
+
+def _last_run(run: RunGlance | None) -> Row | None:
+    if run is None:
+        return None
+    times = {"started_at": to_datetime(run.time_first), "ended_at": time_or_none(run.time_last)}
+    return {"id": run.id, "kind": run.kind, "state": run.state} | times
+
+
+def _last_identification(last: IdentificationGlance | None) -> Row | None:
+    if last is None:
+        return None
+    outcome = {"accepted": last.accepted, "verdict": last.verdict}
+    return {"id": last.id, "measured_at": to_datetime(last.measured_at)} | outcome

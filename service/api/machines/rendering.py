@@ -1,0 +1,31 @@
+"""Renders machines and their revisions as answers of the API."""
+
+from typing import Any
+
+from estimator.machine.document import Machine
+from service.api.machines import schemas
+from storage.clock import to_datetime
+from storage.machines.fleet import ListedMachine
+from storage.tables import (
+    RevisionRow,
+)
+
+
+def listed_machine(one: ListedMachine) -> dict[str, Any]:
+    """Render the fields of `MachineSummary`, for lists that are encoded without a model."""
+    return {
+        "id": one.id,
+        "plant": one.plant,
+        "name": one.name,
+        "revision": one.revision,
+        "created_at": to_datetime(one.created_at),
+    }
+
+
+def revision(row: RevisionRow) -> schemas.MachineRevision:
+    return schemas.MachineRevision(
+        id=row.machine_id,
+        revision=row.revision,
+        created_at=to_datetime(row.created_at),
+        document=Machine.model_validate(row.document),
+    )

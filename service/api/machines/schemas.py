@@ -1,0 +1,26 @@
+"""Models of machines and of the revisions of their documents."""
+
+from datetime import datetime
+
+from pydantic import BaseModel
+
+from estimator.machine.document import Machine
+
+
+class MachineSummary(BaseModel):
+    """A machine in a list."""
+
+    id: str
+    plant: str
+    name: str
+    revision: int
+    created_at: datetime
+
+
+class MachineRevision(BaseModel):
+    """A machine's document at one revision."""
+
+    id: str
+    revision: int
+    created_at: datetime
+    document: Machine

@@ -1,0 +1,52 @@
+"""Models of the entries on a machine's timeline and of its baselines."""
+
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, Field
+
+from estimator.strict_model import Written
+from service.api.conventions.fields import Moment, Said
+from service.security.principal import Author
+
+
+class TimelineIn(Written):
+    """A note or a marker. A maintenance begins a new baseline."""
+
+    at: Moment
+    kind: Literal["note", "maintenance", "marker"] = "note"
+    text: Said
+    by: Author
+
+
+class TimelineOut(BaseModel):
+    """An entry on a machine's timeline."""
+
+    id: int
+    machine: str
+    at: datetime
+    kind: str
+    text: str
+    by: str
+    created_at: datetime
+
+
+class BaselineIn(Written):
+    """A new baseline. Without named identifications it is made of the first accepted ones of each kind of run."""
+
+    since: Moment
+    reason: Said
+    by: Author
+    identifications: Annotated[list[Annotated[int, Field(ge=0, le=2**62)]], Field(max_length=200)] | None = None
+
+
+class BaselineOut(BaseModel):
+    """From when on, and with what, a machine is compared."""
+
+    id: int
+    machine: str
+    since: datetime
+    identifications: list[int] | None
+    reason: str
+    by: str
+    created_at: datetime

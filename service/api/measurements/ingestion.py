@@ -1,0 +1,134 @@
+"""Samples over HTTP, for sources without zenoh: the same batches, answered when they are durable."""
+
+import asyncio
+import base64
+import binascii
+import hashlib
+import re
+from collections.abc import Mapping
+from http import HTTPStatus
+from typing import Any, cast
+
+from fastapi import APIRouter, HTTPException, Request, status
+
+from service.api.conventions.dependencies import MachineId
+from service.api.conventions.problems import RESPONSES
+from service.api.measurements import schemas
+from service.http.problem import Problem
+from service.journal.http_queue import RETRY_AFTER_S, Taking
+from service.security.requirement import SOURCE
+from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
+
+router = APIRouter(tags=["measurements"], responses=RESPONSES)
+
+PATIENCE_S = 15.0
+"""How long a request waits for its batch to be durable."""
+
+STATUS: Mapping[Reason, HTTPStatus] = {
+    "too_large": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+    "bad_frame": HTTPStatus.BAD_REQUEST,
+    "undecodable": HTTPStatus.BAD_REQUEST,
+    "unknown_machine": HTTPStatus.NOT_FOUND,
+    "sequence_out_of_range": HTTPStatus.CONFLICT,
+}
+"""How a rejected batch is answered; 422 for every other reason."""
+
+_DIGEST = re.compile(r"\s*([a-z0-9-]+)=:([A-Za-z0-9+/=]*):\s*\Z")
+_HASHES = {"sha-256": hashlib.sha256, "sha-512": hashlib.sha512}
+
+_SCHEMA: dict[str, Any] = {
+    "requestBody": {
+        "required": True,
+        "description": "a batch of samples, as docs/integrators.md describes it, without the frame line",
+        "content": {encoding: {} for encoding in ENCODINGS},
+    }
+}
+_ANSWERS: dict[int | str, dict[str, Any]] = {
+    code: {"model": Problem, "description": HTTPStatus(code).phrase} for code in (400, 409, 413, 415, 429, 503)
+}
+
+
+@router.post(
+    "/machines/{machine_id}/samples",
+    operation_id="add_samples",
+    dependencies=[SOURCE],
+    responses=_ANSWERS,
+    openapi_extra=_SCHEMA,
+)
+async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submitted:
+    """Store a batch of samples, each once: the same batch may be sent again until an answer comes.
+
+    What is answered is durable. Samples that cannot be taken are listed with the reason, the others are stored; a batch that
+    is rejected as a whole may be sent again corrected, under the same numbers.
+    """
+    submissions = cast(Taking | None, request.app.state.submissions)
+    if submissions is None:
+        raise _unavailable("this process takes no samples")
+    encoding = request.headers.get("content-type", "")
+    if encoding.split(";")[0].strip().lower() not in ENCODINGS:
+        raise HTTPException(
+            status.HTTP_415_UNSUPPORTED_MEDIA_TYPE, f"Content-Type '{encoding}' is not one of {', '.join(ENCODINGS)}"
+        )
+    body = await _body(request)
+    try:
+        promise = submissions.offer(machine_id, body, encoding)
+        outcome = await asyncio.wait_for(asyncio.wrap_future(promise), PATIENCE_S)
+        if outcome.rejected is not None:
+            raise outcome.rejected
+    except Rejected as rejected:
+        code = STATUS.get(rejected.reason, HTTPStatus.UNPROCESSABLE_ENTITY)
+        raise HTTPException(code, f"{rejected.reason}: {rejected.detail}") from None
+    except TimeoutError:
+        detail = f"not known to be durable after {PATIENCE_S:.0f} s; send it again"
+        raise _unavailable(detail) from None
+    return schemas.Submitted(
+        received=outcome.received,
+        duplicates=outcome.duplicates,
+        missing_before=outcome.lost,
+        faults=[schemas.SampleFault(index=f.index, reason=f.reason, detail=f.detail) for f in outcome.faults],
+    )
+
+
+async def _body(request: Request) -> bytes:
+    """Read the whole body, if it is not too large and fits its digest."""
+    announced = request.headers.get("content-length", "")
+    if announced.isdigit() and int(announced) > LARGEST_MESSAGE:
+        raise _too_large(int(announced))
+    parts, size = [], 0
+    async for part in request.stream():
+        parts.append(part)
+        size += len(part)
+        if size > LARGEST_MESSAGE:
+            raise _too_large(size)
+    body = b"".join(parts)
+    for entry in request.headers.get("content-digest", "").split(","):
+        if entry.strip():
+            _require_digest(entry, body)
+    return body
+
+
+def _too_large(size: int) -> HTTPException:
+    return HTTPException(
+        status.HTTP_413_CONTENT_TOO_LARGE,
+        f"too_large: {size} bytes or more; at most {LARGEST_MESSAGE} are taken",
+        {"Connection": "close"},  # what else comes is not read
+    )
+
+
+def _require_digest(entry: str, body: bytes) -> None:
+    """Compare with one digest as of RFC 9530; algorithms that are not known are passed over, as it asks."""
+    match = _DIGEST.match(entry)
+    if match is None:
+        raise HTTPException(status.HTTP_400_BAD_REQUEST, "bad_frame: Content-Digest is not of the form sha-256=:<base64>:")
+    if match[1] not in _HASHES:
+        return
+    try:
+        expected = base64.b64decode(match[2], validate=True)
+    except binascii.Error:
+        raise HTTPException(status.HTTP_400_BAD_REQUEST, "bad_frame: Content-Digest holds no base64") from None
+    if _HASHES[match[1]](body).digest() != expected:
+        raise HTTPException(status.HTTP_400_BAD_REQUEST, f"bad_frame: the body does not fit its {match[1]} digest")
+
+
+def _unavailable(detail: str) -> HTTPException:
+    return HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, detail, {"Retry-After": str(RETRY_AFTER_S)})

@@ -1,0 +1,91 @@
+"""Samples and runs."""
+
+from collections.abc import Sequence
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from pydantic import BeforeValidator, Field
+
+from service.api.conventions.dependencies import MachineId, Number, Period, Reading
+from service.api.conventions.paging import ByTime
+from service.api.conventions.problems import RESPONSES
+from service.api.conventions.units import UnitsIfAsked
+from service.api.measurements import rendering, schemas
+from service.api.measurements.corrections import SlowRollChoice, corrected_phasors, run_samples
+from service.security.requirement import VIEWER
+from storage.machines import machines
+from storage.measurements import runs, samples
+
+router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
+
+LARGEST_SAMPLE_COUNT = 10_000
+
+
+def _apart(given: Sequence[str]) -> list[str]:
+    """Split values that come in one parameter with commas between, or in several."""
+    return [name for one in given for name in one.split(",")]
+
+
+Include = Annotated[
+    tuple[schemas.PhasorExtra, ...],
+    Field(max_length=3),
+    BeforeValidator(_apart),
+    Query(description="what else the sources send of each value; repeated, or with commas between"),
+]
+
+
+@router.get("/machines/{machine_id}/samples", operation_id="read_samples")
+def read_samples(
+    session: Reading,
+    machine_id: MachineId,
+    period: Period,
+    units: UnitsIfAsked,
+    limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
+    slow_roll: SlowRollChoice = "none",
+    include: Include = (),
+    revision: Annotated[int | None, Query(ge=1, le=2**31, description="of the document; by default the one in force")] = None,
+) -> schemas.Phasors:
+    """Read the newest samples of a time range, as they were received, oldest of them first.
+
+    They are those of the document in force, or of a revision, and of all that describe the same machine with the same channels
+    and operating conditions: the answer lists these. Samples of any other revision are had by naming it.
+    Where there are as many as `limit`, older ones follow: ask again with `to` before the first of them.
+    """
+    chosen = revision or machines.get(session, machine_id).revision
+    machine = machines.document(session, machine_id, chosen)
+    alike = machines.measured_alike(session, machine_id, chosen)
+    newest = samples.latest(
+        session,
+        machine_id,
+        revision=chosen,
+        also=alike,
+        channels=len(machine.probes),
+        count=limit,
+        first=period.first,
+        last=period.last,
+    )
+    answer = corrected_phasors(session, machine, newest, slow_roll, units, include)
+    return answer.model_copy(update={"revisions": alike})
+
+
+@router.get("/machines/{machine_id}/runs", operation_id="list_runs")
+def list_runs(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[schemas.Run]:
+    """List run-ups and run-downs that began in a time range, newest first."""
+    machines.get(session, machine_id)
+    rows = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
+    return [rendering.run(row) for row in paging.page(rows, lambda row: (row.time_first, row.id))]
+
+
+@router.get("/runs/{run_id}", operation_id="read_run")
+def read_run(session: Reading, run_id: Number) -> schemas.Run:
+    """Read one run."""
+    return rendering.run(runs.get(session, run_id))
+
+
+@router.get("/runs/{run_id}/phasors", operation_id="read_run_phasors")
+def read_run_phasors(
+    session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollChoice = "none", include: Include = ()
+) -> schemas.Phasors:
+    """Read the run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
+    machine, held = run_samples(session, run_id)
+    return corrected_phasors(session, machine, held, slow_roll, units, include)

@@ -1,0 +1,150 @@
+"""Serves the health and readiness of the service itself, its sources and its quarantine."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, cast
+
+from fastapi import APIRouter, Query, Request, Response, status
+from sqlalchemy.exc import DBAPIError
+
+from service.api.conventions.dependencies import Reading, database, moment, principal
+from service.api.conventions.paging import ById, BySource
+from service.api.conventions.times import Time
+from service.api.operation import rendering, schemas
+from service.configuration.release import VERSION
+from service.security.requirement import ADMIN, ANYBODY, VIEWER
+from service.wire import OwnFault, Reason
+from storage.database.claim import DatabaseUnusable
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.measurements import quarantine, samples
+
+router = APIRouter(tags=["operations"])
+
+Parts = Callable[[], dict[str, str]]
+ENDED = "its thread has ended"
+"""What is said of a part that will not work again in this process."""
+
+
+@dataclass(frozen=True)
+class HealthReport:
+    """State of each part, `ok` or what is wrong, the database too; the jobs of all plants by their state.
+
+    answers: whether the database does. Where it is damaged in parts it does, and samples of others are taken.
+    """
+
+    parts: dict[str, str]
+    jobs: dict[str, int]
+    answers: bool
+
+
+async def looked_at(request: Request) -> HealthReport:
+    """Look at how the parts are doing now."""
+    kept = cast(Database, request.app.state.database)
+    parts: dict[str, str] = request.app.state.parts()
+    if (trouble := request.app.state.broadcaster.trouble) is not None:
+        parts = parts | {"alert_events": trouble}
+    counts: dict[str, int] = {}
+    unanswered: str | None = None
+    try:
+        counts = await request.app.state.database_check.jobs()
+    except DatabaseUnusable as error:
+        unanswered = str(error)
+    except DBAPIError as error:
+        if concerns_all(error):
+            unanswered = f"the database does not answer: {error.orig}"
+    parts["database"] = unanswered or kept.damage.trouble or "ok"
+    return HealthReport(parts, counts, answers=unanswered is None)
+
+
+async def _health(request: Request) -> schemas.Health:
+    look = await looked_at(request)
+    parts = look.parts
+    kept = cast(Database, request.app.state.database)
+    # A stream without a peer is waiting, not broken.
+    healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
+    # Of a store that is damaged in parts, what concerns other machines is taken.
+    ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
+    whole = schemas.Health(
+        healthy=healthy,
+        ready=ready,
+        version=VERSION,
+        parts=parts,
+        database=kept.version,
+        warnings=[*kept.objections, *request.app.state.warnings()],
+        jobs=look.jobs,
+    )
+    who = principal(request)
+    if who.kind != "anonymous" and who.plants is None:
+        return whole
+    # What ails it may name machines and files: who is not known is told that much and no more.
+    outline = {name: "ok" if state == "ok" else "not ok" for name, state in parts.items()}
+    return whole.model_copy(
+        update={"parts": outline, "jobs": {}, "database": "", "warnings": []} | ({} if who.known else {"version": ""})
+    )
+
+
+@router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
+async def read_health(request: Request, response: Response) -> schemas.Health:
+    """Tell whether every part works; 503 when one does not."""
+    health = await _health(request)
+    if not health.healthy:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return health
+
+
+@router.get("/ready", operation_id="read_readiness", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
+async def read_readiness(request: Request, response: Response) -> schemas.Health:
+    """Tell whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
+    health = await _health(request)
+    if not health.ready:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return health
+
+
+@router.get("/alive", operation_id="read_life", dependencies=[ANYBODY], responses={503: {"model": schemas.Life}})
+async def read_life(request: Request, response: Response) -> schemas.Life:
+    """Tell whether a restart of this process would help: 503 when one of its threads has ended, or a file of its SQLite store
+    was deleted and all that it held is saved.
+
+    It depends on nothing outside, so that nobody ends a process that only waits for its database or its router.
+    """
+    parts: dict[str, str] = request.app.state.parts()
+    kept = cast(Database, request.app.state.database)
+    alive = ENDED not in parts.values() and not kept.needs_restart
+    if not alive:
+        response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
+    return schemas.Life(alive=alive)
+
+
+@router.get("/sources", operation_id="list_sources", dependencies=[VIEWER])
+def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
+    """List every source heard of: how far it was received, what came twice, what is lost."""
+    rows = samples.sources(session, limit=paging.wanted, after=paging.after)
+    return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
+
+
+WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entries with this reason")]
+
+
+@router.get("/quarantine", operation_id="read_quarantine", dependencies=[VIEWER])
+def read_quarantine(
+    session: Reading, paging: ById, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None
+) -> schemas.Quarantine:
+    """Read rejected input: counts by reason since ever, and the newest entries that are still kept."""
+    rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=paging.wanted, after=paging.after)
+    return schemas.Quarantine(
+        counts=quarantine.counts(session),
+        entries=[rendering.quarantine_entry(row) for row in paging.page(rows, lambda row: (row.id,))],
+    )
+
+
+@router.delete("/quarantine", operation_id="purge_quarantine", dependencies=[ADMIN])
+def purge_quarantine(
+    request: Request,
+    before: Annotated[Time | None, Query(description="only what was received before; RFC 3339, UTC without a zone")] = None,
+    reason: WhichReason = None,
+) -> schemas.Purged:
+    """Delete entries for good. What was counted stays counted."""
+    with database(request).transaction() as session:
+        return schemas.Purged(deleted=quarantine.purge(session, before=moment(before), reason=reason))

@@ -1,0 +1,3 @@
+"""Histories of parameters in columns, thinned out and in the units asked for. It imports `conventions`, `cache` and
+`monitoring`.
+"""

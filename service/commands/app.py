@@ -1,0 +1,511 @@
+"""The command `rundown`."""
+
+import json
+import logging
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+import numpy as np
+import threadpoolctl
+import typer
+from pydantic import ValidationError
+
+from estimator.fit.identify import Identification
+from estimator.identification.model_comparison import compare_misalignment
+from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.machine.document import Machine
+from estimator.machine.rules import QualityRules
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.simulation.simulated_plant import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
+from estimator.thesis.machine_regression import regress
+from estimator.thesis.tikhonov import Rule
+from estimator.units import RAD_PER_S
+from estimator.updated_model.model import updated_model
+from service.commands.exit import fail
+from service.commands.identification_report import (
+    EXPLAINED,
+    advice_text,
+    comparison_text,
+    identification_text,
+    quality_text,
+    regression_text,
+    slow_roll_text,
+)
+from service.commands.keys import audit_app, key_app
+from service.commands.model_report import model_text
+from service.commands.offline import captured, read_measurement, read_runs, without_slow_roll
+from service.commands.retention import retention_app
+from service.commands.storage import backup, export, move, restore
+from service.commands.terminal import say, say_lines
+from service.configuration.document_files import UnreadableFile, read_machine
+from service.configuration.log_format import log_to_terminal
+from service.configuration.release import VERSION
+from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
+from service.messaging.access_control import AccessUnusable, from_environment
+from service.messaging.session import StreamUnusable, wait_connected
+from service.messaging.session import session as zenoh_session
+from service.sources.publisher import Source
+from service.sources.recording import read_recording, split, write_recording
+from service.sources.replay_log import LogError
+from service.sources.simulator import BATCH_SAMPLES, SimulationPlan
+from service.sources.simulator import simulate as run_simulation
+from service.wire import Key, Rejected
+
+app = typer.Typer(no_args_is_help=True, add_completion=False)
+app.add_typer(key_app, name="key")
+app.add_typer(audit_app, name="audit")
+app.add_typer(retention_app, name="retention")
+
+Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
+for command in (backup, restore, move, export):
+    app.command()(command)
+
+LINGER_S = 5.0
+SAMPLE_S = 600.0
+Method = Literal["likelihood", "regression"]
+
+
+def _say_version(asked: bool) -> None:
+    if asked:
+        say(f"rundown {VERSION}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    asked: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_say_version, help="which release this is")
+    ] = False,
+) -> None:
+    """Condition monitoring of coupled rotor trains."""
+
+
+@app.command()
+def serve(
+    database: Annotated[str | None, typer.Option(help="SQLAlchemy URL")] = None,
+    host: Annotated[str | None, typer.Option(help="address of the REST API")] = None,
+    port: Annotated[int | None, typer.Option(help="port of the REST API; 0 takes a free one")] = None,
+    zenoh_listen: Annotated[list[str] | None, typer.Option(help="endpoint on which to be a zenoh router")] = None,
+    zenoh_connect: Annotated[list[str] | None, typer.Option(help="zenoh router to connect to")] = None,
+    workers: Annotated[int | None, typer.Option(help="identification processes")] = None,
+    role: Annotated[Role | None, typer.Option(help="what this process does, beside others on one PostgreSQL database")] = None,
+    allow_no_authentication: Annotated[
+        bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
+    ] = None,
+) -> None:
+    """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
+    # The web server and the database take a second to import, which no other command should pay.
+    from service.commands.serve import serve as run_service
+    from service.http.listening_socket import PortUnusable
+    from service.security.exposure import Exposed
+    from storage.database.claim import DatabaseUnusable
+
+    given: dict[str, Any] = {
+        "database": database,
+        "host": host,
+        "port": port,
+        "zenoh_listen": zenoh_listen,
+        "zenoh_connect": zenoh_connect,
+        "workers": workers,
+        "role": role,
+        "allow_no_authentication": allow_no_authentication,
+    }
+    if zenoh_connect and not zenoh_listen:
+        given["zenoh_listen"] = []
+    settings = _settings({name: value for name, value in given.items() if value is not None})
+    log_to_terminal(settings.log_level, settings.log_format)
+    try:
+        run_service(settings)
+    except (DatabaseUnusable, PortUnusable, StreamUnusable, AccessUnusable, Exposed) as error:
+        fail(str(error))
+
+
+@app.command()
+def doctor(
+    url: Annotated[str | None, typer.Option(help="where the API answers; by default as the settings say")] = None,
+    api_key_file: Annotated[Path | None, typer.Option(help="file with an API key, if one is needed")] = None,
+    exposed: Annotated[
+        bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
+    ] = False,
+) -> None:
+    """Look at a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
+
+    Prints a line for each thing that it looked at, and ends with status 1 when one is wrong. It changes nothing.
+    """
+    from service.commands.exposed import report
+    from service.doctor.checks import examine
+    from service.secrets.files import read_secret
+
+    settings = _settings({})
+    if exposed:
+        report(settings, url=url)
+        return
+    wrong = 0
+    for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
+        say(f"{finding.level:8s} {finding.what}: {finding.words}")
+        wrong += finding.level == "wrong"
+    if wrong:
+        fail(f"{wrong} wrong; docs/runbook.md says what to do")
+
+
+@app.command()
+def worker(
+    scheduler: Annotated[str, typer.Argument(help="address of the Dask scheduler, such as tcp://10.0.0.5:8786")],
+    processes: Annotated[int, typer.Option(min=1, max=64, help="identifications at once")] = 2,
+    memory_mb: Annotated[int, typer.Option(min=256, help="memory that each process may hold of its own [MiB]")] = 2048,
+) -> None:
+    """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
+    from service.identification.worker_tasks import TASKS
+    from service.workers.dask_worker import work
+
+    _log_as_set()
+    work(scheduler, processes=processes, memory_bytes=memory_mb * 2**20, tasks=TASKS, stop=_stop_on_signal())
+
+
+@app.command()
+def router(
+    listen: Annotated[list[str], typer.Option(help="endpoint to listen on; may be given again")] = [  # noqa: B006
+        DEFAULT_ZENOH_ENDPOINT
+    ],
+    connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
+) -> None:
+    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed.
+
+    Beyond loopback it needs certificates and access rules, as `serve` does (RUNDOWN_ZENOH_…; docs/security.md).
+    """
+    from service.security.exposure import Exposed, require_guarded
+
+    settings = _log_as_set()
+    try:
+        for door in require_guarded(settings, listen):
+            logging.getLogger(__name__).warning("open to everybody: %s", door)
+    except Exposed as error:
+        fail(str(error))
+    stop = _stop_on_signal()
+    try:
+        with zenoh_session(listen=listen, connect=connect, security=from_environment()):
+            logging.getLogger(__name__).info("routing on %s", ", ".join(listen))
+            stop.wait()
+    except (StreamUnusable, AccessUnusable) as error:
+        fail(str(error))
+
+
+@app.command()
+def simulate(
+    machines: Annotated[list[str], typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
+    cycles: Annotated[int, typer.Option(min=1, help="run-ups and run-downs of each machine")] = 12,
+    interval_days: Annotated[float, typer.Option(min=0.01, help="between them, in the machines' time")] = 7.0,
+    samples: Annotated[int, typer.Option(min=10, help="in each run-up and run-down")] = 200,
+    rate: Annotated[float | None, typer.Option(min=0.1, help="samples/s per machine; real time without it")] = None,
+    seed: Annotated[int, typer.Option(min=0)] = 1,
+    truth: Annotated[Path | None, typer.Option(help="file for the true parameters of each run")] = None,
+) -> None:
+    """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
+    log_to_terminal("INFO")
+    plan = SimulationPlan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
+    stop = _stop_on_signal()
+    try:
+        parsed = [_machine_and_story(text) for text in machines]
+        with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
+            if wait_connected(session, connect, give_up=stop.wait):
+                run_simulation(session, parsed, plan, truth, stop)
+    except (UnreadableFile, StreamUnusable, ValueError, OSError) as error:
+        fail(str(error))
+
+
+@app.command()
+def replay(
+    file: Annotated[Path, typer.Argument(help="CSV with a header line; FILE.yaml beside it says what its columns mean")],
+    sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
+    connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
+    speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
+) -> None:
+    """Publish a recorded run over zenoh, in real or compressed time."""
+    log_to_terminal("INFO")
+    stop = _stop_on_signal()
+    try:
+        batch = read_recording(file, sidecar)
+        with zenoh_session(listen=[], connect=connect, security=from_environment()) as session:
+            if not wait_connected(session, connect, give_up=stop.wait):
+                return
+            with Source(session, Key(batch.plant, batch.machine), name=batch.source) as source:
+                began, first = time.monotonic(), batch.time_ns[0]
+                for piece in split(batch, BATCH_SAMPLES):
+                    due = began + (piece.time_ns[-1] - first) / 1e9 / speedup
+                    if stop.wait(max(0.0, due - time.monotonic())):
+                        return
+                    source.publish(piece)
+                logging.getLogger(__name__).info("%d samples published", source.sequence)
+                stop.wait(LINGER_S)  # to answer replay queries
+    except (UnreadableFile, StreamUnusable, AccessUnusable) as error:
+        fail(str(error))
+
+
+@app.command()
+def edge(
+    configuration: Annotated[Path, typer.Argument(help="what is measured, YAML or JSON; see docs/edge.md")],
+    leave: Annotated[bool, typer.Option("--exit", help="end behind the last file instead of answering replays")] = False,
+    speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
+) -> None:
+    """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
+    from service.commands.edge import run_edge
+
+    _log_as_set()
+    try:
+        run_edge(configuration, _stop_on_signal(), leave=leave, speedup=speedup)
+    except (UnreadableFile, StreamUnusable, AccessUnusable, LogError) as error:
+        fail(str(error))
+
+
+@app.command()
+def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
+    """Check a machine document and print it as JSON, as the REST API takes it."""
+    try:
+        say_lines(json.dumps(read_machine(machine).model_dump(mode="json"), indent=1))
+    except UnreadableFile as error:
+        fail(str(error))
+
+
+@app.command()
+def sample(
+    machine: Annotated[str, typer.Argument(help="FILE or FILE:STORY; " + ", ".join(get_args(Story)))],
+    file: Annotated[Path, typer.Argument(help="CSV to write; its sidecar stands beside it")],
+    progress: Annotated[float, typer.Option(min=0, max=1, help="how far the story has gone")] = 1.0,
+    samples: Annotated[int, typer.Option(min=10)] = 200,
+    seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
+    run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
+) -> None:
+    """Write one simulated run-down as a recording, to try the commands on."""
+    try:
+        described, story = _machine_and_story(machine)
+        true = at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
+        rng = np.random.default_rng([seed, run_seed])
+        times, speed = speed_law(described, "run-down", duration=SAMPLE_S, samples=samples)
+        phasor = measured_phasors(described, scattered(true, rng), speed, rng)
+        interval = float(times[1] - times[0])
+        write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
+    except (UnreadableFile, ValueError, OSError) as error:
+        fail(str(error))
+
+
+MachineFile = Annotated[Path, typer.Argument(help="machine document")]
+RunFiles = Annotated[list[Path], typer.Argument(help="recorded runs, as for replay; several are fitted together")]
+OtherSidecar = Annotated[Path | None, typer.Option(help="another sidecar, for a single run")]
+
+
+@app.command("identify")
+def identify_offline(
+    machine: MachineFile,
+    files: RunFiles,
+    sidecar: OtherSidecar = None,
+    method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
+    tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
+    advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
+    gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
+    half_power: Annotated[
+        bool | None, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")
+    ] = None,
+    accepted_rpm: Annotated[tuple[float, float] | None, typer.Option(help="the only speeds that count [r/min]")] = None,
+    slow_roll: Annotated[
+        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
+    ] = None,
+) -> None:
+    """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
+
+    Ends with status 1 when the fit is not accepted.
+    """
+    if method == "regression" and advice:
+        fail("--advice goes with the likelihood: the regression has no information to read it from")
+    if method == "likelihood" and tikhonov is not None:
+        fail("--tikhonov goes with --method regression: the likelihood has its own prior")
+    if method == "regression":
+        _regress(machine, files, sidecar, tikhonov, slow_roll)
+        return
+    described, measurement, found = _gated(
+        machine, files, sidecar, rules={"half_power": half_power, "accepted_rpm": accepted_rpm}, gate=gate, slow_roll=slow_roll
+    )
+    text = quality_text([file.name for file in files], found.qualities, gate=gate)
+    if found.identification is None:
+        fail("\n".join([found.error or "", text]).strip())
+    result = found.identification
+    say_lines(identification_text(result))
+    if text:
+        say_lines(f"\n{text}")
+    if advice:
+        say_lines(advice_text(described, result, measurement))
+    if not result.accepted:
+        raise typer.Exit(1)
+
+
+@app.command()
+def model(
+    machine: MachineFile,
+    files: RunFiles,
+    sidecar: OtherSidecar = None,
+    service_rpm: Annotated[
+        float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
+    ] = None,
+    grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
+) -> None:
+    """Identify a machine from recorded runs and print what the updated model says.
+
+    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test.
+    Ends with status 1 when the fit is not accepted.
+    """
+    described, _, result = _identified(machine, files, sidecar)
+    say(result.verdict)
+    if not result.accepted:
+        raise typer.Exit(1)
+    try:
+        speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
+        with threadpoolctl.threadpool_limits(1):
+            say_lines(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
+    except ValueError as error:
+        fail(str(error))
+
+
+@app.command()
+def compare(
+    machine: MachineFile,
+    baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine")],
+    files: RunFiles,
+    coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
+) -> None:
+    """Say whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
+    described, _, healthy = _identified(machine, [baseline], None)
+    if not healthy.accepted:
+        fail(f"{baseline}: {healthy.verdict}")
+    try:
+        measurement, _ = read_measurement(described, files)
+        with threadpoolctl.threadpool_limits(1):
+            found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
+    except KeyError:
+        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
+    except (UnreadableFile, Rejected, ValueError) as error:
+        fail(str(error))
+    say_lines(comparison_text(found))
+
+
+@app.command("slow-roll")
+def show_slow_roll(
+    machine: MachineFile,
+    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
+    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
+    sidecar: OtherSidecar = None,
+) -> None:
+    """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
+    try:
+        described, runs = _runs(machine, [file], sidecar)
+        say_lines(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        fail(str(error))
+
+
+def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
+    try:
+        described, runs = _runs(machine, files, sidecar, slow_roll)
+        measurement = joined([measured for _, measured in runs])
+        with threadpoolctl.threadpool_limits(1):
+            found = regress(described, measurement, tikhonov=tikhonov)
+        say_lines(regression_text(found))
+        if found.reduced_chi_square > EXPLAINED or found.impossible:
+            raise typer.Exit(1)
+    except (UnreadableFile, Rejected, ValueError) as error:
+        fail(str(error))
+
+
+def _runs(
+    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
+) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
+    """A document and its recorded runs, without the slow roll of a band where one is given."""
+    described = read_machine(machine)
+    runs, left_out = read_runs(described, files, sidecar)
+    for line in left_out:
+        say(line, err=True)
+    if slow_roll is None:
+        return described, runs
+    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
+    say_lines(slow_roll_text(described, found), err=True)
+    return corrected, rest
+
+
+def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+    described, measurement, found = _gated(machine, files, sidecar)
+    if found.identification is None:
+        fail(found.error or "there is nothing to identify from")
+    return described, measurement, found.identification
+
+
+def _gated(
+    machine: Path,
+    files: list[Path],
+    sidecar: Path | None,
+    *,
+    rules: dict[str, Any] | None = None,
+    gate: bool = True,
+    slow_roll: str | None = None,
+) -> tuple[Machine, Measurement, Gated]:
+    try:
+        described, runs = _runs(machine, files, sidecar, slow_roll)
+        recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
+        given = {name: value for name, value in (rules or {}).items() if value is not None}
+        wanted = QualityRules.model_validate(described.quality.model_dump() | given)
+        with threadpoolctl.threadpool_limits(1):
+            found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
+        return described, joined(measured), found
+    except ValidationError as error:
+        fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        fail(str(error))
+
+
+@app.command()
+def demo(
+    leave: Annotated[bool, typer.Option("--exit", help="stop after the summary; status 0 only if it came out right")] = False,
+    port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
+) -> None:
+    """The main job from end to end: three simulated machines, one of them going out of alignment."""
+    from service.commands import demo as demonstration
+
+    try:
+        right = demonstration.run(leave=leave, port=port)
+    except demonstration.DemoFailed as error:
+        fail(str(error))
+    if leave and not right:
+        raise typer.Exit(1)
+
+
+def _machine_and_story(text: str) -> tuple[Machine, Story]:
+    name, colon, story = text.rpartition(":")
+    if story in get_args(Story):
+        return read_machine(Path(name)), story  # type: ignore[return-value]
+    if colon and Path(name).is_file():
+        raise UnreadableFile(f"'{story}' is no story; there are {', '.join(get_args(Story))}")
+    return read_machine(Path(text)), "healthy"
+
+
+def _stop_on_signal() -> threading.Event:
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    return stop
+
+
+def _log_as_set() -> Settings:
+    """Log as the settings say."""
+    settings = _settings({})
+    log_to_terminal(settings.log_level, settings.log_format)
+    return settings
+
+
+def _settings(given: dict[str, Any]) -> Settings:
+    """From the command line and the environment; ends the command where they are wrong."""
+    try:
+        return settings_of(**given)
+    except SettingsWrong as error:
+        fail(str(error))

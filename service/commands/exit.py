@@ -1,0 +1,13 @@
+"""Ends a command that cannot do what it was asked for."""
+
+from typing import NoReturn
+
+import typer
+
+from service.commands.terminal import say_lines
+
+
+def fail(message: str) -> NoReturn:
+    """Say why, and exit with status 1."""
+    say_lines(f"rundown: {message}", err=True)
+    raise typer.Exit(1)

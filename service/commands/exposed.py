@@ -1,0 +1,25 @@
+"""`rundown doctor --exposed`: what somebody on the network could reach, and why."""
+
+from service.commands.exit import fail
+from service.commands.terminal import say, say_lines
+from service.configuration.settings import Settings
+from service.doctor.endpoint_probes import tried
+from service.doctor.exposed_endpoints import credentials_asked, doors, written
+from storage.database.claim import DatabaseUnusable
+
+
+def report(settings: Settings, *, url: str | None = None) -> None:
+    """Print every door, worst first, and what became of trying them; ends with status 1 when one is open."""
+    try:
+        found = doors(settings)
+        asked, _ = credentials_asked(settings)
+    except DatabaseUnusable as error:
+        fail(str(error))
+    for door in found:
+        say_lines(written(door))
+    looks = list(tried(settings, asked=asked, url=url))
+    for look in looks:
+        say(f"{look.level:9s} tried: {look.what}: {look.words}")
+    open_doors = sum(door.level == "open" for door in found) + sum(look.level == "open" for look in looks)
+    if open_doors:
+        fail(f"{open_doors} open to everybody on the network: docs/security.md says how to close them")

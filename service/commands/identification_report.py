@@ -1,0 +1,115 @@
+"""An identification, what would help it, and a comparison of views, as text for a terminal."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification
+from estimator.identification.experiment_design import helpful_probes, helpful_speeds
+from estimator.identification.model_comparison import ModelComparison
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.quality import Quality
+from estimator.phasors.slow_roll import Capture
+from estimator.thesis.machine_regression import PublishedEstimate
+from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
+
+CANDIDATE_SPEEDS = 60
+EXPLAINED = 2.0
+"""Largest χ²/dof with which the regression's values are said to explain a run."""
+BEYOND = 1.5
+"""Candidate speeds reach to this part of the speed range's end."""
+
+
+def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
+    """Tell what there is to say of each run before it is identified; empty where there is nothing."""
+    lines = []
+    for name, quality in zip(names, qualities, strict=True):
+        found = [*quality.findings, *([quality.words] if gate and quality.words else [])]
+        lines += [f"{name}: {words}" for words in found]
+    return "\n".join(lines)
+
+
+def identification_text(result: Identification) -> str:
+    """Return the verdict and estimates ± standard error, a line a parameter."""
+    lines = [
+        result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
+        f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
+        f"{rad_per_s_to_rpm(result.speed_maximum):.0f} rpm; {result.starts} start(s), {result.iterations} iterations; "
+        f"condition number {result.condition_number:.2g}",
+        "",
+    ]
+    width = max(len(estimate.name) for estimate in result.estimates)
+    return "\n".join(lines + [f"{estimate.name:<{width}}  {_value(estimate)}" for estimate in result.estimates])
+
+
+def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
+    """Return the speeds and probes that would help most, beside each other, and how much."""
+    limits = machine.speed_range
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), BEYOND * rpm_to_rad_per_s(limits.maximum_rpm)
+    speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
+    probes = helpful_probes(machine, result, measurement)
+    lines = ["", "What would help most, and by how much the standard errors would shrink together:"]
+    lines += [f"  {one.what} ({rad_per_s_to_rpm(one.speed):.0f} rpm): by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
+    lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
+    return "\n".join(lines)
+
+
+def regression_text(found: PublishedEstimate) -> str:
+    """Return the values of the thesis's regression, which has no intervals."""
+    solution = found.solution
+    regularised = f", regularised with λ = {solution.parameter:.2g}" if solution.parameter else ""
+    explained = found.reduced_chi_square <= EXPLAINED and not found.impossible
+    verdict = f"χ²/dof of the machine with these values against the run {found.reduced_chi_square:.3g}"
+    if found.impossible:
+        verdict += f"; not positive, as they must be: {', '.join(found.impossible)}"
+    lines = [
+        verdict if explained else f"NOT TO BE USED: these values do not explain the run, {verdict}",
+        "Regression of the thesis, Chapter 4: no intervals, biased by noise; see the evidence page",
+        f"condition number {solution.condition_number_before:.2g}, {solution.condition_number_after:.2g} after column scaling"
+        + regularised,
+        "",
+    ]
+    width = max(len(name) for name in found.names)
+    rows = zip(found.names, solution.values, found.units, strict=True)
+    return "\n".join(lines + [f"{name:<{width}}  {value:+.4e} {unit}" for name, value, unit in rows])
+
+
+def comparison_text(comparison: ModelComparison) -> str:
+    """Return the verdict, the views and what the best one found at the coupling."""
+    lines = [comparison.verdict, ""]
+    lines += [
+        f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
+        for view in comparison.views
+    ]
+    best = comparison.views[0].identification
+    shown = [one for one in best.estimates if one.element in comparison.elements and one.quantity != "unbalance"]
+    return "\n".join(lines + [f"  {one.name}  {_value(one)}" for one in shown])
+
+
+def slow_roll_text(machine: Machine, found: Capture) -> str:
+    """Return the vectors of a capture, a line a channel, and why channels have none."""
+    speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
+    lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
+    width = max(map(len, machine.channels))
+    scale = METRES["um"] * PEAK["peak-to-peak"]
+    for channel, vector, error in zip(machine.channels, found.slow_roll.vector, found.slow_roll.standard_error, strict=True):
+        if channel in found.reasons:
+            lines.append(f"  {channel:<{width}}  none: {found.reasons[channel]}")
+        else:
+            lag = round(float(-np.degrees(np.angle(vector))) % 360.0, 1) % 360.0  # not 360.0 for nearly a full turn
+            lines.append(f"  {channel:<{width}}  {abs(vector) / scale:8.3f} ± {error / scale:.2g} µm pp, lag {lag:6.1f}°")
+    return "\n".join(lines)
+
+
+def _value(estimate: Estimate) -> str:
+    if estimate.value is None or estimate.standard_error is None:
+        return f"not estimable: {estimate.reason}"
+    if estimate.imaginary is not None and estimate.imaginary_standard_error is not None:
+        return (
+            f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}  "
+            f"{estimate.imaginary:+.4e}j ± {estimate.imaginary_standard_error:.1e} {estimate.unit}"
+        )
+    percent = 100 * estimate.standard_error / abs(estimate.value) if estimate.value else float("inf")
+    return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e} {estimate.unit} ({percent:.2g} %)"

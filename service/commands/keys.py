@@ -1,0 +1,229 @@
+"""`rundown key` and `rundown audit`: keys are made where the store is, not over the network."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from pydantic import TypeAdapter, ValidationError
+
+from estimator.field_types import Identifier
+from service.commands.exit import fail
+from service.commands.terminal import say
+from service.security.principal import Role
+
+if TYPE_CHECKING:
+    from storage.database.engine import Database
+    from storage.tables import ApiKeyRow
+
+key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
+audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")
+
+Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; by default as for serve")]
+Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
+Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
+A_YEAR = 365.0
+NOTED = "[0-9]{1,18}:[0-9a-f]{64}"
+SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
+"""For how many days a key may be good."""
+
+
+@key_app.command("create")
+def create_key(
+    name: Annotated[str, typer.Argument(help="whose it is: a person, or a program")],
+    role: Annotated[str, typer.Option(help=", ".join(one.label for one in Role))],
+    plant: Annotated[list[str] | None, typer.Option(help="only for this plant; may be given again; by default all")] = None,
+    days: Days = A_YEAR,
+    database: Store = None,
+) -> None:
+    """Make a key and print it; it is not to be had again."""
+    from service.security import api_keys
+
+    try:
+        chosen = Role.of(role)
+    except ValueError as error:
+        fail(str(error))
+    if not re.fullmatch(r"[^\x00-\x1f]{1,120}", name):
+        fail("the name must have 1 to 120 characters")
+    for one in plant or ():
+        _require_plant(one)
+    _require_days("--days", days, least=SHORTEST)
+    with _opened(database, new=True) as opened, opened.transaction() as session:
+        row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
+        until = _time(row.expires_at)
+    say(text)
+    say(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
+
+
+@key_app.command("list")
+def list_keys(database: Store = None) -> None:
+    """List every key there ever was, without its secret."""
+    from storage.clock import now
+    from storage.operation import api_keys as keys
+
+    with _opened(database) as opened, opened.reading() as session:
+        moment = now()
+        for row in keys.every(session):
+            state = _state(row, at=moment)
+            plants = "all plants" if row.plants is None else ",".join(row.plants)
+            used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
+            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(abs(row.expires_at))}  {used}  {row.name}")
+
+
+@key_app.command("rotate")
+def rotate_key(
+    prefix: Prefix,
+    overlap_days: Annotated[float, typer.Option(help="how long the old one is good beside the new one")] = 7.0,
+    days: Days = A_YEAR,
+    database: Store = None,
+) -> None:
+    """Make a new key in the place of an old one, and print it."""
+    from service.security import api_keys
+    from storage.operation.api_keys import KeyUnknown
+
+    _require_days("--days", days, least=SHORTEST)
+    _require_days("--overlap-days", overlap_days, least=0.0)
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
+        except (KeyUnknown, ValueError) as error:
+            fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
+        say(text)
+        say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+
+
+@key_app.command("confirm")
+def confirm_key(
+    prefix: Annotated[list[str] | None, typer.Argument(help="as `rundown key list` shows it")] = None,
+    everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
+    database: Store = None,
+) -> None:
+    """Let keys be good again that a restore brought back, and of which nobody knows whether they were revoked since."""
+    from service.security import api_keys
+    from storage.operation import api_keys as keys
+    from storage.operation.api_keys import KeyUnknown
+
+    if bool(prefix) == everyone:
+        fail("name the keys to confirm, or say --all")
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                chosen = [row.prefix for row in keys.every(session) if keys.waits(row)] if everyone else prefix or []
+                for one in chosen:
+                    api_keys.confirm(session, one)
+        except (KeyUnknown, ValueError) as error:
+            fail(f"no key {error.args[0]}" if isinstance(error, KeyUnknown) else str(error))
+    say(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
+
+
+@key_app.command("revoke")
+def revoke_key(prefix: Prefix, database: Store = None) -> None:
+    """Let a key open nothing more, within seconds."""
+    from service.security import api_keys
+    from storage.operation.api_keys import KeyUnknown
+
+    with _opened(database) as opened:
+        try:
+            with opened.transaction() as session:
+                api_keys.revoke(session, prefix)
+        except KeyUnknown:
+            fail(f"no key {prefix}")
+    say(f"{prefix} is revoked")
+
+
+@audit_app.command("verify")
+def verify_audit(
+    noted: Annotated[
+        list[str] | None, typer.Option(help="NUMBER:HASH that an earlier verify printed or the log has; may be given again")
+    ] = None,
+    noted_in: Annotated[
+        typer.FileText | None,
+        typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
+    ] = None,
+    database: Store = None,
+) -> None:
+    """Check that no entry was changed, taken away or moved. Prints the newest number and hash: note them elsewhere.
+
+    Ends with status 1 when something does not hold.
+    """
+    from storage.operation import audit
+
+    known = {_noted(one) for one in noted or ()}
+    if noted_in is not None:
+        in_log = {_noted(found[1]) for found in re.finditer(rf"audit trail: the newest entry is ({NOTED})", noted_in.read())}
+        if not in_log:
+            fail(f"{noted_in.name} holds no note of the audit trail")
+        known |= in_log
+    with _opened(database) as opened, opened.reading() as session:
+        found = audit.verify(session, known=known)
+        number, digest = audit.head(session)
+    for one in found:
+        say(f"entry {one.number}: {one.reason}", err=True)
+    if found:
+        fail(f"the audit trail does not hold, in {len(found)} places")
+    say(f"{number} entries hold: {number}:{digest}")
+
+
+def _noted(text: str) -> tuple[int, str]:
+    """Return the number and hash of an entry."""
+    if re.fullmatch(NOTED, text) is None:
+        fail(f"'{text}' is not NUMBER:HASH")
+    number, _, digest = text.partition(":")
+    return int(number), digest
+
+
+@contextmanager
+def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
+    """Open the store, and close it. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    from sqlalchemy.exc import DBAPIError
+
+    from service.configuration.settings import SettingsWrong, settings_of
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
+
+    try:
+        settings = settings_of()
+        named = url is not None or {"database", "database_file"} & settings.model_fields_set
+        chosen = url or settings.database
+        if not (new and named):
+            require_there(chosen)
+        database = Database(chosen)
+    except (DatabaseUnusable, SettingsWrong) as error:
+        fail(str(error))
+    try:
+        yield database
+    except DBAPIError as error:
+        fail(f"the database does not answer as it should: {error.orig}")
+    finally:
+        database.close()
+
+
+def _state(row: "ApiKeyRow", *, at: int) -> str:
+    from storage.operation import api_keys as keys
+
+    if row.revoked_at:
+        return "revoked"
+    if keys.waits(row):
+        return "waits"
+    return "valid" if keys.valid(row, at=at) else "expired"
+
+
+def _require_plant(name: str) -> None:
+    """Require a plant as a machine's document names it: a key for another name would open nothing."""
+    try:
+        TypeAdapter(Identifier).validate_python(name)
+    except ValidationError:
+        fail(f"--plant {name!r} is no plant: it must have 1 to 64 letters, digits, '_' and '-'")
+
+
+def _require_days(option: str, days: float, *, least: float) -> None:
+    if not least <= days <= A_HUNDRED_YEARS:  # what is no number is not either
+        fail(f"{option} {days:g} must be from {least:g} to {A_HUNDRED_YEARS:g} days, which is a hundred years")
+
+
+def _time(nanoseconds: int) -> str:
+    from storage.clock import to_datetime
+
+    return to_datetime(nanoseconds).strftime("%Y-%m-%dT%H:%MZ")

@@ -1,0 +1,116 @@
+"""Reports what follows from an identified train on a terminal: critical speeds, margins, loads, balance, impact test."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.modes.critical_speed import critical_speed_table
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.updated_model.amplification import amplification
+from estimator.updated_model.balance_quality import balance_grades
+from estimator.updated_model.balancing import balance
+from estimator.updated_model.coupling_loads import coupling_forces
+from estimator.updated_model.impact_comparison import compare_impact_test, measured_frequencies
+from estimator.updated_model.modal_uncertainty import critical_speed_errors
+from estimator.updated_model.model import UpdatedModel
+
+HIGHEST_ABOVE_TRIP = 1.25
+"""Critical speeds are looked for up to this part of the speed range's end."""
+
+
+def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
+    """Return the report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
+
+    Raises ValueError for a speed or grade that is not positive.
+    """
+    speed = rpm_to_rad_per_s(service_rpm)
+    parts = (
+        _critical_speeds(model),
+        _peaks(model, speed),
+        _coupling_loads(model, speed),
+        _balance(model, grade, speed),
+        _correction(model, speed),
+        _impact_test(model),
+    )
+    return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
+
+
+def _critical_speeds(model: UpdatedModel) -> Iterator[str]:
+    yield "Critical speeds [r/min], log decrement, whirl (+1 forward to -1 backward)"
+    highest = HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(model.machine.speed_range.maximum_rpm)
+    found = critical_speed_table(model.scaled_machine, highest=highest, coefficients=model.coefficients)
+    for one, error in zip(found, critical_speed_errors(model, found), strict=True):
+        rpm = f"{rad_per_s_to_rpm(one.speed):8.0f} ± {rad_per_s_to_rpm(float(error)):.1f}"
+        yield f"  {rpm:<18} {one.log_decrement:6.3f} {one.whirl:+6.2f}"
+
+
+def _peaks(model: UpdatedModel, speed: float) -> Iterator[str]:
+    yield "Response peaks: channel, speed [r/min], amplification factor, separation margin and what API 684 asks [%]"
+    limits = model.machine.speed_range
+    margins = amplification(
+        model,
+        places=model.machine.probes,
+        lowest=rpm_to_rad_per_s(limits.minimum_rpm),
+        highest=HIGHEST_ABOVE_TRIP * rpm_to_rad_per_s(limits.maximum_rpm),
+        minimum_speed=speed,
+        maximum_continuous_speed=speed,
+    )
+    for channel, peaks in zip(model.machine.channels, margins, strict=True):
+        for one in peaks:
+            factor = one.peak.amplification_factor
+            asked = "none asked" if one.required is None else f"{one.required:.1f} asked"
+            verdict = {True: "met", False: "NOT MET", None: "open"}[one.met]
+            yield (
+                f"  {channel:<12} {rad_per_s_to_rpm(one.peak.speed):7.0f} "
+                f"{'-' if factor is None else f'{factor:.1f}':>6} {one.actual:6.1f}, {asked}, {verdict}"
+            )
+
+
+def _coupling_loads(model: UpdatedModel, speed: float) -> Iterator[str]:
+    if not model.machine.couplings:
+        return
+    yield f"Synchronous load of the couplings at {rad_per_s_to_rpm(speed):.0f} r/min, 0-to-peak with 95 % band"
+    for one in coupling_forces(model, speed=np.array([speed])):
+        for name, unit in (("force_x", "N"), ("force_y", "N"), ("moment_x", "N m"), ("moment_y", "N m")):
+            band = getattr(one, name)
+            low, high = float(band.lower[0]), float(band.upper[0])
+            yield f"  {one.coupling:<12} {name:<9} {float(band.amplitude[0]):10.4g} {unit}, {low:.4g} to {high:.4g}"
+
+
+def _balance(model: UpdatedModel, grade: float, speed: float) -> Iterator[str]:
+    yield f"Residual unbalance in the bearing planes against ISO 21940-11 G {grade:g} and API 617 4W/N"
+    for rotor in balance_grades(model, grade=grade, service_speed=speed, maximum_continuous_speed=speed):
+        for plane in rotor.planes:
+            yield (
+                f"  {rotor.shaft:<12} {plane.bearing:<8} {1e6 * abs(plane.unbalance):10.0f} g mm, G {plane.grade:.3g}; "
+                f"ISO {plane.iso} ({1e6 * plane.iso_permissible:.0f}), API {plane.api} ({1e6 * plane.api_permissible:.0f})"
+            )
+
+
+def _correction(model: UpdatedModel, speed: float) -> Iterator[str]:
+    planes = [disc.id for disc in model.machine.discs]
+    found = balance(model, planes=planes, speed=_balancing_speeds(model, speed))
+    yield "Correction that leaves least vibration over the speeds to service: plane, unbalance to add [g mm] at angle [°]"
+    for plane, unbalance in zip(found.planes, found.unbalance, strict=True):
+        yield f"  {plane:<12} {1e6 * abs(unbalance):10.0f} {math.degrees(np.angle(unbalance)) % 360:7.1f}"
+    before, after = (1e6 * float(np.max(part)) for part in (found.before.amplitude, found.after.upper))
+    yield f"  largest vibration at the probes {before:.3g} µm, afterwards at most {after:.3g} µm (0-to-peak)"
+    yield f"  condition number of the influence coefficients {found.condition_number:.3g}"
+
+
+def _balancing_speeds(model: UpdatedModel, speed: float) -> Floats:
+    lowest = rpm_to_rad_per_s(model.machine.speed_range.minimum_rpm)
+    return np.linspace(min(lowest, speed), speed, 30)
+
+
+def _impact_test(model: UpdatedModel) -> Iterator[str]:
+    if model.machine.impact_test is None:
+        return
+    found = compare_impact_test(model, measured_frequencies(model.machine.impact_test))
+    yield "Impact test: measured and model [Hz], deviation [%], in standard deviations"
+    for one in found.compared:
+        sigma = "-" if one.standard_deviations is None else f"{one.standard_deviations:+.1f}"
+        yield f"  {one.measured.frequency:9.2f} {one.model:9.2f} {100 * one.deviation:+7.2f} {sigma:>7}"
+    yield from (f"  {one.frequency:9.2f}  no mode of the model within 25 %" for one in found.unmatched)

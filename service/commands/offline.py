@@ -1,0 +1,95 @@
+"""Recorded runs as one measurement of a machine, without a service, and without the slow roll where that is wanted."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.slow_roll import Capture, capture, corrected
+from estimator.units import rpm_to_rad_per_s
+from service.configuration.document_files import UnreadableFile
+from service.sources.recording import Sidecar, read_recording, read_sidecar
+from service.wire import to_samples
+from storage.clock import now
+
+
+def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
+    """Return all runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
+    runs, left_out = read_runs(machine, files, sidecar)
+    return joined([measurement for _, measurement in runs]), left_out
+
+
+def read_runs(
+    machine: Machine, files: Sequence[Path], sidecar: Path | None = None
+) -> tuple[list[tuple[RecordedRun, Measurement]], list[str]]:
+    """Return the run of each file as it was recorded and as a measurement, and what was left out of them in words.
+
+    sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
+    recording that is not of this machine's channels.
+    """
+    if sidecar is not None and len(files) > 1:
+        raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
+    runs: list[tuple[RecordedRun, Measurement]] = []
+    left_out: list[str] = []
+    for file in files:
+        recording = read_recording(file, sidecar)
+        if recording.machine != machine.id:
+            raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
+        samples, taken, faults = to_samples(recording, machine, received_at=now())
+        left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+        run = samples.pick(taken)
+        added = read_sidecar(sidecar or file.with_suffix(".yaml"))
+        runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
+    return runs, left_out
+
+
+def speed_band(text: str) -> tuple[float, float]:
+    """Return the lowest and highest speed [rad/s] of a band such as 200:400 [r/min]. Raises ValueError."""
+    parts = text.split(":")
+    try:
+        lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
+    except ValueError:
+        raise ValueError(f"'{text}' is no speed band; one is written as 200:400, in rpm") from None
+    if not 0.0 < lowest < highest < math.inf:
+        raise ValueError(f"'{text}' is no speed band: it needs two positive speeds, the lower one first")
+    return lowest, highest
+
+
+def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
+    """Capture slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
+    lowest, highest = speed_band(band)
+    return capture(machine, measurement, lowest=lowest, highest=highest)
+
+
+def without_slow_roll(
+    machine: Machine, runs: Sequence[tuple[RecordedRun, Measurement]], band: str
+) -> tuple[Machine, list[tuple[RecordedRun, Measurement]], Capture]:
+    """Return a machine and its runs without the vectors of a band of all of them; raises as `captured`.
+
+    The band's own samples are left out of what follows: they have said what they know.
+    """
+    found = captured(machine, joined([measurement for _, measurement in runs]), band)
+    lowest, highest = speed_band(band)
+    described, rest = machine, []
+    for run, measurement in runs:
+        outside = (measurement.speed < lowest) | (measurement.speed > highest)
+        described, without = corrected(machine, measurement.pick(outside), found.slow_roll)
+        rest.append((run.pick(outside), without))
+    return described, rest, found
+
+
+def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:
+    discs = [disc.id for disc in machine.discs]
+    unknown = sorted(set(sidecar.added_unbalance) - set(discs))
+    if unknown:
+        raise UnreadableFile(f"the sidecar of {file} adds unbalance to {', '.join(unknown)}; the discs are {', '.join(discs)}")
+    if not sidecar.added_unbalance:
+        return run
+    added = np.zeros(len(discs), dtype=complex)
+    for disc, unbalance in sidecar.added_unbalance.items():
+        added[discs.index(disc)] = unbalance.magnitude * np.exp(1j * math.radians(unbalance.angle_deg))
+    return run.with_trial_weight(added)

@@ -1,0 +1,111 @@
+"""`rundown retention`: what the settings ask to let go of, and that a person has seen it."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from service.commands.exit import fail
+from service.commands.terminal import say
+
+if TYPE_CHECKING:
+    from service.maintenance.retention_tiers import Tier
+    from storage.database.engine import Database
+    from storage.operation.retention import Extent
+
+retention_app = typer.Typer(no_args_is_help=True, help="Old samples: what waits to be let go of.")
+
+COMMAND = "rundown retention"
+"""Who the audit trail says it was: whoever may run commands on the store."""
+
+
+@retention_app.callback()
+def _retention() -> None:
+    """Describe old samples: what waits to be deleted."""
+
+
+@retention_app.command("confirm")
+def confirm(
+    yes: Annotated[bool, typer.Option("--yes", help="do not ask")] = False,
+    database: Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")] = None,
+) -> None:
+    """Show which old samples this machine's clock and the service's settings ask to let go of, and confirm that.
+
+    Run it with the service's settings, whether it runs or not: its next round, within ten minutes, lets go of them.
+    """
+    from sqlalchemy.exc import DBAPIError
+
+    from service.configuration.settings import SettingsWrong, settings_of
+    from service.maintenance.retention_tiers import tiers_of
+    from storage.clock import now
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
+
+    try:
+        settings = settings_of()
+        tiers = tiers_of(settings)
+        if not tiers:
+            fail("nothing is ever let go of: neither raw_days nor run_days is set. Run it with the service's settings")
+        url = database or settings.database
+        require_there(url)
+        opened = Database(url)
+    except (DatabaseUnusable, SettingsWrong) as error:
+        fail(str(error))
+    try:
+        moment = now()
+        _show(opened, tiers, moment)
+        if not yes and not typer.confirm("Is this clock right, and may all of that be let go of for ever?"):
+            fail("nothing was confirmed")
+        _confirm(opened, tiers, moment)
+    except DBAPIError as error:
+        fail(f"the database does not answer as it should: {error.orig}")
+    finally:
+        opened.close()
+    say("confirmed: the service's next round, within ten minutes, lets go of it")
+
+
+def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
+    from service.maintenance.retention_cut_offs import DAY_NS
+
+    say(f"by this machine's clock it is {_time(moment)}")
+    for tier in tiers:
+        found = _old(database, tier, moment)
+        say(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
+        for machine_id, extent in found.items():
+            say(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
+
+
+def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
+    """Tell what of each machine is old enough; machines without any are left out."""
+    from storage.machines import machines
+
+    found = {}
+    with database.reading() as session:
+        for machine_id in machines.ids(session):
+            extent = tier.extent(session, machine_id, before=tier.before(session, machine_id, moment=moment))
+            if extent is not None:
+                found[machine_id] = extent
+    return found
+
+
+def _total(found: "dict[str, Extent]") -> str:
+    if not found:
+        return "nothing is old enough"
+    return f"{sum(one.count for one in found.values())} blocks or runs of {len(found)} machines are older"
+
+
+def _confirm(database: "Database", tiers: "list[Tier]", moment: int) -> None:
+    from service.maintenance.retention_cut_offs import CutOff
+    from storage.operation import audit, retention
+
+    with database.transaction() as session:
+        for tier in tiers:
+            cut_off = CutOff(moment - tier.kept)
+            retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+            words = f"{tier.name} before {_time(cut_off.time)}"
+            audit.append(session, audit.AuditedOperation(COMMAND, "local", "confirm_retention", words, "done"))
+
+
+def _time(nanoseconds: int) -> str:
+    from storage.clock import to_datetime
+
+    return to_datetime(nanoseconds).strftime("%Y-%m-%dT%H:%MZ")

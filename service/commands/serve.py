@@ -1,0 +1,164 @@
+"""The service as one process: everything is opened, started, stopped and closed here, in visible steps."""
+
+import gc
+import logging
+import signal
+import sys
+import threading
+from contextlib import ExitStack
+
+import uvicorn
+import zenoh
+from fastapi import FastAPI
+
+from service.api.application import application
+from service.commands.service_threads import ServiceThreads
+from service.configuration.settings import Settings
+from service.delivery.secret_upkeep import opened as opened_secrets
+from service.delivery.signing_secrets import SigningSecrets
+from service.delivery.zenoh_channel import LastStates
+from service.http.listening_socket import listen, require_certificate
+from service.http.protocol import HttpProtocol
+from service.http.server import Server
+from service.identification.job_quota import JobQuota
+from service.ingest.forwarding import Forwarding
+from service.messaging.access_control import StreamSecurity
+from service.messaging.session import connected, open_session
+from service.resilience.heap_trim import share_one_heap
+from service.security.configuration import Security
+from service.security.exposure import require_authentication
+from service.security.proxies import as_seen, of_proxies
+from storage.database.engine import Database
+from storage.operation import api_keys
+
+logger = logging.getLogger(__name__)
+
+SWITCH_INTERVAL_S = 0.0002
+"""How long a thread computes before others have a turn [s]: the event loop waits so long whenever it is needed."""
+
+
+def serve(settings: Settings) -> None:
+    """Run until SIGINT or SIGTERM.
+
+    Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable before anything starts.
+    """
+    asked_to_stop = _note_signals()
+    share_one_heap()
+    stream_security = StreamSecurity.of(settings)
+    with ExitStack() as closing:
+        database = _claimed_database(settings, closing)
+        secrets = opened_secrets(database, settings)
+        listener = listen(settings.host, settings.port)
+        closing.callback(listener.close)
+        session = open_session(
+            listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True, security=stream_security
+        )
+        closing.callback(session.close)
+        threads = ServiceThreads(database, session, settings, secrets)
+        threads.start(closing)
+        forwarding = Forwarding(session, database, threads.leasing, threads.submissions)
+        closing.callback(forwarding.close)
+        closing.callback(LastStates(session, database, threads.leasing).close)
+        closing.callback(logger.info, "stopping: no more samples; identifications under way are left for the next start")
+        if (trouble := _stream_trouble(session, settings)) is not None:
+            logger.warning(trouble)
+        app = _application(database, session, settings, secrets, threads, forwarding)
+        server = _server(app, settings)
+        _prefer_answers()
+        host, port = listener.getsockname()[:2]
+        scheme = "https" if settings.tls_certificate else "http"
+        logger.info("ready: %s://%s:%d/, sources on %s", scheme, host, port, _endpoints(settings))
+        if not asked_to_stop.is_set():
+            server.run(sockets=[listener])
+    logger.info("stopped")
+
+
+def _claimed_database(settings: Settings, closing: ExitStack) -> Database:
+    """Open the database and claim it, once it is known that not everybody may come in. Raises DatabaseUnusable, Exposed."""
+    database = Database(settings.database)
+    closing.callback(database.close)
+    with database.reading() as reading:
+        for door in require_authentication(settings, keys_are_there=api_keys.are_there(reading)):
+            logger.warning("open to everybody: %s", door)
+    database.claim(shared=True)
+    require_certificate(settings)
+    logger.info("database: %s", database.version)
+    for objection in database.objections:
+        logger.warning(objection)
+    return database
+
+
+def _application(
+    database: Database,
+    session: zenoh.Session,
+    settings: Settings,
+    secrets: SigningSecrets,
+    threads: ServiceThreads,
+    forwarding: Forwarding,
+) -> FastAPI:
+    def states() -> dict[str, str]:
+        return threads.states() | {"stream": _stream_trouble(session, settings) or "ok"}
+
+    return application(
+        database,
+        states,
+        try_out=threads.dispatcher.try_out,
+        submissions=forwarding,
+        baseline_runs=settings.baseline_runs,
+        security=Security.of(settings),
+        job_quota=JobQuota(settings.asked_jobs_per_principal, settings.asked_jobs_per_machine),
+        secrets=secrets,
+        warnings=threads.warnings,
+        gauges=threads.gauges,
+    )
+
+
+def _server(app: FastAPI, settings: Settings) -> Server:
+    config = uvicorn.Config(
+        app,
+        http=HttpProtocol,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=5,
+        server_header=False,
+        # The library by itself believes loopback, or what FORWARDED_ALLOW_IPS says.
+        proxy_headers=bool(settings.trusted_proxies),
+        forwarded_allow_ips=as_seen(settings.trusted_proxies),
+        ssl_certfile=settings.tls_certificate or None,
+        ssl_keyfile=settings.tls_key or None,
+    )
+    return Server(
+        config,
+        app.state.broadcaster,
+        connections_per_address=settings.connections_per_address,
+        exempt=of_proxies(settings.trusted_proxies),
+    )
+
+
+def _prefer_answers() -> None:
+    """Let the interpreter's garbage collection and thread switching keep nobody waiting."""
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    # What is there by now stays: looking through it again for garbage would stop all threads for a tenth of a second.
+    gc.collect()
+    gc.freeze()
+
+
+def _note_signals() -> threading.Event:
+    """Take SIGINT and SIGTERM. uvicorn has its own handlers while it runs, and raises the signal once more afterwards:
+    without this the process would end there, before anything is closed.
+    """
+    asked = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: asked.set())
+    return asked
+
+
+def _endpoints(settings: Settings) -> str:
+    return ", ".join([*settings.zenoh_listen, *(f"by way of {e}" for e in settings.zenoh_connect)])
+
+
+def _stream_trouble(session: zenoh.Session, settings: Settings) -> str | None:
+    """Say what is wrong where no router is there that the settings name; one that listens itself needs none."""
+    if settings.zenoh_listen or connected(session):
+        return None
+    return f"no zenoh router answers at {', '.join(settings.zenoh_connect)} yet; trying again until one does"

@@ -1,0 +1,130 @@
+"""The threads of a service process: which of them run in which role, and how they are doing."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Protocol
+
+import zenoh
+
+from service.api.operation.health import ENDED
+from service.configuration.settings import Settings
+from service.delivery.dispatcher import Dispatcher
+from service.delivery.signing_secrets import SigningSecrets
+from service.identification.scheduler import JobScheduler
+from service.ingest.ingest_thread import Ingest
+from service.journal.http_queue import Submissions
+from service.journal.journal import Journal
+from service.maintenance.backup_check import BackupWatch
+from service.maintenance.housekeeping import Housekeeping
+from service.maintenance.store_check import StoreWatch
+from service.replication.lease_keeper import Leasing
+from service.runs.closing import Closing
+from service.runs.collector import Collector
+from service.security.audit_watch import AuditWatch
+from service.security.certificates import days_left
+from storage.database.engine import Database
+
+
+class ServiceThread(Protocol):
+    """A thread of the service."""
+
+    def start(self) -> None:
+        """Begin."""
+
+    def stop(self) -> None:
+        """End."""
+
+
+class ServicePart(ServiceThread, Protocol):
+    """A thread whose state `/health` tells."""
+
+    trouble: str | None
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+
+
+class ServiceThreads:
+    """All threads of a service process, of which those run that its role needs."""
+
+    def __init__(self, database: Database, session: zenoh.Session, settings: Settings, secrets: SigningSecrets) -> None:
+        """Start nothing yet. session: of zenoh."""
+        self._database = database
+        self._settings = settings
+        self.submissions = Submissions()
+        self.leasing = Leasing(database, settings.role)
+        collector = Collector(late_s=settings.late_s)
+        journal = Journal(database, collector, self.leasing)
+        self._ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
+        self._closing = Closing(database, collector, self.leasing)
+        self._scheduler = JobScheduler(database, settings, self.leasing)
+        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets)
+        self._housekeeping = Housekeeping(database, settings, self.leasing)
+        self._backup_watch = BackupWatch(settings.backups)
+        self._store_watch = StoreWatch(database)
+        self._audit_watch = AuditWatch(database)
+        self._parts = dict(self._parts_of_role())
+
+    def start(self, closing: ExitStack) -> None:
+        """Start what the role needs, and have it stopped by `closing` in the reverse order."""
+        watches = self._backup_watch, self._audit_watch
+        for thread in (self._store_watch, *self._parts.values(), self._housekeeping, *watches):
+            thread.start()
+            closing.callback(thread.stop)
+
+    def states(self) -> dict[str, str]:
+        """Return the state of each part that runs here: `ok`, or what is wrong with it."""
+        return {name: _state(part) for name, part in self._parts.items()}
+
+    def warnings(self) -> list[str]:
+        """Return what is wrong, though all parts run."""
+        return [
+            *self._housekeeping.warnings,
+            *self._ingest.warnings,
+            *self._scheduler.warnings,
+            *self.dispatcher.watch.warnings,
+            *self._audit_watch.warnings,
+            *self._store_watch.warnings,
+        ]
+
+    def gauges(self) -> Mapping[str, float]:
+        """Return figures for a monitoring system."""
+        return (
+            {"rundown_longest_transaction_seconds": self._database.longest_transaction.seconds}
+            | self._housekeeping.gauges
+            | self._ingest.gauges
+            | self._scheduler.gauges
+            | _certificate_gauges(self._settings)
+            | self._backup_watch.gauges
+            | self._audit_watch.gauges
+            | self.dispatcher.watch.gauges
+        )
+
+    def _parts_of_role(self) -> Iterator[tuple[str, ServicePart]]:
+        """Name the parts in the order in which they start."""
+        yield "leasing", self.leasing
+        if self._settings.role in ("all", "identify"):
+            yield "identifying", self._scheduler
+            yield "delivery", self.dispatcher
+        if self._settings.role in ("all", "ingest"):
+            yield "ingest", self._ingest
+            yield "closing", self._closing
+
+
+def _state(part: ServicePart) -> str:
+    if not part.alive:
+        return ENDED
+    return part.trouble or "ok"
+
+
+def _certificate_gauges(settings: Settings) -> dict[str, float]:
+    """Return how long the certificates are valid, where there are some; one that can no longer be read is not valid at all."""
+    files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate) if one]
+    if not files:
+        return {}
+    try:
+        return {"rundown_certificate_days_left": min(map(days_left, files))}
+    except (OSError, ValueError):
+        return {"rundown_certificate_days_left": 0.0}

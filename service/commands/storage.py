@@ -1,0 +1,118 @@
+"""The commands that keep data safe: `rundown backup`, `restore`, `move` and `export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.commands.exit import fail
+from service.commands.terminal import say
+from service.configuration.settings import SettingsWrong, settings_of
+
+DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
+
+
+def backup(
+    file: Annotated[Path, typer.Argument(help="file to write; FILE.json beside it says what it is")],
+    database: DatabaseUrl = None,
+) -> None:
+    """Copy the database as of one moment, while the service runs."""
+    from storage.backup import backup as backups
+    from storage.backup.backup_file import BackupUnusable
+    from storage.database.claim import DatabaseUnusable
+
+    try:
+        made = backups.back_up(_url(database), file)
+    except (BackupUnusable, DatabaseUnusable) as error:
+        fail(str(error))
+    say(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
+
+
+def restore(
+    file: Annotated[Path, typer.Argument(help="file that `rundown backup` wrote")],
+    database: DatabaseUrl = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="lose what the database holds now")] = False,
+) -> None:
+    """Put a backup in the place of the database, while no service runs."""
+    from storage.backup import backup as backups
+    from storage.backup.backup_file import BackupUnusable
+    from storage.database.claim import DatabaseUnusable
+
+    try:
+        restored = backups.restore(_url(database), file, overwrite=overwrite)
+    except (BackupUnusable, DatabaseUnusable) as error:
+        fail(str(error))
+    found, access = restored.backup, restored.access
+    say(f"{sum(found.rows.values())} rows of {found.made_at} restored")
+    if access.sessions:
+        say(f"{access.sessions} browser sessions of the backup are over: people log in again")
+    if access.revoked:
+        say(f"keys revoked since the backup stay revoked: {', '.join(access.revoked)}")
+    if access.waiting:
+        waiting = ", ".join(access.waiting)
+        say(f"keys that open nothing before they are confirmed, as they may have been revoked since: {waiting}")
+        say("rundown key list shows whose they are; rundown key confirm PREFIX, or --all, lets them be good again")
+
+
+def move(
+    source: Annotated[str, typer.Argument(metavar="FROM_URL", help="database with the data")],
+    target: Annotated[str, typer.Argument(metavar="TO_URL", help="a new database, SQLite or PostgreSQL")],
+) -> None:
+    """Take all data over into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
+    from sqlalchemy.exc import DBAPIError
+
+    from storage.backup.transfer import NotMoved
+    from storage.backup.transfer import move as move_data
+    from storage.database.claim import DatabaseUnusable
+
+    try:
+        moved = move_data(source, target)
+    except (NotMoved, DatabaseUnusable) as error:
+        fail(str(error))
+    except DBAPIError as error:
+        fail(f"the data were not taken over, the new database is empty: {error.orig}")
+    for name, count in moved.rows.items():
+        say(f"{name:24s} {count:12d}")
+    for name, count in moved.escaped.items():
+        say(f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled")
+    say("all of them compared: the same on both sides")
+
+
+def export(
+    machine: Annotated[str, typer.Argument(help="id of the machine")],
+    folder: Annotated[Path, typer.Argument(help="new or empty folder")],
+    database: DatabaseUrl = None,
+) -> None:
+    """Write a machine's history as CSV and Parquet; columns.json says what each column means.
+
+    Identifications, trends, derived quantities, diagnoses, baselines, alerts and their events, suppressions, limits, the
+    timeline, calibrations, slow-roll vectors, what it did when, runs and their samples, and the machine's documents.
+    """
+    from service.export.column_writer import ParquetMissing
+    from service.export.history import export as export_history
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_there
+    from storage.machines.machines import MachineUnknown
+
+    try:
+        url = _url(database)
+        require_there(url)
+        opened = Database(url)
+    except DatabaseUnusable as error:
+        fail(str(error))
+    try:
+        for name, count in export_history(opened, machine, folder).items():
+            say(f"{name:24s} {count:12d}")
+    except MachineUnknown:
+        fail(f"no machine '{machine}' is known")
+    except (ParquetMissing, OSError) as error:
+        fail(str(error))
+    finally:
+        opened.close()
+
+
+def _url(given: str | None) -> str:
+    try:
+        return given or settings_of().database
+    except SettingsWrong as error:
+        fail(str(error))

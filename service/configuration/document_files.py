@@ -1,0 +1,35 @@
+"""Reads machine documents and other YAML or JSON files, with errors that a person can act on."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from estimator.machine.document import DocumentError, Machine
+from estimator.machine.document_size import accepted_machine
+
+
+class UnreadableFile(ValueError):
+    """A file cannot be read or is not what it should be; the message names the file."""
+
+
+def read_yaml(path: Path) -> Any:
+    """Return the content of a YAML or JSON file. Raises UnreadableFile."""
+    try:
+        return yaml.safe_load(path.read_text(encoding="utf-8"))
+    except yaml.MarkedYAMLError as error:
+        line = "" if error.problem_mark is None else f", line {error.problem_mark.line + 1}"
+        raise UnreadableFile(f"{path}{line} is neither YAML nor JSON: {error.problem}") from error
+    except OSError as error:
+        raise UnreadableFile(f"{path}: {error.strerror}") from error
+    except (UnicodeDecodeError, yaml.YAMLError) as error:
+        raise UnreadableFile(f"{path} is neither YAML nor JSON: {error}") from error
+
+
+def read_machine(path: Path) -> Machine:
+    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also of one too large."""
+    try:
+        return accepted_machine(read_yaml(path))
+    except DocumentError as error:
+        problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
+        raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error

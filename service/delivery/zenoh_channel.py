@@ -1,0 +1,86 @@
+"""Alert events on the zenoh network: each published when it happens, the last of each open alert answered to queries."""
+
+import asyncio
+import logging
+import threading
+from dataclasses import dataclass
+
+import zenoh
+
+from service.alerts.event_message import AlertEvent, alert_event
+from service.delivery.channel import DeliveryOutcome, EventMessage
+from service.delivery.channel_kind import ChannelKind, Connections
+from service.replication.work_share import DELIVERY, Share, Whole
+from storage.alerts import alerts
+from storage.database.engine import Database
+from storage.machines import machines
+from storage.tables import SubscriptionRow
+
+logger = logging.getLogger(__name__)
+
+ENCODING = "application/json"
+ALL_ALERTS = "rundown/v1/*/*/alerts/*"
+
+
+def alert_key(plant: str, event: AlertEvent) -> str:
+    """Where an alert's events are published."""
+    return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
+
+
+@dataclass(frozen=True)
+class PlantNetwork:
+    """The plant's own zenoh network."""
+
+    session: zenoh.Session
+
+    async def send(self, message: EventMessage) -> DeliveryOutcome:
+        """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
+        key = alert_key(message.plant, message.event)
+        try:
+            await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
+        except zenoh.ZError as error:
+            return DeliveryOutcome("failed", str(error))
+        return DeliveryOutcome("delivered", f"published on {key}")
+
+
+def _open(_row: SubscriptionRow, connections: Connections) -> PlantNetwork:
+    return PlantNetwork(connections.session)
+
+
+ZENOH = ChannelKind(
+    "zenoh",
+    title="the plant's own network (zenoh)",
+    description="the plant's own network, no target",
+    address=None,
+    open=_open,
+)
+
+
+class LastStates:
+    """Answers queries on the alerts' keys with the last event of each open alert."""
+
+    def __init__(self, session: zenoh.Session, database: Database, share: Share | None = None) -> None:
+        self._share = share or Whole()
+        self._database = database
+        self._lock = threading.Lock()
+        self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
+
+    def close(self) -> None:
+        """Answer no more."""
+        self._queryable.undeclare()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        if not self._share.leads(DELIVERY):
+            query.drop()
+            return
+        with query, self._lock, self._database.reading() as reading:
+            plants = {row.id: row.plant for row in machines.every(reading)}
+            for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
+                try:
+                    event = alert_event(alerts.history(reading, row.id)[-1])
+                except (ValueError, OverflowError):
+                    logger.exception("the last event of alert %d cannot be told on the network", row.id)
+                    continue
+                key = alert_key(plants[row.machine_id], event)
+                if query.key_expr.intersects(zenoh.KeyExpr(key)):
+                    query.reply(key, event.model_dump_json().encode(), encoding=ENCODING)

@@ -1,0 +1,181 @@
+"""`Idempotency-Key` on POST: what is asked twice under one key is done once, and answered the same.
+
+A key is taken in the store before the work begins and gets its answer afterwards, and is known for a day. Between two
+processes, or after a kill, a key without an answer means: it is not known whether the work was done; look before asking under
+a new key. Source: the IETF draft "The Idempotency-Key HTTP Header Field".
+"""
+
+import asyncio
+import hashlib
+import re
+from http import HTTPStatus
+
+from sqlalchemy.exc import IntegrityError
+from starlette.responses import Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.http.problem import problem_response
+from service.secrets.sealing import SEALED, SealBroken, Sealing
+from storage.database.engine import Database
+from storage.operation import idempotency
+from storage.operation.idempotency import StoredResponse
+
+LONGEST_KEY = 255
+KEY_PATTERN = r"^[!-~]+$"
+KEPT_HEADERS = (b"content-type", b"location", b"etag")
+REPLAYED = "Idempotency-Replayed"
+
+
+class Idempotency:
+    """ASGI middleware over a database. sealing: opens answers that are kept sealed."""
+
+    def __init__(self, app: ASGIApp, database: Database, sealing: Sealing | None = None) -> None:
+        self._app = app
+        self._database = database
+        self._sealing = sealing
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or answer it as it was answered before."""
+        keys = []
+        if scope["type"] == "http" and scope["method"] == "POST" and _needs_somebody(scope):
+            keys = [value for header, value in scope["headers"] if header == b"idempotency-key"]
+        if not keys:
+            await self._app(scope, receive, send)
+            return
+        name = b", ".join(keys).decode("latin-1").strip()
+        if not 0 < len(name) <= LONGEST_KEY or not re.fullmatch(KEY_PATTERN, name):
+            detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable ASCII characters without a space, such as a UUID"
+            await problem_response(HTTPStatus.BAD_REQUEST, detail)(scope, receive, send)
+            return
+        body = await _whole(receive)
+        if body is None:
+            return  # the client has gone
+        fingerprint = hashlib.sha256(_asked(scope) + body).hexdigest()
+        who = scope["state"]["principal"]
+        # Everybody's keys are their own, and so are the answers under them.
+        place = hashlib.sha256(f"{who.identity} {name}".encode()).hexdigest() if who.known else name
+        earlier = await asyncio.to_thread(self._earlier, place, name, fingerprint)
+        if earlier is not None:
+            await earlier(scope, receive, send)
+            return
+        await self._work(place, scope, body, receive, send)
+
+    def _earlier(self, place: str, name: str, fingerprint: str) -> Response | None:
+        """Return the answer to a key that was taken before; None where it is new, and taken now."""
+        try:
+            with self._database.transaction() as session:
+                row = idempotency.claim(session, place, fingerprint)
+        except IntegrityError:  # somebody else was a moment faster
+            return self._earlier(place, name, fingerprint)
+        if row is None:
+            return None
+        if row.fingerprint != fingerprint:
+            return problem_response(
+                HTTPStatus.UNPROCESSABLE_ENTITY,
+                f"Idempotency-Key '{name}' was used for another request: take a new key for each",
+            )
+        if row.status is None:
+            return problem_response(
+                HTTPStatus.CONFLICT,
+                f"the request under Idempotency-Key '{name}' is under way, or it is not known what became of it: "
+                "ask again in a moment, and look before asking under a new key",
+                {"Retry-After": "1"},
+            )
+        body = self._opened(row.body or b"", place)
+        if body is None:
+            return problem_response(
+                HTTPStatus.CONFLICT,
+                f"the request under Idempotency-Key '{name}' was done; its answer told a secret and cannot be opened any more",
+            )
+        answer = Response(body, row.status)
+        for header, value in row.headers or []:
+            answer.headers[header] = value
+        answer.headers[REPLAYED] = "true"
+        return answer
+
+    def _opened(self, body: bytes, place: str) -> bytes | None:
+        """Return an answer as it was given; None where it is sealed and no key opens it."""
+        if not body.startswith(SEALED.encode()):
+            return body
+        try:
+            return None if self._sealing is None else self._sealing.open(body.decode(), place=_place(place))
+        except SealBroken:
+            return None
+
+    async def _work(self, place: str, scope: Scope, body: bytes, receive: Receive, send: Send) -> None:
+        given = False
+
+        async def again() -> Message:
+            nonlocal given
+            if given:
+                return await receive()
+            given = True
+            return {"type": "http.request", "body": body, "more_body": False}
+
+        status, headers, parts = 0, [], list[bytes]()
+
+        async def noted(message: Message) -> None:
+            nonlocal status, headers
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                headers = [[n.decode(), v.decode("latin-1")] for n, v in message["headers"] if n.lower() in KEPT_HEADERS]
+            elif message["type"] == "http.response.body":
+                parts.append(message.get("body", b""))
+                if not message.get("more_body", False):
+                    # Kept before it is sent: a client that got it can rely on it.
+                    answer = StoredResponse(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
+                    await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
+            await send(message)
+
+        try:
+            await self._app(scope, again, noted)
+        except BaseException:
+            if not _done(scope):  # else nobody knows what the client would have been told: the key stays taken
+                await asyncio.to_thread(self._release, place)
+            raise
+
+    def _keep(self, place: str, answer: StoredResponse, *, done: bool) -> None:
+        with self._database.transaction() as session:
+            if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
+                idempotency.release(session, place)  # nothing was done, and what was wrong can be mended: the key stays good
+            else:
+                idempotency.answered(session, place, answer)
+
+    def _release(self, place: str) -> None:
+        with self._database.transaction() as session:
+            idempotency.release(session, place)
+
+
+def _needs_somebody(scope: Scope) -> bool:
+    """Tell whether this needs a role: requests that anybody may make must not write to the store."""
+    operation = scope["state"]["operation"]
+    return operation is not None and operation.requirement.role is not None
+
+
+def _place(key: str) -> str:
+    return f"answer to {key}"
+
+
+def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
+    """Return an answer as it may stand in the database. sealing: where it tells a secret."""
+    return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
+
+
+def _done(scope: Scope) -> bool:
+    """Tell whether something was committed in the course of the request."""
+    return bool(getattr(scope["state"].get("store"), "written", False))
+
+
+def _asked(scope: Scope) -> bytes:
+    return b"\n".join([scope["path"].encode(), scope["query_string"], b""])
+
+
+async def _whole(receive: Receive) -> bytes | None:
+    parts = []
+    while True:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            return None
+        parts.append(message.get("body", b""))
+        if not message.get("more_body", False):
+            return b"".join(parts)

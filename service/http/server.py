@@ -1,0 +1,59 @@
+"""The web server of the service, over sockets that listen already."""
+
+import functools
+import socket
+from collections.abc import Callable
+from typing import Protocol
+
+import uvicorn
+
+from service.configuration.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
+from service.http.connections import Acceptor
+from service.http.protocol import HttpProtocol
+
+
+def _nobody(_address: str) -> bool:
+    return False
+
+
+class EndlessAnswers(Protocol):
+    """Answers that never end by themselves."""
+
+    def end(self) -> None:
+        """End all of them."""
+
+
+class Server(uvicorn.Server):
+    """Accepts connections by itself, and tells streams that never end when it stops: it would wait for them."""
+
+    def __init__(
+        self,
+        config: uvicorn.Config,
+        endless: EndlessAnswers,
+        *,
+        connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
+        exempt: Callable[[str], bool] = _nobody,
+    ) -> None:
+        """endless: ended when the server stops. connections_per_address, exempt: see `Acceptor`."""
+        super().__init__(config)
+        self._endless = endless
+        self._connections_per_address = connections_per_address
+        self._exempt = exempt
+        self._acceptors: list[Acceptor] = []
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to answer."""
+        await super().startup(sockets=[])  # on none of its own
+        state = self.lifespan.state
+        protocol = functools.partial(HttpProtocol, config=self.config, server_state=self.server_state, app_state=state)
+        for one in sockets or []:
+            acceptor = Acceptor(one, protocol, tls=self.config.ssl, most=self._connections_per_address, exempt=self._exempt)
+            acceptor.start()
+            self._acceptors.append(acceptor)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer what was asked, and no more."""
+        for one in self._acceptors:
+            one.close()
+        self._endless.end()
+        await super().shutdown(sockets)

@@ -1,0 +1,95 @@
+"""Computing an identification in a worker process: arrays in, quality and identification out. No database, no network."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.fit.identify import Identification
+from estimator.identification.pooling import combined
+from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.machine.document import Machine, parse_machine
+from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
+from estimator.phasors.harmonic_ratio import Orders
+from estimator.phasors.noise import error_size
+from estimator.phasors.orbits import orbit_findings
+from estimator.phasors.quality import Quality
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.repeatability import EarlierRun, distances, repeatability_findings
+from estimator.phasors.slow_roll import corrected
+from estimator.updated_model.derived_quantities import Derived, derived_quantities
+from service.identification.task import IdentificationOutcome, IdentificationTask
+from service.workers.time_limit import limited
+from storage.encoding.sample_blocks import Samples, decode, mean_conditions
+
+
+def compute(task: IdentificationTask) -> IdentificationOutcome:
+    """Assess the quality of the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime.
+
+    A process that hangs where Python cannot interrupt it ends some seconds after its time.
+    """
+    with limited(task.timeout_s):
+        machine = parse_machine(task.document)
+        runs = [decode(block) for block in task.runs]
+        gated = [_gated(machine, samples, task) for samples in runs]
+        qualities = tuple(one.qualities[0] for one in gated)
+        crossed = tuple(_crossed(machine, samples) for samples in runs)
+        found = [one.identification for one in gated if one.identification is not None]
+        if len(found) < len(gated):
+            why = next(one.error for one in gated if one.identification is None)
+            return IdentificationOutcome(qualities, None, why, crossed=crossed)
+        result = found[0] if len(found) == 1 else combined(found)
+        conditions = mean_conditions(runs, machine.condition_names)
+        beginning = None if task.beginning is None else task.beginning[0]
+        derived, why = _derived(machine, result, runs)
+        return IdentificationOutcome(
+            qualities,
+            result,
+            derived=derived,
+            underived=why,
+            conditions=conditions,
+            beginning=beginning,
+            crossed=crossed,
+        )
+
+
+def _crossed(machine: Machine, run: Samples) -> list[float]:
+    return crossed_critical_speeds(machine, lowest=float(run.speed.min()), highest=float(run.speed.max()))
+
+
+def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[tuple[Derived, ...], str | None]:
+    """Return the quantities derived from an identification, or none of them and why."""
+    if not result.accepted:
+        return (), None
+    orders = [Orders(one.speed, np.where(one.usable, one.phasor, np.nan), one.second) for one in runs]
+    turned = sum(int(one.direction.sum(dtype=np.int64)) for one in runs)
+    try:
+        return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1), None
+    except Exception as error:  # noqa: BLE001 - whatever is the matter here, the identification stands, out of time or not
+        return (), f"{type(error).__name__}: {error}"
+
+
+def _gated(machine: Machine, samples: Samples, task: IdentificationTask) -> Gated:
+    run, measurement = samples.recorded(machine.channels), samples.measurement()
+    described, without = machine, measurement
+    if task.slow_roll is not None:
+        described, without = corrected(machine, measurement, task.slow_roll)
+    beginning = None if task.beginning is None else np.frombuffer(task.beginning[1], "<f8")
+    gated = identify_gated(described, [run], [without], options=task.options, rules=task.rules, beginning=beginning)
+    quality = gated.qualities[0]
+    good = replace(measurement, usable=measurement.usable & quality.usable)
+    wiring = tuple(finding.words for finding in orbit_findings(machine, good))
+    quality = replace(quality, findings=(*quality.findings, *wiring))
+    if task.earlier is not None:
+        quality = _compared(machine, run, quality, task.earlier)
+    return replace(gated, qualities=(quality,))
+
+
+def _compared(machine: Machine, run: RecordedRun, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
+    """Add to a run's quality the findings of its comparison with an earlier run."""
+    name, block = earlier
+    before = decode(block)
+    error = error_size(machine.noise, np.abs(run.phasor), run.scatter)
+    other = EarlierRun(name, before.speed, before.phasor, before.usable)
+    found = distances(run.speed, run.phasor, error, quality.usable, other)
+    return replace(quality, findings=(*quality.findings, *repeatability_findings(run.channels, found, name)))

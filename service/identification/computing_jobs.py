@@ -1,0 +1,22 @@
+"""Jobs that are being computed by the executor."""
+
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+from service.identification.task import IdentificationOutcome
+
+
+@dataclass(frozen=True)
+class TakenJob:
+    """A job that was taken to be computed.
+
+    automatic: as of `storage.findings.job_order`. reopened: how often each of its runs had been made anew when it was taken.
+    """
+
+    job_id: int
+    automatic: bool
+    reopened: tuple[int, ...]
+
+
+ComputingJobs = dict[Future[IdentificationOutcome], TakenJob]
+"""Jobs that are being computed, or whose outcome is still to be filed, in the order in which that is tried."""

@@ -1,0 +1,144 @@
+"""What an identification is asked for with: the options of a job, and what they mean when it is computed.
+
+A job without options is the usual one. It subtracts the slow-roll vectors that are in force when it is taken; that version is
+then written into the job, so that one that is computed again after a crash subtracts the same.
+"""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal
+
+from sqlalchemy.orm import Session
+
+from estimator.errors import Conflict
+from estimator.fit.identify import Options
+from estimator.machine.rules import QualityRules
+from service.identification.job_quota import LONGEST_IDENTITY, JobQuota
+from storage.findings import jobs
+from storage.findings.job_order import ASKED
+from storage.machines import machines, slow_roll
+from storage.measurements import runs
+from storage.tables import JobRow
+
+SlowRollChoice = Literal["none", "in_force"] | int
+"""Which slow-roll vectors: none, those in force, or a version."""
+
+RULES = tuple(QualityRules.model_fields)
+"""Names of the options that say what of a run is left out."""
+_VERSION, _AGAIN = "slow_roll_version", "again"
+
+
+class NotToIdentify(Conflict):
+    """The run cannot be identified, and why."""
+
+
+@dataclass(frozen=True)
+class Request:
+    """An identification of one run that a person asks for. Options that are None stay as usual."""
+
+    slow_roll: SlowRollChoice = "in_force"
+    starts: int | None = None
+    seed: int | None = None
+    robust: bool | None = None
+    sweep_rate: bool | None = None
+    half_power: bool | None = None
+    accepted_rpm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Asker:
+    """Who asks. identity: unambiguous; quota: how many may wait; priority: of one identification, or of many at once."""
+
+    identity: str
+    quota: JobQuota = field(default_factory=JobQuota)
+    priority: int = ASKED
+
+
+def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow:
+    """Queue an identification of a closed run; the job that waits or runs already where the same was asked for.
+
+    With the usual options it takes the earlier one's place in trends and baselines, otherwise it stands beside them.
+    Raises RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
+    """
+    run = runs.get(session, run_id)
+    if run.state != runs.CLOSED:
+        raise NotToIdentify(f"run {run_id} is {run.state}; only closed runs are identified")
+    if run.released_at is not None:
+        raise NotToIdentify(f"run {run_id} no longer has its samples, as the retention of runs says")
+    version = chosen_version(session, run.machine_id, request.slow_roll)
+    usual = asdict(Options())
+    fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}
+    rules = machines.document(session, run.machine_id, run.revision).quality
+    fit |= {name: value for name in RULES if (value := getattr(request, name)) is not None and value != getattr(rules, name)}
+    in_force = machines.get(session, run.machine_id).slow_roll_version
+    scope = jobs.VARIANT if fit or version != in_force else jobs.RUN
+    options: dict[str, Any] = {**fit, _VERSION: version}
+
+    def repeated(again: int) -> dict[str, Any]:
+        return options | ({_AGAIN: again} if again else {})
+
+    def asked(again: int) -> JobRow | None:
+        return jobs.asked(session, scope=scope, run_ids=[run_id], options=repeated(again))
+
+    again = _first_missing(lambda number: asked(number) is not None)
+    newest = asked(again - 1) if again else None
+    if newest is not None and newest.state in (jobs.QUEUED, jobs.RUNNING):
+        return newest
+    by = asker.identity[:LONGEST_IDENTITY]
+    asker.quota.require(session, by=by, machine_id=run.machine_id)
+    queued = jobs.ask(
+        session,
+        run.machine_id,
+        scope=scope,
+        run_ids=[run_id],
+        options=repeated(again),
+        asked_by=by,
+        priority=asker.priority,
+    )
+    assert queued is not None
+    return queued
+
+
+def _first_missing(there: Callable[[int], bool]) -> int:
+    """The first number that is not there, of numbers from 0 on without a gap: asked for as often as it has digits."""
+    beyond = 1
+    if not there(0):
+        return 0
+    while there(beyond):
+        beyond *= 2
+    first, last = beyond // 2, beyond  # the one is there, the other not
+    while last - first > 1:
+        middle = (first + last) // 2
+        first, last = (middle, last) if there(middle) else (first, middle)
+    return last
+
+
+def chosen_version(session: Session, machine_id: str, choice: SlowRollChoice) -> int | None:
+    """The version that a choice means now; None for no vectors. Raises MachineUnknown, SlowRollUnknown."""
+    if choice == "none":
+        return None
+    if choice == "in_force":
+        return machines.get(session, machine_id).slow_roll_version
+    return slow_roll.get(session, machine_id, choice).version
+
+
+def slow_roll_version(session: Session, row: JobRow) -> int | None:
+    """The version that a job subtracts, settled the first time it is asked for."""
+    options = row.options or {}
+    if _VERSION not in options:
+        options = {**options, _VERSION: machines.get(session, row.machine_id).slow_roll_version}
+        row.options = options
+    version: int | None = options[_VERSION]
+    return version
+
+
+def quality_rules(row: JobRow, usual: QualityRules) -> QualityRules:
+    """What a job leaves out of its runs. usual: the document's rules."""
+    asked = row.options or {}
+    return QualityRules.model_validate(usual.model_dump() | {name: asked[name] for name in RULES if name in asked})
+
+
+def fit_options(row: JobRow, usual: Options) -> Options:
+    """The options of a job's fit."""
+    asked = row.options or {}
+    return replace(usual, **{name: asked[name] for name in asdict(usual) if name in asked})

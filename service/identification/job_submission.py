@@ -1,0 +1,111 @@
+"""Jobs taken from the queue in their turn, and submitted to the executor."""
+
+import logging
+from collections.abc import Callable
+
+from estimator.fit.identify import Options
+from service.identification import computation, job_options
+from service.identification.computing_jobs import ComputingJobs, TakenJob
+from service.identification.task import IdentificationTask
+from service.identification.task_builder import reopened, task
+from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
+from service.replication.held_jobs import HeldJobs
+from service.workers.executor import Executor, ExecutorUnavailable
+from storage.database.damage import is_damage
+from storage.database.engine import Database
+from storage.database.errors import concerns_all, words
+from storage.findings import identifications, jobs
+from storage.findings.job_order import AUTOMATIC, OVERDUE_SHARE
+
+logger = logging.getLogger(__name__)
+
+
+class JobSubmission:
+    """Takes as many jobs as the executor has capacity for. For one thread."""
+
+    def __init__(
+        self,
+        database: Database,
+        executor: Executor,
+        held: HeldJobs,
+        computing: ComputingJobs,
+        assessments: AssessmentQueue,
+        *,
+        options: Options,
+        timeout_s: float,
+        wake: Callable[[], None],
+    ) -> None:
+        """Take nothing yet. wake: called from another thread when a job is computed."""
+        self._database = database
+        self._executor = executor
+        self._held = held
+        self._computing = computing
+        self._assessments = assessments
+        self._options = options
+        self._timeout_s = timeout_s
+        self._wake = wake
+        self._automatic_in_a_row = 0
+
+    def submit(self) -> None:
+        """Submit the next jobs, if any wait. Raises what the database raises, and ExecutorUnavailable."""
+        if not self._any_waiting():
+            return
+        capacity = self._executor.capacity()
+        busy = sum(not future.done() for future in self._computing) + self._assessments.computing
+        free = min(capacity - busy, 2 * capacity - len(self._computing))
+        asked = sum(not (future.done() or taken.automatic) for future, taken in self._computing.items())
+        behind = max(1, capacity - 1) - asked
+        if free <= 0 or (behind <= 0 and not self._any_waiting(automatic=True)):
+            return
+        unavailable: ExecutorUnavailable | None = None
+        for taken in self._take(free, behind):
+            built = self._task(taken)
+            if built is None:
+                continue
+            try:
+                future = self._executor.submit(built.timeout_s, computation.compute, built)
+                self._computing[future] = taken
+                future.add_done_callback(lambda _: self._wake())
+            except ExecutorUnavailable as error:
+                unavailable = error
+                self._held.put_back_unhurt(taken.job_id)
+        if unavailable is not None:
+            raise unavailable
+
+    def _any_waiting(self, *, automatic: bool = False) -> bool:
+        with self._database.reading() as session:
+            return jobs.waiting(session, automatic=automatic)
+
+    def _take(self, count: int, behind: int) -> list[TakenJob]:
+        """Take the next jobs. behind: how many of them may be such as people asked for.
+
+        One whose result was stored by a process that ended before it was assessed is only assessed.
+        """
+        taken = []
+        with self._database.transaction() as session:
+            overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
+            for row in jobs.take(session, count, holder=self._held.holder, behind=behind, overdue=overdue):
+                automatic = row.priority == AUTOMATIC
+                self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
+                stored = identifications.of_job(session, row.id)
+                if stored is None:
+                    job_options.slow_roll_version(session, row)
+                    taken.append(TakenJob(row.id, automatic, reopened(session, row)))
+                else:
+                    self._assessments.add(DueAssessment(row.id, stored, row.machine_id))
+        return taken
+
+    def _task(self, taken: TakenJob) -> IdentificationTask | None:
+        """Build a job's task; None where its data cannot be read: whatever is wrong with one must not stop the others."""
+        try:
+            with self._database.reading() as session:
+                row = jobs.get(session, taken.job_id)
+                return task(session, row, self._options, timeout_s=self._timeout_s)
+        except MemoryError as error:
+            self._held.put_back(taken.job_id, f"its data need more memory than there is: {error}")
+            return None
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            self._held.fail_unread(taken.job_id, words(error), damaged=is_damage(error))
+            return None

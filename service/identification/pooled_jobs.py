@@ -1,0 +1,32 @@
+"""Jobs that identify a machine from its newest runs together, queued at intervals."""
+
+from sqlalchemy.orm import Session
+
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import machines
+from storage.measurements import runs
+from storage.tables import MachineRow
+
+AT_ONCE = 10
+"""Machines whose jobs are queued in one transaction."""
+
+
+def queue_pooled_jobs(database: Database, *, newest_runs: int) -> None:
+    """Queue an identification over the newest runs of each machine that has more than one. newest_runs: at most so many."""
+    with database.reading() as session:
+        every = machines.ids(session)
+    for first in range(0, len(every), AT_ONCE):
+        with database.transaction() as session:
+            for machine in machines.some(session, every[first : first + AT_ONCE]):
+                _queue(session, machine, newest_runs=newest_runs)
+
+
+def _queue(session: Session, machine: MachineRow, *, newest_runs: int) -> None:
+    newest = runs.newest_closed(session, machine.id, revision=machine.revision, limit=newest_runs)
+    if len(newest) > 1:
+        ordered = sorted(newest, key=lambda run: run.id)
+        again = [run.times_reopened or 0 for run in ordered]
+        # Runs that late samples have made anew are pooled anew.
+        options = {"reopened": again} if any(again) else None
+        jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)

@@ -1,0 +1,141 @@
+"""Outcomes of jobs, filed: a result is stored and its assessment queued, an error decides what becomes of the job."""
+
+import logging
+import time
+from collections import deque
+from concurrent.futures import CancelledError, Future
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
+
+from sqlalchemy.exc import DataError, IntegrityError
+from sqlalchemy.orm import Session
+
+from estimator.fit.identify import Options
+from service.identification.computing_jobs import ComputingJobs, TakenJob
+from service.identification.task import IdentificationOutcome
+from service.identification.task_builder import origin, reopened
+from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
+from service.replication.held_jobs import HeldJobs
+from service.workers.executor import TaskRefused
+from service.workers.process_pool import Interrupted, Stuck
+from service.workers.time_limit import OutOfTime
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.findings import derived, identifications, jobs
+from storage.machines import machines
+from storage.measurements import runs
+from storage.tables import IdentificationRow, JobRow
+
+logger = logging.getLogger(__name__)
+
+REPORTED_S = 3600.0
+"""How long a job that was given up with its process is warned of."""
+
+
+class ResultFiling:
+    """Files what the executor has computed. For one thread."""
+
+    def __init__(
+        self, database: Database, held: HeldJobs, computing: ComputingJobs, assessments: AssessmentQueue, options: Options
+    ) -> None:
+        """Begin with nothing filed. options: of a usual fit."""
+        self._database = database
+        self._held = held
+        self._computing = computing
+        self._assessments = assessments
+        self._options = options
+        self._stuck: deque[tuple[float, str]] = deque(maxlen=1000)
+        self.stuck_count = 0
+        """Jobs that were given up since the start because what computed them stopped answering."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """What stopped answering within the last hour."""
+        stuck = [words for at, words in self._stuck if time.monotonic() < at + REPORTED_S]
+        return [f"identifications given up in the last hour: {len(stuck)}; of the last one, {stuck[-1]}"] if stuck else []
+
+    def file_done(self) -> None:
+        """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
+        for future in [future for future in self._computing if future.done()]:
+            taken = self._computing.pop(future)
+            try:
+                self._file(future, taken)
+            except Exception:
+                self._computing[future] = taken
+                raise
+
+    def _file(self, future: Future[IdentificationOutcome], taken: TakenJob) -> None:
+        try:
+            outcome = future.result()
+        except Exception as error:  # noqa: BLE001 - whatever a fit raises is recorded with its job
+            self._file_error(taken.job_id, error)
+            return
+        try:
+            self._store(taken, outcome)
+        except (DataError, IntegrityError) as error:
+            self._held.fail(taken.job_id, f"its result cannot be stored: {error.orig}")
+        except MemoryError:
+            raise  # of the moment, not of the result
+        except Exception as error:
+            if concerns_all(error):
+                raise  # so is this
+            logger.exception("the result of job %d cannot be stored", taken.job_id)
+            self._held.fail(taken.job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
+
+    def _file_error(self, job_id: int, error: Exception) -> None:
+        """Put a job back whose error is not its own, or may be another one the next time; let any other fail."""
+        if isinstance(error, BrokenProcessPool):
+            logger.error("the process that computed job %d died; it is tried again", job_id)
+            self._held.put_back(job_id, str(error))
+        elif isinstance(error, Stuck):
+            logger.error("job %d was given up with what computed it; it is tried three times: %s", job_id, error)
+            self._stuck.append((time.monotonic(), str(error)))
+            self.stuck_count += 1
+            self._held.put_back(job_id, f"Stuck: {error}")
+        elif isinstance(error, TaskRefused | Interrupted):
+            logger.warning("job %d is taken again: %s", job_id, error)
+            self._held.put_back_unhurt(job_id)
+        elif isinstance(error, CancelledError):
+            logger.warning("job %d was lost with what computed it; it is tried again", job_id)
+            self._held.put_back_unhurt(job_id)
+        elif isinstance(error, OutOfTime | MemoryError):
+            # Beside less other work it may have enough of both: that is tried as often as after a death.
+            logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
+            self._held.put_back(job_id, f"{type(error).__name__}: {error}")
+        else:
+            self._held.fail(job_id, f"{type(error).__name__}: {error}")
+
+    def _store(self, taken: TakenJob, outcome: IdentificationOutcome) -> None:
+        """Store an outcome and finish its job, or queue its assessment, with which the job ends."""
+        with self._database.transaction() as session:
+            row = self._held.own(session, taken.job_id)
+            if row is None:
+                return
+            machines.lock(session, row.machine_id)
+            if reopened(session, row) != taken.reopened:
+                logger.info("job %d is computed again: late samples have made its run anew meanwhile", taken.job_id)
+                jobs.put_back_unhurt(row)
+                return
+            if row.scope == jobs.RUN:
+                runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
+                runs.keep_crossed(session, row.run_ids[0], outcome.crossed[0])
+            if outcome.identification is None:
+                jobs.finish(row, state=jobs.FAILED, error=outcome.error)
+                logger.warning("identification job %d failed: %s", taken.job_id, outcome.error)
+                return
+            stored = _stored(session, row, self._options, outcome)
+            due = DueAssessment(taken.job_id, stored.id, stored.machine_id)
+        self._assessments.add(due)
+        logger.info("%s: identification %d %s", row.machine_id, stored.id, outcome.identification.verdict)
+
+
+def _stored(session: Session, row: JobRow, options: Options, outcome: IdentificationOutcome) -> IdentificationRow:
+    """Store an identification with the quantities derived from it."""
+    assert outcome.identification is not None
+    came_from = replace(origin(session, row, options, outcome.beginning), conditions=outcome.conditions or None)
+    stored = identifications.add(session, came_from, outcome.identification)
+    derived.add(session, stored, outcome.derived)
+    if outcome.underived is not None:
+        logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
+    session.flush()
+    return stored

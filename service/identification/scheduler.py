@@ -1,0 +1,131 @@
+"""The scheduler of identification jobs: the thread that keeps the workers busy and files what they have computed."""
+
+import logging
+import threading
+import time
+
+from sqlalchemy.exc import DBAPIError
+
+from estimator.fit.identify import Options
+from service.configuration.settings import Settings
+from service.identification.computing_jobs import ComputingJobs
+from service.identification.job_submission import JobSubmission
+from service.identification.pooled_jobs import queue_pooled_jobs
+from service.identification.result_filing import ResultFiling
+from service.identification.worker_tasks import TASKS
+from service.monitoring.assessment_queue import AssessmentQueue
+from service.replication.held_jobs import HeldJobs
+from service.replication.work_share import GATHERING, Share, Whole
+from service.workers.executor import ExecutorUnavailable
+from service.workers.executors import executor_of
+from storage.database.engine import Database
+
+logger = logging.getLogger(__name__)
+
+POLL_S = 0.1
+RETRY_S = 1.0
+
+
+class JobScheduler:
+    """Takes jobs from the queue, has them computed, files the results and has these assessed."""
+
+    def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
+        """Begin nothing yet. share: what of the work is this replica's; all of it where there is only one."""
+        self._database = database
+        self._settings = settings
+        self._share = share or Whole()
+        self._executor = executor_of(settings, TASKS)
+        self._held = HeldJobs(database, self._share)
+        self._computing: ComputingJobs = {}
+        self._stop = threading.Event()
+        self._news = threading.Event()  # a result is there, or the service stops
+        self._assessments = AssessmentQueue(database, self._executor, self._held, settings, wake=self._news.set)
+        options = Options()
+        self._submission = JobSubmission(
+            database,
+            self._executor,
+            self._held,
+            self._computing,
+            self._assessments,
+            options=options,
+            timeout_s=settings.identification_timeout_s,
+            wake=self._news.set,
+        )
+        self._filing = ResultFiling(database, self._held, self._computing, self._assessments, options)
+        self._pooled_at = 0.0
+        self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
+        self.trouble: str | None = None
+        """Why jobs cannot be taken or filed at the moment."""
+
+    def start(self) -> None:
+        """Put back what an earlier process left unfinished, then begin."""
+        self._held.put_back_left()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Take no more jobs and end the workers; what they were computing is computed again after the next start."""
+        self._stop.set()
+        self._news.set()
+        self._thread.join()
+        self._executor.close()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is wrong with the executor, though jobs are taken; a worker that stopped answering is told of for an hour."""
+        return [*self._executor.warnings(), *self._filing.warnings]
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system."""
+        return {"rundown_stuck_identifications": self._filing.stuck_count}
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    def _run(self) -> None:
+        self._pooled_at, doubtful = time.monotonic(), False
+        while not self._stop.is_set():
+            self._news.wait(POLL_S)
+            self._news.clear()
+            try:
+                if doubtful:
+                    self._put_back_lost()
+                    doubtful = False
+                self._schedule()
+                self.trouble = None
+            except ExecutorUnavailable as error:
+                if str(error) != self.trouble:
+                    logger.error("%s; trying again", error)
+                self.trouble = str(error)
+                self._stop.wait(RETRY_S)
+            except DBAPIError as error:
+                self.trouble = str(error.orig)
+                logger.error("identification jobs cannot be read or filed, trying again: %s", error.orig)
+                self._stop.wait(RETRY_S)
+                doubtful = True
+            except Exception:
+                self.trouble = "unexpected error; the log has it"
+                logger.exception("unexpected error in the identification thread")
+                self._stop.wait(RETRY_S)
+                doubtful = True
+
+    def _schedule(self) -> None:
+        """Submit what waits, file what is computed, and queue pooled jobs when it is time."""
+        try:
+            self._executor.look()
+            self._assessments.submit()
+            self._submission.submit()  # first: no worker need wait for results to be filed
+        finally:
+            self._filing.file_done()
+            self._assessments.file_done()
+        interval = self._settings.gathered_interval_s
+        if time.monotonic() - self._pooled_at >= interval and self._share.leads(GATHERING):
+            self._pooled_at = time.monotonic()
+            queue_pooled_jobs(self._database, newest_runs=self._settings.gathered_runs)
+
+    def _put_back_lost(self) -> None:
+        """Put back own jobs of which nothing is known here: they were taken when the database's answer got lost."""
+        computing = {taken.job_id for taken in self._computing.values()}
+        self._held.put_back_lost(computing | self._assessments.job_ids)

@@ -1,0 +1,6 @@
+"""The functions that worker processes are asked to compute."""
+
+from service.identification.computation import compute
+from service.monitoring.assessment_task import assess_in_time
+
+TASKS = (compute, assess_in_time)

@@ -1,0 +1,117 @@
+"""Admission: what came becomes a batch of a known machine, or is refused and kept in the quarantine with the reason."""
+
+import logging
+from dataclasses import replace
+
+import zenoh
+
+from service.ingest.clock_doubt import OwnClock
+from service.ingest.inbox import PublishedMessage
+from service.journal.batch import Arrived
+from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
+from service.journal.journal import Journal
+from service.journal.refusals import Refusals
+from service.resilience.internal_errors import see_log
+from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
+from storage.clock import now
+from storage.database.errors import concerns_all
+from storage.measurements.quarantine import Rejection
+
+logger = logging.getLogger(__name__)
+
+
+class Admission:
+    """Decode what came, and look whether the machine is known.
+
+    own_clock: says what must wait until the clock is right. Such a batch is neither stored nor refused.
+    """
+
+    def __init__(self, journal: Journal, refusals: Refusals, own_clock: OwnClock) -> None:
+        self._journal = journal
+        self._refusals = refusals
+        self._own_clock = own_clock
+
+    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
+        """Return a message that was published as a batch; None when it is refused or has to wait.
+
+        Raises what concerns all.
+        """
+        try:
+            require_size(message.size)
+            batch = decode_batch(key, message.payload, message.encoding)
+            self._require_machine(key)
+            if self._withholds(batch):
+                return None
+        except Rejected as rejected:
+            self.refuse(message, key.machine, rejected)
+            return None
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("a message under %s cannot be looked at", message.key)
+            self._refuse(message, key.machine, "unexpected_error", see_log(error))
+            return None
+        return Arrived(batch, message.key, message.payload, message.received_at)
+
+    def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
+        """Return what a log has answered as a batch; None when it is refused or has to wait. Raises what concerns all."""
+        return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
+
+    def submitted(self, submission: Submission) -> Arrived:
+        """Return a body that came over HTTP as a batch.
+
+        Raises Rejected or NotStoring when it is refused, and what concerns all.
+        """
+        machine, body = submission.machine, submission.body
+        message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
+        try:
+            require_size(message.size)
+            batch = decode_body(body, message.encoding)
+            if batch.machine != machine:
+                raise Rejected("key_mismatch", f"body says machine '{batch.machine[:64]}', the path '{machine}'")
+            self._require_machine(Key(batch.plant, batch.machine))
+            if self._withholds(batch):
+                raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
+            # Its numbers must stay free for the corrected batch.
+            self._journal.require_convertible(batch, received_at=message.received_at)
+        except Rejected as rejected:
+            self.refuse(message, machine, rejected)
+            raise
+        except NotStoring:
+            raise
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("%s: a batch over HTTP cannot be looked at", machine)
+            self._refuse(message, machine, "unexpected_error", see_log(error))
+            raise NotStoring(UNFORESEEN) from error
+        return Arrived(batch, message.key, body, message.received_at)
+
+    def _withholds(self, batch: SampleBatch) -> bool:
+        if not self._own_clock.withholds(batch):
+            return False
+        self._journal.note_heard(batch.machine)
+        return True
+
+    def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
+        """Keep a message that was not taken. machine: None where its key names none."""
+        self._refuse(message, machine, rejected.reason, rejected.detail)
+
+    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+        rejection = Rejection.of_message(
+            received_at=message.received_at,
+            key=message.key,
+            machine_id=machine,
+            reason=reason,
+            detail=detail,
+            payload=message.payload,
+            size=message.size,
+        )
+        self._refusals.reject(rejection)
+
+    def _require_machine(self, key: Key) -> None:
+        plant = self._journal.plant_of(key.machine)
+        if plant is None:
+            raise Rejected("unknown_machine", f"no machine '{key.machine}' is known; create it from its document first")
+        if plant != key.plant:
+            raise Rejected("unknown_machine", f"machine '{key.machine}' belongs to plant '{plant}', not '{key.plant}'")

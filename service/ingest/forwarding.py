@@ -1,0 +1,133 @@
+"""Samples that came over HTTP to a replica that does not store them: handed on to the one that does, by way of zenoh."""
+
+import threading
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import msgspec
+import zenoh
+
+from service.journal.batch import StoreOutcome
+from service.journal.http_queue import Busy, NotStoring, Submissions
+from service.replication.work_share import Share
+from service.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected
+from storage.database.engine import Database
+from storage.machines import machines
+
+AT_ONCE = 16
+"""Bodies that are under way to other replicas at the same time."""
+MOST_WAITING = 64
+"""Bodies that are under way or wait for it; whoever comes then is asked to come again."""
+PATIENCE_S = 15.0
+"""How long the other replica has to make one durable."""
+
+
+class ForwardedAnswer(msgspec.Struct, omit_defaults=True):
+    """What became of a body: exactly one of these. stored: received, duplicates, lost, and the faults."""
+
+    stored: tuple[int, int, int, list[tuple[int, Reason, str]]] | None = None
+    rejected: tuple[Reason, str] | None = None
+    busy: str | None = None
+    not_storing: str | None = None
+
+
+class Forwarding:
+    """Takes bodies of all machines: for those that are stored here it is the queue, for the others a messenger."""
+
+    def __init__(self, session: zenoh.Session, database: Database, share: Share, own: Submissions) -> None:
+        self._session = session
+        self._database = database
+        self._share = share
+        self._own = own
+        self._waiting = 0
+        self._lock = threading.Lock()
+        self._threads = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="forwarding")
+        self._queryable = session.declare_queryable(ALL_SUBMIT, self._asked)
+
+    def close(self) -> None:
+        """Take no more."""
+        self._queryable.undeclare()
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    @property
+    def trouble(self) -> str | None:
+        """As of Submissions."""
+        return self._own.trouble
+
+    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
+        """As of Submissions. Raises Busy or NotStoring."""
+        if self._share.owns(machine):
+            return self._own.offer(machine, body, encoding)
+        if self._waiting >= MOST_WAITING:
+            raise Busy(f"{self._waiting} batches are on their way to another replica")
+        with self._lock:
+            self._waiting += 1
+        promise = self._threads.submit(self._ask, machine, body, encoding)
+        promise.add_done_callback(self._arrived)
+        return promise
+
+    def __len__(self) -> int:
+        return len(self._own) + self._waiting
+
+    def _arrived(self, _promise: Future[StoreOutcome]) -> None:
+        with self._lock:
+            self._waiting -= 1
+
+    def _ask(self, machine: str, body: bytes, encoding: str) -> StoreOutcome:
+        with self._database.reading() as session:
+            try:
+                plant = machines.get(session, machine).plant
+            except machines.MachineUnknown:
+                raise Rejected("unknown_machine", f"no machine '{machine}' is known; create it first") from None
+        replies = self._session.get(
+            Key(plant, machine).submit, payload=body, encoding=encoding, timeout=PATIENCE_S, target=zenoh.QueryTarget.ALL
+        )
+        for reply in replies:
+            if reply.ok is not None:
+                return _told(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
+        raise NotStoring(f"no replica takes samples of '{machine}' at present")
+
+    def _asked(self, query: zenoh.Query) -> None:
+        """Another replica hands a body on."""
+        parts = str(query.key_expr).split("/")
+        machine = parts[3] if len(parts) == 5 and IDENTIFIER.match(parts[3]) else ""
+        if not self._share.owns(machine) or query.payload is None:
+            query.drop()
+            return
+        try:
+            promise = self._own.offer(machine, query.payload.to_bytes(), str(query.encoding))
+        except Busy as busy:
+            _reply(query, ForwardedAnswer(busy=str(busy)))
+        except NotStoring as error:
+            _reply(query, ForwardedAnswer(not_storing=str(error)))
+        else:
+            promise.add_done_callback(lambda done: _reply(query, _answer(done)))
+
+
+def _answer(done: Future[StoreOutcome]) -> ForwardedAnswer:
+    error = done.exception()
+    if isinstance(error, Rejected):
+        return ForwardedAnswer(rejected=(error.reason, error.detail))
+    if error is not None:
+        return ForwardedAnswer(not_storing=str(error))
+    outcome = done.result()
+    if outcome.rejected is not None:
+        return ForwardedAnswer(rejected=(outcome.rejected.reason, outcome.rejected.detail))
+    faults = [(fault.index, fault.reason, fault.detail) for fault in outcome.faults]
+    return ForwardedAnswer(stored=(outcome.received, outcome.duplicates, outcome.lost, faults))
+
+
+def _reply(query: zenoh.Query, answer: ForwardedAnswer) -> None:
+    with query:
+        query.reply(str(query.key_expr), msgspec.json.encode(answer), encoding=JSON)
+
+
+def _told(answer: ForwardedAnswer) -> StoreOutcome:
+    """Raises Rejected, Busy, NotStoring."""
+    if answer.rejected is not None:
+        raise Rejected(*answer.rejected)
+    if answer.busy is not None:
+        raise Busy(answer.busy)
+    if answer.stored is None:
+        raise NotStoring(answer.not_storing or "the other replica said nothing")
+    received, duplicates, lost, faults = answer.stored
+    return StoreOutcome(received, duplicates, lost, tuple(Fault(*fault) for fault in faults))

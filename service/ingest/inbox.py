@@ -1,0 +1,109 @@
+"""From zenoh to the ingest thread: messages are copied as they come, and wait here, so many and so many bytes at most.
+
+A message that waits the way zenoh hands it over keeps the whole buffer that it came in, up to fifty times its own size.
+"""
+
+import logging
+from collections import deque
+from dataclasses import dataclass
+
+import zenoh
+
+from service.resilience.supervised_thread import SupervisedThread
+from service.wire import LARGEST_MESSAGE
+from storage.clock import now
+from storage.measurements.quarantine import KEPT_BYTES
+
+logger = logging.getLogger(__name__)
+
+MOST_MESSAGES = 50_000
+MOST_BYTES = 256 << 20
+"""Of all that waits; beyond either zenoh holds the senders back."""
+CHANNEL_SIZE = 2_000
+"""Messages that zenoh itself keeps until they are copied."""
+LOOK_S = 0.02
+"""Between two looks at what has come."""
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedMessage:
+    """A published message; only the beginning of one that is larger than any that is taken. size: of all of it [bytes]."""
+
+    key: str
+    payload: bytes
+    encoding: str
+    size: int
+    received_at: int
+
+    @classmethod
+    def of(cls, sample: zenoh.Sample) -> "PublishedMessage":
+        """Return a copy of what zenoh holds, received now."""
+        payload = sample.payload.to_bytes()
+        kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
+        return cls(str(sample.key_expr), kept, str(sample.encoding), len(payload), now())
+
+
+class Inbox(SupervisedThread):
+    """The thread that copies, and the messages that wait. One other thread takes them."""
+
+    def __init__(self) -> None:
+        super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
+        self._waiting: deque[PublishedMessage] = deque()
+        self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
+
+    def open(self, session: zenoh.Session, key_expression: str) -> None:
+        """Subscribe and begin."""
+        self._subscriber = session.declare_subscriber(key_expression, zenoh.handlers.FifoChannel(CHANNEL_SIZE))
+        self.start()
+
+    def close(self) -> None:
+        """Copy what has come by now and nothing after that; what has been copied can still be taken."""
+        if not self._stop.is_set():
+            self.stop()
+            self._subscriber.undeclare()
+
+    @property
+    def size(self) -> int:
+        """Size of all that waits [bytes]."""
+        return self._came_bytes - self._taken_bytes
+
+    def __len__(self) -> int:
+        """Return how many messages wait."""
+        return len(self._waiting)
+
+    def take(self) -> PublishedMessage | None:
+        """Return the message that has waited longest."""
+        if not self._waiting:
+            return None
+        message = self._waiting.popleft()
+        self._taken_bytes += len(message.payload)
+        return message
+
+    def put_back(self, message: PublishedMessage) -> None:
+        """Put a message that could not be dealt with now in the first place again."""
+        self._taken_bytes -= len(message.payload)
+        self._waiting.appendleft(message)
+
+    def turn(self) -> float:
+        """Copy what has come."""
+        self._copy()
+        return LOOK_S
+
+    def finish(self) -> None:
+        """Copy what has come by now."""
+        self._copy()
+
+    def failed(self, error: Exception) -> float:
+        """Go on: one message must never end the ingest of all others."""
+        logger.error("a message cannot be copied from zenoh and is dropped", exc_info=error)
+        return LOOK_S
+
+    def _copy(self) -> None:
+        while self._has_room and (sample := self._subscriber.try_recv()) is not None:
+            message = PublishedMessage.of(sample)
+            self._came_bytes += len(message.payload)
+            self._waiting.append(message)
+
+    @property
+    def _has_room(self) -> bool:
+        return len(self._waiting) < MOST_MESSAGES and self.size < MOST_BYTES

@@ -1,0 +1,109 @@
+"""Intake: what waits in the inbox and in the queue of HTTP is admitted, and handed to gap recovery or to the write batch."""
+
+import time
+
+from service.ingest.admission import Admission
+from service.ingest.inbox import Inbox, PublishedMessage
+from service.journal.http_queue import UNFORESEEN, NotStoring, Submission, Submissions
+from service.journal.journal import Journal
+from service.journal.source_backoff import SourceBackoff
+from service.journal.write_batch import WriteBatch
+from service.recovery.gap_recovery import GapRecovery
+from service.replication.work_share import Share
+from service.wire import Key, Rejected
+from storage.database.errors import concerns_all, words
+
+LARGEST_CYCLE = 1_000
+"""Messages that are held at once."""
+TAKING_S = 0.03
+"""After so long no further message is taken before those that are held are stored."""
+
+
+class Intake:
+    """Take messages, as much as there is room and time for. For the ingest thread only."""
+
+    def __init__(
+        self,
+        inbox: Inbox,
+        submissions: Submissions,
+        journal: Journal,
+        *,
+        admission: Admission,
+        recovery: GapRecovery,
+        write_batch: WriteBatch,
+        backoff: SourceBackoff,
+        share: Share,
+    ) -> None:
+        self._inbox = inbox
+        self._submissions = submissions
+        self._pacing = journal.pacing
+        self._admission = admission
+        self._recovery = recovery
+        self._write_batch = write_batch
+        self._backoff = backoff
+        self._share = share
+        self.is_behind = False
+        """Whether there was more than there was time for."""
+
+    @property
+    def room(self) -> int:
+        """How many messages may still be held."""
+        return max(0, LARGEST_CYCLE - len(self._write_batch))
+
+    def take(self) -> int:
+        """Take what was published and what came over HTTP; return how many messages were taken. Raises what concerns all."""
+        self.is_behind = False
+        return self._take_published() + self._take_submitted()
+
+    def _take_published(self) -> int:
+        count, ends = 0, time.monotonic() + TAKING_S
+        while self.room and time.monotonic() < ends and (message := self._inbox.take()) is not None:
+            count += 1
+            try:
+                self._publication(message)
+            except Exception as error:
+                if concerns_all(error):
+                    self._inbox.put_back(message)
+                raise
+            self._pacing.pause()
+        self.is_behind |= time.monotonic() >= ends
+        return count
+
+    def _take_submitted(self) -> int:
+        count, ends = 0, time.monotonic() + TAKING_S
+        while self.room and time.monotonic() < ends and (submission := self._submissions.take()) is not None:
+            count += 1
+            try:
+                self._submission(submission)
+            except Exception as error:
+                submission.promise.set_exception(NotStoring(words(error) if concerns_all(error) else UNFORESEEN))
+                raise
+        self.is_behind |= time.monotonic() >= ends
+        return count
+
+    def _publication(self, message: PublishedMessage) -> None:
+        """Decode a published message and place it."""
+        try:
+            key = Key.parse(message.key)
+        except Rejected as rejected:
+            if self._share.owns(message.key):
+                self._admission.refuse(message, None, rejected)
+            return
+        if self._share.owns(key.machine) and (arrived := self._admission.published(key, message)) is not None:
+            with self._write_batch.refusals.guarding(arrived):
+                self._recovery.place(key, arrived)
+
+    def _submission(self, submission: Submission) -> None:
+        """Take a batch that came over HTTP: its source keeps no log, so nothing is asked for that may be missing."""
+        refusals = self._write_batch.refusals
+        try:
+            arrived = self._admission.submitted(submission)
+        except (Rejected, NotStoring) as refusal:
+            refusals.refuse(submission.promise, refusal)
+            return
+        if not self._backoff.accepts(arrived.source):
+            where = f"source '{arrived.batch.source}' of machine '{submission.machine}'"
+            submission.promise.set_exception(NotStoring(f"unexpected errors with {where}; it is tried again later"))
+            return
+        with refusals.guarding(arrived, submission.promise):
+            self._write_batch.take(arrived, submission.promise)

@@ -1,0 +1,56 @@
+"""Answers to sources that ask by way of zenoh how far what they sent is durable."""
+
+import logging
+
+import msgspec
+import zenoh
+
+from service.journal.journal import Journal
+from service.replication.work_share import Share
+from service.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
+from storage.database.errors import concerns_all
+
+logger = logging.getLogger(__name__)
+
+MOST_WAITING = 1_000
+"""Questions that wait."""
+
+
+class ReceivedQueryable:
+    """Answer questions, when the ingest thread has time for it."""
+
+    def __init__(self, session: zenoh.Session, journal: Journal, share: Share) -> None:
+        self._session = session
+        self._journal = journal
+        self._share = share
+
+    def open(self) -> None:
+        """Let questions come."""
+        self._queryable = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(MOST_WAITING))
+
+    def close(self) -> None:
+        """Let no more questions come."""
+        self._queryable.undeclare()
+
+    def answer_waiting(self) -> None:
+        """Answer the questions that wait. Raises what concerns all."""
+        while (query := self._queryable.try_recv()) is not None:
+            self._answer(query)
+
+    def _answer(self, query: zenoh.Query) -> None:
+        with query:
+            try:
+                key = Key.parse(str(query.key_expr))
+            except Rejected:
+                return  # of all machines at once: each is asked for by itself
+            try:
+                self._reply(query, key)
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("%s: how far its sources are durable cannot be told", key.machine)
+
+    def _reply(self, query: zenoh.Query, key: Key) -> None:
+        if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
+            answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
+            query.reply(key.received, msgspec.json.encode(answer), encoding=JSON)

@@ -1,0 +1,197 @@
+"""The journal: messages become stored samples, once each, together with everything that follows from them.
+
+One call of `store` is one transaction: sample blocks, how far each source was received, run collection, quarantine. A
+restart therefore finds all of it or none of it.
+"""
+
+import logging
+import math
+import time
+from collections import defaultdict
+from collections.abc import Set
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from estimator.machine.document import Machine
+from service.journal.batch import Arrived, StoreOutcome
+from service.journal.numbering import Numbering, Pending
+from service.journal.pacing import Pacing
+from service.journal.sequence_gaps import SequenceGap, stored_gaps
+from service.replication.work_share import Share, Whole
+from service.runs.collector import Collector
+from service.runs.silence import SilentMachines
+from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
+from storage.database.engine import Database
+from storage.encoding.sample_blocks import Samples, join
+from storage.machines import machines
+from storage.measurements import quarantine, runs, samples
+from storage.measurements.quarantine import Rejection
+from storage.measurements.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+Documents = dict[str, tuple[int, Machine]]
+"""Of each machine the revision in force and its document."""
+
+
+class Journal:
+    """Writes what arrives. Not for use from several threads at once."""
+
+    def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
+        self._database = database
+        self._collector = collector
+        self._share = share or Whole()
+        self._numbering = Numbering()
+        self._silent_machines = SilentMachines(database, collector, self._share)
+        self._plants: dict[str, str] = {}
+        self._documents: Documents = {}
+        self.pacing = Pacing()
+
+    def next_sequence(self, source: SourceKey) -> int:
+        """Return the number of the next sample expected from a source; 0 when it was never heard of."""
+        with self._database.reading() as session:
+            return samples.source(session, source).next_sequence
+
+    def newest_receipt(self) -> int:
+        """Return when samples came last, by the clock that this machine had then [ns]; 0 before any."""
+        with self._database.reading() as session:
+            return samples.newest_receipt(session) or 0
+
+    def note_heard(self, machine_id: str) -> None:
+        """Note that a machine's source sends, though nothing of it is taken now: it has not fallen silent."""
+        self._collector.note_heard(machine_id)
+
+    def sequence_gaps(self, source: SourceKey) -> list[SequenceGap]:
+        """Return the numbers of a source that never came, ascending, as far as they are remembered."""
+        with self._database.reading() as session:
+            return stored_gaps(samples.source(session, source).missing)
+
+    def received(self, machine_id: str) -> list[SourceReceived]:
+        """Return how far each source of a machine is durable."""
+        with self._database.reading() as session:
+            return [
+                SourceReceived(
+                    source=row.source,
+                    epoch=row.epoch,
+                    next_sequence=row.next_sequence,
+                    received=row.received,
+                    duplicates=row.duplicates,
+                    lost=row.lost,
+                )
+                for row in samples.sources(session, machine_id)
+            ]
+
+    def plant_of(self, machine_id: str) -> str | None:
+        """Return the plant of a machine, which never changes; None when the machine is unknown."""
+        if machine_id not in self._plants:
+            with self._database.reading() as session:
+                try:
+                    self._plants[machine_id] = machines.get(session, machine_id).plant
+                except machines.MachineUnknown:
+                    return None
+        return self._plants[machine_id]
+
+    def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
+        """Raise Rejected for a batch of which nothing can be taken, also where its source's clock is wrong."""
+        with self._database.reading() as session:
+            _, machine = self._document(session, batch.machine)
+        _, _, faults = to_samples(batch, machine, received_at=received_at)
+        wrong = [fault for fault in faults if fault.reason == "time_out_of_range"]
+        if len(wrong) == len(batch.time_ns):
+            raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
+
+    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
+        """Store batches, in order, and rejections; return what became of each batch.
+
+        Raises what the database raises, and NotHeld for machines that are another replica's by now; then nothing was stored.
+        within_s: after so long [s] no further batch is taken, and the outcomes of fewer are returned; of one at least.
+        """
+        try:
+            with self._collector.lock, self._database.transaction(beside_others=True) as session:
+                self._share.require(session, {one.batch.machine for one in arrived})
+                with self.pacing.in_transaction():
+                    return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
+        except BaseException:
+            self._numbering.forget()  # it may know of samples that were not stored
+            raise
+
+    def end_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
+        """End runs of machines that have fallen silent. alive: machines of which a source is connected."""
+        self._silent_machines.end_runs(silence_s=silence_s, alive=alive)
+
+    def forget(self) -> None:
+        """Forget what may have gone on without this process; all of it is in the store."""
+        self._numbering.forget()
+        self._collector.forget()
+
+    def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
+        """Return the revision in force and its document, which is parsed once."""
+        revision = machines.get(session, machine_id).revision
+        known = self._documents.get(machine_id)
+        if known is None or known[0] != revision:
+            known = self._documents[machine_id] = revision, machines.document(session, machine_id, revision)
+        return known
+
+    def _store(
+        self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float
+    ) -> list[StoreOutcome]:
+        pending = Pending(rejections=list(rejections))
+        documents: Documents = {}
+        loaded = _load(session, arrived)
+        for one in arrived:
+            if pending.outcomes and time.monotonic() > ends:
+                break
+            machine_id = one.batch.machine
+            if machine_id not in documents:
+                documents[machine_id] = self._document(session, machine_id)
+            pending.outcomes.append(self._numbering.add(session, pending, one, documents[machine_id][1]))
+            self.pacing.pause()
+        added = self._add_blocks(session, pending, documents)
+        session.flush()
+        self._collect(session, added, documents)
+        if pending.rejections:
+            quarantine.add(session, pending.rejections)
+        del loaded
+        return pending.outcomes
+
+    def _add_blocks(self, session: Session, pending: Pending, documents: Documents) -> dict[str, list[Samples]]:
+        """Add a block for each source, and count what of it comes late; return the samples of each machine."""
+        added: dict[str, list[Samples]] = defaultdict(list)
+        for source, parts in pending.parts.items():
+            revision, machine = documents[source.machine_id]
+            joined = join(parts, channels=len(machine.probes))
+            samples.add_block(
+                session,
+                source,
+                revision=revision,
+                first_sequence=pending.first[source],
+                samples=joined,
+                received_at=pending.received_at[source],
+            )
+            self.pacing.pause()
+            added[source.machine_id].append(joined)
+            late = int(np.count_nonzero(joined.time <= self._collector.seen(session, source.machine_id)))
+            if late:
+                samples.source(session, source).late += late
+                logger.warning("%s: %d samples are older than what is known; they are sorted in", source.machine_id, late)
+        return added
+
+    def _collect(self, session: Session, added: dict[str, list[Samples]], documents: Documents) -> None:
+        """Feed run collection with what was added, by time."""
+        for machine_id, parts in added.items():
+            revision, machine = documents[machine_id]
+            joined = join(parts, channels=len(machine.probes))
+            in_time = joined.pick(np.argsort(joined.time, kind="stable"))
+            self._collector.feed(session, machine, revision, in_time)
+            self.pacing.pause()
+
+
+def _load(session: Session, arrived: list[Arrived]) -> list[object]:
+    """Load all rows that these batches need, in three queries instead of several each; the session finds them while held."""
+    machine_ids = {one.batch.machine for one in arrived}
+    return [
+        *machines.some(session, machine_ids),
+        *samples.known_sources(session, {one.source for one in arrived}),
+        *runs.collectors(session, machine_ids),
+    ]

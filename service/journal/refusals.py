@@ -1,0 +1,87 @@
+"""What is not stored: entries on their way to the quarantine, and the answers to those who wait, given once these are kept."""
+
+import logging
+import time
+from collections.abc import Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
+
+from service.journal import rejections
+from service.journal.batch import Arrived, StoreOutcome
+from service.journal.http_queue import NotStoring
+from service.journal.journal import Journal
+from storage.database.errors import concerns_all
+from storage.measurements.quarantine import Rejection
+
+logger = logging.getLogger(__name__)
+
+
+class Refusals:
+    """Hold rejections until they are stored, and refused promises until they are answered. For the ingest thread only."""
+
+    def __init__(self, journal: Journal) -> None:
+        self._journal = journal
+        self._promises: list[tuple[Future[StoreOutcome], Exception]] = []
+        self.rejections: list[Rejection] = []
+
+    def reject(self, rejection: Rejection) -> None:
+        """Hold an entry for the quarantine."""
+        self.rejections.append(rejection)
+
+    def refuse(self, promise: Future[StoreOutcome], answer: Exception) -> None:
+        """Hold an answer until what was refused is kept."""
+        self._promises.append((promise, answer))
+
+    @contextmanager
+    def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
+        """Put a batch aside where an unforeseen error occurs within: it is the trouble of this batch alone."""
+        try:
+            yield
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            self.put_aside(arrived, error, promise)
+
+    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
+        """Quarantine a batch that cannot be stored, and refuse the promise of whoever waits."""
+        rejection, answer = rejections.of_error(arrived, error)
+        if isinstance(answer, NotStoring):
+            logger.error("%s: a message cannot be stored", arrived.batch.machine, exc_info=error)
+        self.reject(rejection)
+        if promise is not None:
+            self.refuse(promise, answer)
+
+    def stored(self) -> None:
+        """Note that all rejections are kept, and answer who waits."""
+        self.rejections.clear()
+        self._answer()
+
+    def store_one_by_one(self, *, ends: float) -> None:
+        """Store rejections, each by itself: one that cannot be kept takes no other with it. Raises what concerns all.
+
+        ends: by the monotonic clock [s], after which the others are left, and the answers with them. One at least is stored.
+        """
+        while self.rejections:
+            one = self.rejections[0]
+            try:
+                self._journal.store([], [one])
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("a message of %s, refused as %s, cannot be put aside", one.machine_id, one.reason)
+            del self.rejections[0]
+            if time.monotonic() >= ends:
+                break
+        if not self.rejections:
+            self._answer()
+
+    def break_promises(self, answer: Exception) -> None:
+        """Answer all who wait, though what was refused is not kept yet."""
+        for promise, _ in self._promises:
+            promise.set_exception(answer)
+        self._promises.clear()
+
+    def _answer(self) -> None:
+        for promise, answer in self._promises:
+            promise.set_exception(answer)
+        self._promises.clear()

@@ -1,0 +1,120 @@
+"""Batches of a transaction that failed are stored one by one, so that what cannot be stored stops nothing else.
+
+This takes a transaction for each batch, a second or more for all of them: it is done in short turns, between which the ingest
+goes on taking messages.
+"""
+
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
+
+from sqlalchemy.exc import IntegrityError
+
+from service.journal.batch import Held, StoreOutcome
+from service.journal.http_queue import UNFORESEEN, NotStoring
+from service.journal.journal import Journal
+from service.journal.refusals import Refusals
+from service.journal.source_backoff import SourceBackoff
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
+
+MOST_TRIES = 50
+"""Batches of a source that are tried by themselves though none of them could be stored; the others are left to its log."""
+MOST_DOUBLINGS = 6
+"""Of these tries, once for each time that it failed: behind many that cannot be stored there may be some that can."""
+
+
+class SingleWrites:
+    """One pass through the batches of a failed transaction. For the ingest thread only.
+
+    What cannot be stored is put aside; sources of which nothing could be stored are reported to `backoff` when the pass ends.
+    acknowledge: called with each batch that is stored.
+    """
+
+    def __init__(
+        self,
+        journal: Journal,
+        refusals: Refusals,
+        backoff: SourceBackoff,
+        *,
+        acknowledge: Callable[[Held, StoreOutcome], None],
+    ) -> None:
+        self._journal = journal
+        self._refusals = refusals
+        self._backoff = backoff
+        self._acknowledge = acknowledge
+        self._waiting: deque[Held] = deque()
+        self._left: list[Held] = []
+        self._stored: set[SourceKey] = set()
+        self._failed: Counter[SourceKey] = Counter()
+
+    def __len__(self) -> int:
+        """Return how many batches are held."""
+        return len(self._waiting) + len(self._left)
+
+    def begin(self, held: Iterable[Held]) -> None:
+        """Begin a pass through these batches."""
+        self._waiting.extend(held)
+
+    def turn(self, *, ends: float) -> set[SourceKey]:
+        """Store batches until the time is over; return the sources that are paused, once the pass has ended.
+
+        ends: by the monotonic clock [s]; one batch at least is tried. Raises what concerns all; then `take_back` has the rest.
+        """
+        while self._waiting:
+            one = self._waiting[0]
+            if one.source not in self._stored and self._failed[one.source] >= self._most_tries(one.source):
+                self._left.append(one)
+            elif self._store(one):
+                self._stored.add(one.source)
+            else:
+                self._failed[one.source] += 1
+            self._waiting.popleft()
+            if self._waiting and time.monotonic() >= ends:
+                return set()
+        return self._end()
+
+    def take_back(self) -> list[Held]:
+        """Give up the pass; return the batches that are neither stored nor put aside."""
+        held = [*self._left, *self._waiting]
+        self._reset()
+        return held
+
+    def change(self, change: Callable[[list[Held]], list[Held]]) -> None:
+        """Change what is held."""
+        self._waiting = deque(change(list(self._waiting)))
+        self._left = change(self._left)
+
+    def _store(self, one: Held) -> bool:
+        """Store a batch, or put it aside. Tried twice: what another replica wrote at the same moment is there then."""
+        try:
+            try:
+                (outcome,) = self._journal.store([one.arrived], [])
+            except IntegrityError:
+                (outcome,) = self._journal.store([one.arrived], [])
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            self._refusals.put_aside(one.arrived, error, one.promise)
+            return False
+        self._acknowledge(one, outcome)
+        return True
+
+    def _end(self) -> set[SourceKey]:
+        """Refuse what was left untried, and report the sources of which nothing could be stored."""
+        for one in self._left:
+            if one.promise is not None:
+                self._refusals.refuse(one.promise, NotStoring(UNFORESEEN))
+        untried = {one.source for one in self._left}
+        failed = self._failed.keys() - self._stored
+        self._reset()
+        for source in failed:
+            self._backoff.failed(source, at_once=source in untried)
+        return {source for source in failed if not self._backoff.accepts(source)}
+
+    def _reset(self) -> None:
+        self._waiting, self._left = deque(), []
+        self._stored, self._failed = set(), Counter()
+
+    def _most_tries(self, source: SourceKey) -> int:
+        return MOST_TRIES << min(self._backoff.failures(source), MOST_DOUBLINGS)

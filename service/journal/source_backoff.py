@@ -1,0 +1,66 @@
+"""Backoff of sources of which nothing can be stored again and again: what they send is left to their logs for a while.
+
+The write batch and gap recovery both report failures here and both keep state of a paused source that is to be dropped: they
+register for that, and need not know each other.
+"""
+
+import logging
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from service.resilience.backoff import Backoff
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+FREE_FAILURES = 2
+"""So often in a row a source may meet an unforeseen error before it is paused."""
+
+
+class SourceBackoff:
+    """Say of which sources batches are accepted now. For the ingest thread only."""
+
+    def __init__(self) -> None:
+        self._backoff = Backoff[SourceKey](free=FREE_FAILURES)
+        self._on_pause: list[Callable[[SourceKey], None]] = []
+
+    def on_pause(self, drop: Callable[[SourceKey], None]) -> None:
+        """Register what drops the state that is kept of a source when it is paused."""
+        self._on_pause.append(drop)
+
+    def accepts(self, source: SourceKey) -> bool:
+        """Return whether a source's batches are accepted now."""
+        return self._backoff.is_due(source)
+
+    def failures(self, source: SourceKey) -> int:
+        """Return how often in a row a source failed."""
+        return self._backoff.failures(source)
+
+    def failed(self, source: SourceKey, *, at_once: bool = True) -> None:
+        """Count a failure, and pause the source lest it hold up all others again and again; its log has what it sends.
+
+        at_once: pause it also where the failure would be free.
+        """
+        pause = self._backoff.failed(source, at_once=at_once)
+        if pause:
+            words = "%s, source %s: nothing could be stored again; it is left to its log for %.0f s"
+            logger.error(words, source.machine_id, source.source, pause)
+            for drop in self._on_pause:
+                drop(source)
+
+    def succeeded(self, source: SourceKey) -> None:
+        """Forget a source's failures, unless it is paused: then something was stored that was held before the pause."""
+        if self._backoff and self._backoff.is_due(source):
+            self._backoff.succeeded(source)
+
+    @contextmanager
+    def isolating(self, source: SourceKey) -> Iterator[None]:
+        """Pause a source where an unforeseen error occurs within: it is the trouble of this source alone."""
+        try:
+            yield
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.exception("%s, source %s: its log cannot be asked", source.machine_id, source.source)
+            self.failed(source)

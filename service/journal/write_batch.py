@@ -1,0 +1,159 @@
+"""The write batch: what was taken waits here until the end of the cycle, and is stored in one transaction.
+
+Where that fails its batches are stored one by one (`service/journal/single_writes.py`).
+"""
+
+import logging
+import time
+from collections.abc import Collection
+from concurrent.futures import Future
+
+from service.journal.batch import LARGEST_GAP, Arrived, Held, StoreOutcome
+from service.journal.http_queue import UNFORESEEN, NotStoring
+from service.journal.journal import Journal
+from service.journal.refusals import Refusals
+from service.journal.single_writes import SingleWrites
+from service.journal.source_backoff import SourceBackoff
+from service.replication.work_share import lease_of
+from service.resilience.bounded_dict import BoundedDict
+from storage.database.errors import concerns_all
+from storage.measurements.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+LONGEST_TRANSACTION_S = 0.012
+"""After so long no further batch is taken into a transaction; what those that are in it cause comes on top."""
+LONGEST_TURN_S = 0.1
+"""After so long no further batch is stored by itself in one turn: messages wait to be taken."""
+FEWEST_AT_ONCE, MOST_AT_ONCE = 20, 1000
+"""Batches that a transaction is begun with: twice as many as the last one had time for, within these."""
+
+
+class WriteBatch:
+    """Hold what is to be stored, and how far each source has come with it. For the ingest thread only."""
+
+    def __init__(self, journal: Journal, backoff: SourceBackoff) -> None:
+        self._journal = journal
+        self._backoff = backoff
+        self._held: list[Held] = []
+        self._at_once = FEWEST_AT_ONCE
+        self._expected: BoundedDict[SourceKey, int] = BoundedDict()
+        self.refusals = Refusals(journal)
+        self._single_writes = SingleWrites(journal, self.refusals, backoff, acknowledge=self._acknowledge)
+        backoff.on_pause(self._forget_progress_of)
+
+    def __len__(self) -> int:
+        """Return how many batches are held."""
+        return len(self._held) + len(self._single_writes)
+
+    @property
+    def is_pending(self) -> bool:
+        """Whether there is anything to store."""
+        return len(self) > 0 or len(self.refusals.rejections) > 0
+
+    def next_sequence(self, source: SourceKey) -> int:
+        """Return the number of the next sample of a source, what is held here included."""
+        if source not in self._expected:
+            self._expected[source] = self._journal.next_sequence(source)
+        return self._expected[source]
+
+    def take(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> None:
+        """Hold a batch for storing."""
+        source = arrived.source
+        if arrived.batch.sequence - self.next_sequence(source) <= LARGEST_GAP:
+            self._expected[source] = max(self.next_sequence(source), arrived.end)
+        self._held.append(Held(arrived, promise))
+
+    def store(self) -> None:
+        """Store what one short transaction takes of what is held; each by itself, in a short turn, where that fails.
+
+        What is left is held still. Raises what concerns all, as `Journal.store` does; then nothing is lost.
+        """
+        if len(self._single_writes):
+            self._store_one_by_one()
+            return
+        try:
+            self._store_together()
+        except Exception as error:
+            if concerns_all(error):
+                raise
+            logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
+            self._single_writes.begin(self._held)
+            self._held = []
+            self._store_one_by_one()
+
+    def store_all(self) -> None:
+        """Store all that is held. Raises as `store`."""
+        while self.is_pending:
+            self.store()
+
+    def drop(self, leases: Collection[str]) -> None:
+        """Let go of what is another replica's to store: it fetches it from the sources' logs."""
+
+        def owned(held: list[Held]) -> list[Held]:
+            for one in held:
+                if one.promise is not None and lease_of(one.source.machine_id) in leases:
+                    one.promise.set_exception(NotStoring("another replica takes this machine's samples now"))
+            return [one for one in held if lease_of(one.source.machine_id) not in leases]
+
+        self._held = owned(self._held)
+        self._single_writes.change(owned)
+        self.forget_progress()
+
+    def forget_progress(self) -> None:
+        """Forget how far each source has come: what is stored may have changed, and is read anew."""
+        self._expected.clear()
+
+    def _forget_progress_of(self, source: SourceKey) -> None:
+        self._expected.pop(source, None)
+
+    def break_promises(self, answer: Exception) -> None:
+        """Tell all who wait that what they sent is not known to be durable. It is held still."""
+
+        def broken(held: list[Held]) -> list[Held]:
+            for one in held:
+                if one.promise is not None:
+                    one.promise.set_exception(answer)
+            return [Held(one.arrived) for one in held]
+
+        self._held = broken(self._held)
+        self._single_writes.change(broken)
+        self.refusals.break_promises(answer)
+
+    def _store_together(self) -> None:
+        if self._held or self.refusals.rejections:
+            arrived = [one.arrived for one in self._held[: self._at_once]]
+            outcomes = self._journal.store(arrived, self.refusals.rejections, within_s=LONGEST_TRANSACTION_S)
+            for one, outcome in zip(self._held, outcomes, strict=False):
+                self._acknowledge(one, outcome)
+            del self._held[: len(outcomes)]
+            # What a transaction looks up for batches that it has no time for is looked up in vain.
+            fitted = len(outcomes) == len(arrived)
+            self._at_once = min(2 * self._at_once, MOST_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
+        self.refusals.stored()
+
+    def _store_one_by_one(self) -> None:
+        """Do a turn of the pass through a failed transaction; leave what paused sources sent meanwhile to their logs."""
+        ends = time.monotonic() + LONGEST_TURN_S
+        try:
+            self.refusals.store_one_by_one(ends=ends)
+            paused = self._single_writes.turn(ends=ends)
+            if paused:
+                self._leave(paused)
+            self.refusals.store_one_by_one(ends=ends)
+        except Exception:
+            self._held[:0] = self._single_writes.take_back()
+            raise
+
+    def _leave(self, paused: Collection[SourceKey]) -> None:
+        """Leave to their logs what sources sent that were paused meanwhile."""
+        left = [one for one in self._held if one.source in paused]
+        self._held = [one for one in self._held if one.source not in paused]
+        for one in left:
+            if one.promise is not None:
+                self.refusals.refuse(one.promise, NotStoring(UNFORESEEN))
+
+    def _acknowledge(self, one: Held, outcome: StoreOutcome) -> None:
+        self._backoff.succeeded(one.source)
+        if one.promise is not None:
+            one.promise.set_result(outcome)

@@ -1,0 +1,211 @@
+"""Housekeeping: lets go of samples that are old enough, gives disk and memory back, and warns well before the disk is full."""
+
+import logging
+import time
+from collections.abc import Callable
+
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.orm import Session
+
+from service.configuration.settings import Settings
+from service.maintenance.disk_watch import DiskWatch
+from service.maintenance.retention_cut_offs import CutOff, advanced
+from service.maintenance.retention_tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
+from service.replication.work_share import RETENTION, Share, Whole
+from service.resilience.heap_trim import give_back
+from service.resilience.supervised_thread import SupervisedThread
+from storage.clock import now, to_datetime
+from storage.database import disk
+from storage.database.engine import Database
+from storage.database.errors import concerns_all
+from storage.machines import machines
+from storage.operation import retention
+
+logger = logging.getLogger(__name__)
+
+INTERVAL_S = 600.0
+"""Between two rounds."""
+LOOK_S = 10.0
+"""Between two looks at disk and memory."""
+PAUSE_S = 0.05
+"""Between two transactions, for those who wait."""
+COUNTED_NS = 60_000_000_000
+"""Time served is written down when it is more than this [ns]."""
+
+
+class Housekeeping(SupervisedThread):
+    """The thread that keeps the store in bounds."""
+
+    def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
+        super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
+        self._share = Whole() if share is None else share
+        self._database = database
+        self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
+        self._looked_at = time.monotonic()
+        self._next_round = 0.0
+        self.unfinished: str | None = None
+        """Why the last round was not finished; it stands until one is."""
+        self.unseen: str | None = None
+        """Why the last look did not show how much room is left."""
+        self.released = dict.fromkeys((Blocks.name, Runs.name), 0)
+        """By tier, since the start."""
+        self._tiers = tiers_of(settings)
+        self._cut_offs: dict[str, CutOff] = {}
+        self._counted_to = time.monotonic_ns()
+        """Up to when the time served is in the cut-offs that are kept."""
+        self._counts = False
+        """Whether any are kept."""
+        self._waiting = 0
+        self._said_of_waiting = ""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of too little room, and why the store is not kept in bounds."""
+        hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
+        blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
+        return [words for words in (self._disk.warning, self._said_of_waiting) if words] + hindered + blind
+
+    @property
+    def gauges(self) -> dict[str, float]:
+        """Figures for a monitoring system, by the name of the metric."""
+        own: dict[str, float] = {
+            "rundown_released_sample_blocks": self.released[Blocks.name],
+            "rundown_released_runs": self.released[Runs.name],
+            "rundown_retention_waiting": self._waiting,
+            "rundown_housekeeping_working": int(self.unfinished is None and self.unseen is None),
+        }
+        return own | self._disk.gauges
+
+    def round(self) -> None:
+        """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
+        moment = now()
+        with self._database.reading() as session:
+            every = [row.id for row in machines.every(session)]
+        self._move_cut_offs(every, moment)
+        failed: Exception | None = None
+        waiting: set[str] = set()
+        for machine_id in every:
+            try:
+                for tier in self._tiers:
+                    if not self._release(tier, machine_id, moment):
+                        waiting.add(machine_id)
+            except Exception as error:
+                if concerns_all(error):
+                    raise
+                logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
+                failed = error
+            if not self._goes_on():
+                return
+        self._tell_waiting(waiting, moment)
+        while disk.give_back(self._database) and self._goes_on(PAUSE_S):
+            pass
+        if failed is not None:
+            raise failed
+
+    def _goes_on(self, pause: float = 0.0) -> bool:
+        """Wait, and look at disk and memory where that is due, as a round of a large fleet takes long; False to stop."""
+        if time.monotonic() >= self._looked_at + LOOK_S:
+            self.look()
+        return not self._stop.wait(pause)
+
+    def look(self) -> None:
+        """Look at disk and memory."""
+        self._looked_at = time.monotonic()
+        give_back()
+        self.unseen = _tried(self._disk.look)
+
+    def turn(self) -> float:
+        """Look at disk and memory, and do a round where one is due. A stop ends it between two transactions."""
+        self.look()
+        if not self._share.leads(RETENTION):
+            self._leave_to_another()
+        elif time.monotonic() >= self._next_round:
+            self._next_round = time.monotonic() + INTERVAL_S
+            self.unfinished = _tried(self.round)
+        return LOOK_S
+
+    def finish(self) -> None:
+        """Keep the time served since the last round, so that it counts after a restart, too."""
+        if self._counts and self.unfinished is None and self._share.leads(RETENTION):
+            _tried(lambda: self._move_cut_offs([], now()))
+
+    def _leave_to_another(self) -> None:
+        """Leave retention to another replica: nothing of it is known here, nor is the time served counted twice."""
+        self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
+        self._counted_to = time.monotonic_ns()
+
+    def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
+        """Let the cut-off of each tier come as near to what clock and settings ask for as the time served allows."""
+        if not self._tiers:
+            return
+        served = time.monotonic_ns() - self._counted_to
+        with self._database.reading() as session:
+            found = {tier.name: _moved(session, tier, moment, served) for tier in self._tiers}
+            self._cut_offs = {
+                tier.name: found[tier.name] or first_cut_off(session, tier, machine_ids, moment=moment) for tier in self._tiers
+            }
+            known = None not in found.values()
+            if not known and retention.is_empty(session):
+                return  # the clock of a first start may be set yet
+        self._counts = True
+        if known and served < COUNTED_NS:
+            return  # nobody need wait for so little to be written
+        with self._database.transaction() as session:  # a person may have confirmed meanwhile
+            for tier in self._tiers:
+                cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
+                self._cut_offs[tier.name] = cut_off
+                retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+        self._counted_to += served
+
+    def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:
+        """Let go of what is old enough of a machine; False where some of that lies behind the cut-off and waits."""
+        limit = self._cut_offs[tier.name].time
+        with self._database.reading() as session:
+            wanted = tier.before(session, machine_id, moment=moment)
+            if not tier.has(session, machine_id, before=wanted):
+                return True
+            some = tier.has(session, machine_id, before=min(wanted, limit))
+        while some and self._goes_on(PAUSE_S):
+            with self._database.transaction() as session:
+                wanted = tier.before(session, machine_id, moment=moment)
+                count = tier.release(session, machine_id, before=min(wanted, limit))
+            self.released[tier.name] += count
+            some = count == tier.most
+        with self._database.reading() as session:
+            return wanted <= limit or not tier.has(session, machine_id, before=wanted)
+
+    def _tell_waiting(self, machine_ids: set[str], moment: int) -> None:
+        """Say that old samples wait for a person, as long as they do."""
+        before, self._waiting = self._waiting, len(machine_ids)
+        self._said_of_waiting = _waiting_words(machine_ids, moment) if machine_ids else ""
+        if machine_ids and not before:
+            logger.warning(self._said_of_waiting)
+
+
+def _tried(work: Callable[[], None]) -> str | None:
+    """Do it; returns why it was not finished. The next time may do better, and nothing else depends on this one."""
+    try:
+        work()
+    except DBAPIError as error:
+        logger.warning("housekeeping is put off: %s", error.orig)
+        return str(error.orig)
+    except Exception as error:
+        logger.exception("unexpected error in housekeeping")
+        return f"{type(error).__name__}: {error}"
+    return None
+
+
+def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
+    """Return the cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
+    kept = retention.cut_off(session, tier.name)
+    return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
+
+
+def _waiting_words(machine_ids: set[str], moment: int) -> str:
+    names, others = sorted(machine_ids)[:3], len(machine_ids) - 3
+    named = ", ".join(names) + (f" and {others} more machines" if others > 0 else "")
+    return (
+        f"old samples of {named} wait to be let go of: by this machine's clock "
+        f"({to_datetime(moment):%Y-%m-%d %H:%M} UTC) and the settings more of them are old than time has passed here. If both "
+        "are right, `rundown retention confirm` shows them and lets them go"
+    )

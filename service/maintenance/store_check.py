@@ -1,0 +1,82 @@
+"""Looks after the store though nobody asks: what is only in a log that was deleted is saved within a moment, and damage that
+somebody met is looked for until a check is clean.
+"""
+
+import logging
+import sqlite3
+import time
+
+from sqlalchemy.exc import DBAPIError
+
+from service.resilience.supervised_thread import SupervisedThread
+from storage.database.claim import DatabaseUnusable
+from storage.database.engine import Database
+from storage.database.errors import words
+from storage.operation import api_keys
+
+logger = logging.getLogger(__name__)
+
+LOOK_S = 0.5
+KEYS_EVERY_S = 10.0
+"""Between two looks for API keys that wait for a confirmation."""
+CHECK_EVERY_S = 600.0
+"""Between two checks of a store that was met to be damaged; …"""
+CHECK_S = 300.0
+"""… none takes longer."""
+
+WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
+
+
+class StoreWatch(SupervisedThread):
+    """The thread that looks after the store's files."""
+
+    def __init__(self, database: Database) -> None:
+        super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
+        self._database = database
+        self._said = ""
+        self._check_at = self._keys_at = 0.0
+        self._waiting = 0
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warning of keys that wait."""
+        return [WAITING.format(self._waiting)] if self._waiting else []
+
+    def turn(self) -> float:
+        """Look once."""
+        self._look()
+        return LOOK_S
+
+    def _look(self) -> None:
+        try:
+            self._database.look_after_files()
+        except DatabaseUnusable as error:
+            if str(error) != self._said:
+                self._said = str(error)
+                logger.critical(self._said)
+        else:
+            self._check()
+            self._count_keys()
+
+    def _count_keys(self) -> None:
+        if time.monotonic() < self._keys_at:
+            return
+        self._keys_at = time.monotonic() + KEYS_EVERY_S
+        try:
+            with self._database.reading() as session:
+                self._waiting = api_keys.waiting(session)
+        except DBAPIError as error:
+            logger.warning("API keys cannot be looked at: %s", words(error))
+
+    def _check(self) -> None:
+        """Look at all pages where some were met that are damaged."""
+        damage = self._database.damage
+        if damage.trouble is None or time.monotonic() < self._check_at:
+            return
+        try:
+            self._database.look_for_damage(within_s=CHECK_S, stopped=self._stop.is_set)
+        except (DBAPIError, sqlite3.Error) as error:
+            logger.warning("the store cannot be looked through for damage: %s", words(error))
+        self._check_at = time.monotonic() + CHECK_EVERY_S
+        if damage.trouble is None:
+            logger.warning("the store was looked through, and is whole")

@@ -1,0 +1,84 @@
+"""zenoh sessions: one way to open them, with the settings that measured behaviour asks for."""
+
+import json
+import logging
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import zenoh
+
+from service.messaging.access_control import StreamSecurity
+
+logger = logging.getLogger(__name__)
+
+ROUTER, PEER = "router", "peer"
+
+
+class StreamUnusable(RuntimeError):
+    """A zenoh session cannot be opened; the message says on which endpoints and why."""
+
+
+def open_session(
+    *, listen: list[str], connect: list[str], routes: bool = False, security: StreamSecurity | None = None
+) -> zenoh.Session:
+    """Open a session: a router where it listens or `routes`, else a peer that keeps trying its endpoints.
+
+    Two peers do not hear each other by way of a router between them: the service, which is heard through routers, routes.
+    security: certificates, and who may do what where it listens.
+    Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
+    """
+    config = zenoh.Config()
+    settings: dict[str, object] = {
+        # A client would block in `open` until a router answers, and could not be interrupted; a peer tries in background.
+        "mode": ROUTER if listen or routes else PEER,
+        "listen/endpoints": listen,
+        "connect/endpoints": connect,
+        "connect/timeout_ms": -1,
+        "connect/exit_on_failure": False,
+        "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2},
+        "listen/exit_on_failure": True,
+        "scouting/multicast/enabled": False,
+        # Shared memory loses samples of a lagging receiver without a sign.
+        "transport/shared_memory/enabled": False,
+    }
+    if not connect:
+        # A router waits so long before `open` returns, for those that it could find.
+        settings["scouting/delay"] = 0
+    settings |= {} if security is None else security.configuration()
+    try:
+        for name, value in settings.items():
+            config.insert_json5(name, json.dumps(value))
+        return zenoh.open(config)
+    except zenoh.ZError as error:
+        where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
+        # The library's message ends in places of its own source.
+        reason = re.sub(r" at /\S+\.rs:\d+\.?", "", str(error))
+        raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error
+
+
+def connected(session: zenoh.Session) -> bool:
+    """Tell whether any other node is connected."""
+    return bool(session.info.routers_zid() or session.info.peers_zid())
+
+
+def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Callable[[float], bool]) -> bool:
+    """Wait until the session is connected, saying so now and then. `give_up(seconds)` pauses and tells whether to stop."""
+    waited = 0.0
+    while not connected(session):
+        if waited % 5.0 < 0.2:
+            logger.warning("no zenoh peer at %s yet, still trying", ", ".join(endpoints))
+        if give_up(0.2):
+            return False
+        waited += 0.2
+    return True
+
+
+@contextmanager
+def session(*, listen: list[str], connect: list[str], security: StreamSecurity | None = None) -> Iterator[zenoh.Session]:
+    """Give a session that is closed in the end: one left open hangs the interpreter's exit."""
+    opened = open_session(listen=listen, connect=connect, security=security)
+    try:
+        yield opened
+    finally:
+        opened.close()

@@ -1,0 +1,113 @@
+"""The context that an assessment of a machine's newest runs is made from, and the assessment: see `service.monitoring.assess`."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from estimator.diagnosis.observation import ObservedFit
+from estimator.machine.document import Machine
+from estimator.machine.rules import Condition
+from estimator.trends.parameter_vector import Point
+from service.alerts.lifecycle import Severity
+from service.monitoring.limits import Limits
+
+if TYPE_CHECKING:
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize
+    from service.monitoring.rate_of_change import RateFinding
+
+Conditions = Mapping[str, float | None]
+"""Mean of each operating condition over a run by name; None where it was not measured."""
+
+
+@dataclass(frozen=True)
+class AssessedRun:
+    """An identification of one run. fit: its result; measured_at: [ns]."""
+
+    id: int
+    measured_at: int
+    conditions: Conditions
+    fit: ObservedFit
+
+
+@dataclass(frozen=True)
+class BaselineHistory:
+    """Runs behind a baseline, oldest first. times: [weeks since 1970]. conditions: of the machine, that parameters may follow.
+
+    baseline, after: the parameters that each run determined, and its operating conditions.
+    """
+
+    conditions: Sequence[Condition]
+    baseline: Sequence[tuple[Point, Conditions]]
+    times: Sequence[float]
+    after: Sequence[tuple[Point, Conditions]]
+
+
+@dataclass(frozen=True)
+class AssessmentBasis:
+    """What a person may change while an assessment is made: the baseline and the limits in force, by number."""
+
+    baseline_id: int | None
+    limits_version: int | None
+
+
+@dataclass(frozen=True)
+class AssessmentContext:
+    """Everything that an assessment needs to know of a machine.
+
+    baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
+    alerts of a diagnosis. history: None where rates of change are not assessed; open_rates: severity of the open alerts of
+    that rule by element.
+    """
+
+    machine: Machine
+    limits: Limits
+    basis: AssessmentBasis
+    baseline: tuple[AssessedRun, ...]
+    after: tuple[AssessedRun, ...]
+    open_causes: tuple[tuple[str, str], ...]
+    history: BaselineHistory | None
+    open_rates: Mapping[str, Severity]
+
+
+@dataclass(frozen=True)
+class DiagnosedCause:
+    """A cause, its runners-up as an explanation, its size and form, and the units of its changes by name.
+
+    began_at, began: time [ns] and identification of the run with which it most probably began.
+    """
+
+    cause: "Cause"
+    runners_up: tuple["Cause", ...]
+    size: "ChangeSize"
+    form: str | None
+    units: Mapping[str, str | None]
+    began_at: int
+    began: int
+
+
+@dataclass(frozen=True)
+class MachineDiagnosis:
+    """Causes of a machine's change against its baseline.
+
+    baseline: ids of the identifications that it rests on. gone: the `open_causes` of the context that are no longer there.
+    """
+
+    baseline: tuple[int, ...]
+    causes: tuple[DiagnosedCause, ...]
+    gone: frozenset[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class RateAssessment:
+    """Parameters that change too fast. gone: elements of the context's `open_rates` that no longer do."""
+
+    findings: tuple["RateFinding", ...]
+    gone: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The assessment of a machine. diagnosis, rates: None where nothing can be said."""
+
+    diagnosis: MachineDiagnosis | None
+    rates: RateAssessment | None

@@ -1,0 +1,141 @@
+"""Loading what an assessment needs to know: the machine's state, and the context that a worker assesses it from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from estimator.machine.document import Machine
+from estimator.trends.parameter_vector import Point
+from service.alerts.lifecycle import Severity
+from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, BaselineHistory, Conditions
+from service.monitoring.comparison import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
+from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
+from service.monitoring.limits_in_force import limits_of
+from storage.alerts import alerts
+from storage.clock import now
+from storage.findings import identifications, jobs
+from storage.machines import baselines, limits, machines
+from storage.tables import AlertRow, IdentificationRow, LimitsRow
+
+LOOKED_BACK = 60
+"""Newest identifications of single runs that are assessed: enough to find when a change began, and for delays of up to 20."""
+
+
+@dataclass(frozen=True)
+class MonitoringState:
+    """A machine as an identification of one of its runs finds it.
+
+    terms: on which terms the run is compared. current: whether the run shows the machine as it is: the newest of its kind,
+    under the document and the baseline in force now.
+    """
+
+    terms: ComparisonTerms
+    limits: LimitsRow | None
+    current: bool
+    open_alerts: Sequence[AlertRow]
+
+    @property
+    def basis(self) -> AssessmentBasis:
+        """The baseline that a person began, and the limits that one set, as they are in force."""
+        began, chosen = self.terms.began, self.limits
+        return AssessmentBasis(None if began is None else began.id, None if chosen is None else chosen.version)
+
+
+def load_state(session: Session, stored: IdentificationRow) -> MonitoringState:
+    """Read the state of an identification's machine. Raises MachineUnknown."""
+    terms = terms_of(session, stored)
+    return MonitoringState(
+        terms=terms,
+        limits=limits.in_force(session, stored.machine_id),
+        current=_is_current(session, terms),
+        open_alerts=alerts.open_alerts(session, stored.machine_id),
+    )
+
+
+def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> AssessmentContext | None:
+    """Read the context of an assessment after an identification was stored; None for one that no trend follows."""
+    if stored.scope != jobs.RUN:
+        return None
+    machine = machines.document(session, stored.machine_id, stored.revision)
+    state = load_state(session, stored)
+    terms = state.terms
+    baseline, wanted = baseline_of(session, stored.machine_id, terms.like, terms.began, baseline_runs=baseline_runs)
+    before, after = _runs(session, terms, baseline, wanted)
+    return AssessmentContext(
+        machine=machine,
+        limits=limits_of(state.limits),
+        basis=state.basis,
+        baseline=before,
+        after=after,
+        open_causes=tuple(
+            (kind, one.element)
+            for one in state.open_alerts
+            if one.rule in DIAGNOSIS_RULES and is_finding(kind := diagnosed_kind(one))
+        ),
+        history=_history(session, machine, state, baseline, wanted),
+        open_rates={one.element: Severity(one.severity) for one in state.open_alerts if one.rule == RATE_OF_CHANGE.name},
+    )
+
+
+def diagnosed_kind(alert: AlertRow) -> str:
+    """Return the kind of cause that an alert of a diagnosis speaks of."""
+    return str(alert.evidence.get("kind", alert.rule))
+
+
+def _is_current(session: Session, terms: ComparisonTerms) -> bool:
+    stored = terms.identification
+    newest = machines.get(session, stored.machine_id).revision
+    revisions: Sequence[int] = terms.like.revisions
+    if newest != stored.revision:
+        revisions = machines.comparable(session, stored.machine_id, newest)
+    if stored.revision not in revisions:
+        return False
+    today = baselines.in_force(session, stored.machine_id, at=now())
+    return today is terms.began and identifications.is_newest(session, stored)
+
+
+def _runs(
+    session: Session, terms: ComparisonTerms, baseline: Sequence[IdentificationRow], wanted: int
+) -> tuple[tuple[AssessedRun, ...], tuple[AssessedRun, ...]]:
+    """Read the baseline and the newest runs up to an identification, accepted or not.
+
+    None of them while the baseline is incomplete, where the run is part of it or covers other speeds, or where an older
+    release identified: that says nothing of the channels.
+    """
+    stored = terms.identification
+    rows = compared_with(session, terms, baseline, wanted, accepted=False, longest=LOOKED_BACK)
+    before = _assessed_runs(rows.baseline)
+    if not len(before) == rows.wanted > 0:
+        return (), ()
+    complete = rows.baseline[-1].measured_at
+    # What was refused while the baseline was gathered is not the newest of anything.
+    after = _assessed_runs([row for row in rows.after if row.accepted or row.measured_at > complete])
+    return (before, after) if after and after[-1].id == stored.id else ((), ())
+
+
+def _assessed_runs(rows: Sequence[IdentificationRow]) -> tuple[AssessedRun, ...]:
+    fitted = [(row, fit) for row in rows if (fit := identifications.fit(row)) is not None]
+    return tuple(AssessedRun(row.id, row.measured_at, row.conditions or {}, fit) for row, fit in fitted)
+
+
+def _history(
+    session: Session, machine: Machine, state: MonitoringState, baseline: Sequence[IdentificationRow], wanted: int
+) -> BaselineHistory | None:
+    """Read what rates of change are assessed from; None where the run is refused, or does not show the machine as it is."""
+    if not state.terms.identification.accepted or not state.current:
+        return None
+    rows = compared_with(session, state.terms, baseline, wanted, longest=LOOKED_BACK)
+    if rows.missing is not None:
+        return None
+    return BaselineHistory(
+        conditions=machine.conditions,
+        baseline=_points(session, rows.baseline) if machine.conditions else [],
+        times=[row.measured_at / WEEK for row in rows.after],
+        after=_points(session, rows.after),
+    )
+
+
+def _points(session: Session, rows: Sequence[IdentificationRow]) -> list[tuple[Point, Conditions]]:
+    known = identifications.points(session, rows)
+    return [(known[row.id], row.conditions or {}) for row in rows if row.id in known]

@@ -1,0 +1,79 @@
+"""New baselines: after a maintenance the machine is another one, and what was said of the old one no longer holds."""
+
+from sqlalchemy.orm import Session
+
+from estimator.errors import Conflict, Invalid
+from estimator.machine.document import Machine
+from service.alerts import transitions
+from storage.alerts import alerts
+from storage.clock import TOLERANCE, now
+from storage.findings import identifications
+from storage.machines import baselines, machines, timeline
+from storage.tables import BaselineRow, RevisionRow, TimelineRow
+
+MAINTENANCE = "maintenance"
+FEWEST_NAMED = 3
+"""Fewer identifications say nothing about their scatter."""
+
+
+class BaselineRefused(Conflict):
+    """The named identifications make no baseline; the message says why."""
+
+
+class NotYet(Invalid):
+    """A baseline would begin in the future: until then the machine is the old one."""
+
+
+def begin(
+    session: Session,
+    machine_id: str,
+    *,
+    since: int,
+    reason: str,
+    by: str,
+    identification_ids: list[int] | None = None,
+) -> BaselineRow:
+    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused, NotYet."""
+    if since > now() + TOLERANCE:
+        raise NotYet("a baseline begins when the work is done, not in the future: say it then, and note the plan as a note")
+    if identification_ids is not None:
+        _require(session, machine_id, identification_ids)
+    row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
+    for alert in alerts.open_alerts(session, machine_id):
+        # Where it begins in the past, runs behind that were compared with what no longer counts.
+        if alert.measured_at < since or baselines.in_force(session, machine_id, at=alert.measured_at) is row:
+            transitions.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
+    return row
+
+
+def revise(session: Session, machine: Machine) -> RevisionRow:
+    """Put a document in force; where it describes the machine otherwise, clear the alerts that rested on the one before.
+
+    Raises MachineUnknown, PlantChanged.
+    """
+    before = machines.get(session, machine.id).revision
+    row = machines.revise(session, machine)
+    if before not in machines.comparable(session, machine.id, row.revision):
+        for alert in alerts.open_alerts(session, machine.id):
+            comment = f"a new baseline begins: revision {row.revision} describes the machine otherwise"
+            transitions.clear_alert(session, alert, comment=comment)
+    return row
+
+
+def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
+    """Put an entry on the timeline; a maintenance begins a baseline. Raises NotYet."""
+    row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
+    if kind == MAINTENANCE:
+        begin(session, machine_id, since=at, reason=text, by=by)
+    return row
+
+
+def _require(session: Session, machine_id: str, ids: list[int]) -> None:
+    if len(set(ids)) < FEWEST_NAMED:
+        raise BaselineRefused(f"{len(set(ids))} identifications are named: at least {FEWEST_NAMED} make a baseline")
+    for number in ids:
+        row = identifications.get(session, number)
+        if row.machine_id != machine_id:
+            raise BaselineRefused(f"identification {number} is of machine '{row.machine_id}', not of '{machine_id}'")
+        if not row.accepted:
+            raise BaselineRefused(f"identification {number} was not accepted: {row.verdict}")

@@ -1,0 +1,126 @@
+"""Comparison of an identification with the baseline in force: the identifications of the baseline, and the runs since."""
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from storage.findings import identifications
+from storage.findings.identifications import Like
+from storage.machines import baselines, machines
+from storage.tables import BaselineRow, IdentificationRow
+
+ALIKE = 0.5
+"""Two runs are compared when the speeds that both cover are at least this part of those that either covers."""
+LONGEST_HISTORY = 520
+"""Newest runs behind a baseline that trends are tested over: ten years of one a week."""
+WEEK = 7 * 86_400 * 1_000_000_000
+"""[ns]"""
+
+
+@dataclass(frozen=True)
+class ComparisonTerms:
+    """The terms on which an identification of a single run is compared.
+
+    began: who began the baseline in force and why; None for the machine's first runs. like: what is comparable, under
+    revisions of the document that describe the same machine, of the same kind of run, with the same slow-roll vectors, behind
+    the beginning of the baseline.
+    """
+
+    identification: IdentificationRow
+    began: BaselineRow | None
+    like: Like
+
+
+@dataclass(frozen=True)
+class Compared:
+    """An identification, the runs that are its machine's baseline and those that came after it, oldest first.
+
+    began: who began the baseline and why; None for the machine's first runs. wanted: identifications that make it. after:
+    alike and up to the identification, which is the last one unless it belongs to the baseline.
+    """
+
+    identification: IdentificationRow
+    began: BaselineRow | None
+    wanted: int
+    baseline: Sequence[IdentificationRow]
+    after: Sequence[IdentificationRow]
+
+    @property
+    def missing(self) -> str | None:
+        """Why there is nothing to compare yet; None when there is."""
+        number = self.identification.id
+        if len(self.baseline) < self.wanted:
+            return f"the baseline has {len(self.baseline)} of {self.wanted} identifications"
+        if number in {row.id for row in self.baseline}:
+            return f"identification {number} is part of the baseline"
+        if not self.after or self.after[-1].id != number:
+            why = "not accepted, identified again, dated in the future, or of other speeds than the baseline"
+            return f"identification {number} does not count: {why}"
+        return None
+
+
+def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
+    """Read on which terms an identification is compared. Raises MachineUnknown."""
+    began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    like = Like(
+        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
+        run_kind=stored.run_kind,
+        slow_roll_version=stored.slow_roll_version,
+        since=0 if began is None else began.since,
+    )
+    return ComparisonTerms(stored, began, like)
+
+
+def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:
+    """Read the accepted runs that an identification of a single run is compared with."""
+    terms = terms_of(session, stored)
+    first, wanted = baseline_of(session, stored.machine_id, terms.like, terms.began, baseline_runs=baseline_runs)
+    return compared_with(session, terms, first, wanted)
+
+
+def compared_with(
+    session: Session,
+    terms: ComparisonTerms,
+    baseline: Sequence[IdentificationRow],
+    wanted: int,
+    *,
+    accepted: bool = True,
+    longest: int = LONGEST_HISTORY,
+) -> Compared:
+    """Read the runs between a baseline and an identification, over about the same speeds.
+
+    baseline, wanted: as of `baseline_of`. accepted: only such runs come after the baseline; otherwise the refused ones as
+    well. longest: at most so many of them.
+    """
+    stored, known = terms.identification, {row.id for row in baseline}
+    newest = identifications.newest(
+        session, stored.machine_id, terms.like, limit=longest + wanted, last=stored.measured_at, accepted=accepted
+    )
+    after = [row for row in reversed(newest) if row.id not in known]
+    if terms.began is None and baseline:
+        # What was refused before the machine's first good run belongs to nothing.
+        after = [row for row in after if row.measured_at >= baseline[0].measured_at]
+    after = [row for row in after if alike_speeds(row, baseline)]
+    return Compared(stored, terms.began, wanted, baseline, after[-longest:])
+
+
+def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
+    """Whether a run covers about the speeds of the baseline's: a sweep of a few speeds sees another part of the machine."""
+    if not baseline:
+        return True
+    lowest = statistics.median(one.speed_minimum for one in baseline)
+    highest = statistics.median(one.speed_maximum for one in baseline)
+    both = min(row.speed_maximum, highest) - max(row.speed_minimum, lowest)
+    either = max(row.speed_maximum, highest) - min(row.speed_minimum, lowest)
+    return either <= 0.0 or both >= ALIKE * either
+
+
+def baseline_of(
+    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
+) -> tuple[Sequence[IdentificationRow], int]:
+    """The identifications that make a baseline so far, oldest first, and how many it needs."""
+    if began is None or began.identification_ids is None:
+        return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
+    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))

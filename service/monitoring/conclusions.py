@@ -1,0 +1,204 @@
+"""Applying an assessment: the diagnosis that is kept, and the alerts that are opened, updated or cleared.
+
+`conclusions` is a pure function of the context, the assessment and the machine's state now; `apply` reads and writes.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import TYPE_CHECKING
+
+from sqlalchemy.orm import Session
+
+from service.alerts import transitions
+from service.alerts.lifecycle import Severity
+from service.alerts.transitions import AlertFinding
+from service.monitoring.assessment import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
+from service.monitoring.assessment_context import MonitoringState, diagnosed_kind
+from service.monitoring.diagnosis_rules import cause_severity
+from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule
+from service.monitoring.finding_text import Statement
+from service.monitoring.limits import Limits
+from storage.clock import from_datetime
+from storage.findings import derived, diagnoses
+from storage.tables import AlertRow, IdentificationRow
+
+if TYPE_CHECKING:
+    from service.monitoring.rate_of_change import RateFinding
+
+
+@dataclass(frozen=True)
+class RaisedAlert:
+    """An alert to be opened or brought up to date."""
+
+    rule: str
+    element: str
+    finding: AlertFinding
+
+
+@dataclass(frozen=True)
+class Conclusions:
+    """Consequences of an assessment. statements: of the diagnosis, None where there is none.
+
+    changes: alerts to be raised, and those to be cleared, in their order; alerts of rates come first.
+    """
+
+    statements: Sequence[Statement] | None
+    changes: Sequence[RaisedAlert | AlertRow]
+
+
+def apply(
+    session: Session,
+    stored: IdentificationRow,
+    context: AssessmentContext,
+    assessment: Assessment,
+    state: MonitoringState,
+) -> None:
+    """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: as it is now."""
+    forces = _forces(session, stored, assessment.diagnosis)
+    found = conclusions(context, assessment, state, forces)
+    if assessment.diagnosis is not None and found.statements is not None:
+        diagnoses.keep(
+            session,
+            stored,
+            baseline=list(assessment.diagnosis.baseline),
+            runs=max((len(one.cause.agreement) for one in assessment.diagnosis.causes), default=0),
+            causes=[one.evidence() for one in found.statements],
+        )
+    for change in found.changes:
+        if isinstance(change, RaisedAlert):
+            transitions.raise_alert(
+                session, stored.machine_id, rule=change.rule, element=change.element, finding=change.finding
+            )
+        else:
+            transitions.clear_alert(session, change)
+
+
+def conclusions(
+    context: AssessmentContext, assessment: Assessment, state: MonitoringState, forces: Mapping[str, float | None]
+) -> Conclusions:
+    """Conclude what an assessment changes. forces: force by element [N], of those whose finding has one.
+
+    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
+    """
+    diagnosis, changes = assessment.diagnosis, list[RaisedAlert | AlertRow]()
+    if assessment.rates is not None and state.current:
+        changes += _rate_changes(context.limits, assessment.rates, state)
+    if diagnosis is None:
+        return Conclusions(None, changes)
+    opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
+    statements = [_statement(one, forces, opened) for one in diagnosis.causes]
+    if state.current:
+        changes += _cause_changes(context.limits, diagnosis, statements, state, opened)
+    return Conclusions(statements, changes)
+
+
+def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagnosis | None) -> Mapping[str, float | None]:
+    causes = [] if diagnosis is None else [one.cause for one in diagnosis.causes]
+    named = {one.element: force for one in causes if (force := finding_rule(one.kind).force) is not None}
+    return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
+
+
+_Opened = Mapping[tuple[str, str], AlertRow]
+"""Open alerts by rule and element."""
+
+
+def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened: _Opened) -> Statement:
+    cause = found.cause
+    since, first = _since(found, opened)
+    force = None if finding_rule(cause.kind).force is None else forces[cause.element]
+    return Statement(cause, found.runners_up, found.size, since, first, force, found.form, found.units)
+
+
+def _since(found: DiagnosedCause, opened: _Opened) -> tuple[int, int]:
+    """Return when the first run that shows a cause was measured [ns], and that run's identification.
+
+    Never later than its open alert says: against a change that has grown, the runs with which it began look like healthy ones.
+    """
+    cause = found.cause
+    known = opened.get((finding_rule(cause.kind).rule.name, cause.element))
+    if known is None or known.evidence.get("kind") != cause.kind:
+        return found.began_at, found.began
+    since = from_datetime(datetime.fromisoformat(known.evidence["since"]))
+    return min((found.began_at, found.began), (since, int(known.evidence["first_identification"])))
+
+
+def _cause_changes(
+    limits: Limits,
+    diagnosis: MachineDiagnosis,
+    statements: Sequence[Statement],
+    state: MonitoringState,
+    opened: _Opened,
+) -> list[RaisedAlert | AlertRow]:
+    stored, baseline = state.terms.identification, list(diagnosis.baseline)
+    raised = [alert for one in statements if (alert := _raised(one, stored, limits, baseline, opened)) is not None]
+    updated = {(one.rule, one.element) for one in raised}
+    cleared = [
+        alert
+        for alert in state.open_alerts
+        if alert.rule in DIAGNOSIS_RULES
+        and (alert.rule, alert.element) not in updated
+        and (diagnosed_kind(alert), alert.element) in diagnosis.gone
+        and _may_clear(alert, stored)
+    ]
+    return [*raised, *cleared]
+
+
+def _raised(
+    one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int], opened: _Opened
+) -> RaisedAlert | None:
+    """Return the alert of a cause that reaches a limit. baseline: ids of what it was compared with."""
+    rule, element = finding_rule(one.cause.kind).rule, one.cause.element
+    present = opened.get((rule.name, element))
+    severity = cause_severity(
+        limits,
+        kind=one.cause.kind,
+        element=element,
+        sigma=one.cause.distance,
+        per_cent=one.size.per_cent,
+        force=one.force,
+        present=None if present is None else Severity(present.severity),
+    )
+    if severity is None:
+        return None
+    finding = AlertFinding(
+        message=one.words(),
+        evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind, "baseline": baseline},
+        identification_id=stored.id,
+        measured_at=stored.measured_at,
+        severity=severity,
+        latching=rule.limits is not None and limits.rule(rule.name, element).latching,
+    )
+    return RaisedAlert(rule.name, element, finding)
+
+
+def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
+    # A hot run-down may show what a cold run-up does not: only the kind of run that showed it can take it back.
+    return alert.evidence.get("run_kind") == stored.run_kind
+
+
+def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState) -> list[RaisedAlert | AlertRow]:
+    """Return the alerts of elements that change too fast, whatever the size of the change so far, and those to be cleared."""
+    stored = state.terms.identification
+    rule = RATE_OF_CHANGE.name
+    raised = [_raised_rate(one, stored, latching=limits.rule(rule, one.element).latching) for one in rates.findings]
+    cleared = [
+        alert
+        for alert in state.open_alerts
+        if alert.rule == rule and alert.element in rates.gone and _may_clear(alert, stored)
+    ]
+    return [*raised, *cleared]
+
+
+def _raised_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
+    evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
+    evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
+    finding = AlertFinding(
+        message=one.message,
+        evidence=evidence | {"identification": stored.id, "run_kind": stored.run_kind},
+        identification_id=stored.id,
+        measured_at=stored.measured_at,
+        severity=one.severity,
+        latching=latching,
+    )
+    return RaisedAlert(RATE_OF_CHANGE.name, one.element, finding)

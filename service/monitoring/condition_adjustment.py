@@ -1,0 +1,35 @@
+"""What identifications determined, as under the mean operating conditions of the baseline that they are compared with."""
+
+from collections.abc import Sequence
+
+from sqlalchemy.orm import Session
+
+from estimator.trends.covariates import Adjustment, adjustment
+from estimator.trends.parameter_vector import Point
+from estimator.trends.trend_tests import Reading
+from service.monitoring.comparison import WEEK, Compared
+from storage.findings import identifications
+from storage.machines import machines
+from storage.tables import IdentificationRow
+
+
+def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
+    """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
+    known = identifications.points(session, rows)
+    adjusted = like_conditions(session, found).adjusted
+    return [adjusted(known[row.id], row.conditions or {}) for row in rows]
+
+
+def like_conditions(session: Session, found: Compared) -> Adjustment:
+    """How parameters followed the operating conditions over the baseline; adjusts nothing where too little was measured."""
+    row = found.identification
+    conditions = machines.document(session, row.machine_id, row.revision).conditions
+    known = identifications.points(session, found.baseline) if conditions else {}
+    baseline = [one for one in found.baseline if one.id in known]
+    return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
+
+
+def readings(session: Session, found: Compared) -> list[Reading]:
+    """The runs after the baseline at their times [weeks since 1970]. Of several measured at one time the last counts."""
+    by_time = dict(zip([row.measured_at for row in found.after], points(session, found, found.after), strict=True))
+    return [Reading(moment / WEEK, point) for moment, point in by_time.items()]

@@ -1,0 +1,37 @@
+"""How patient the alerts of a diagnosis are, and how severe a cause is: by the limits of the rule that speaks of it."""
+
+from service.alerts.lifecycle import Severity
+from service.monitoring.finding_rules import finding_rule
+from service.monitoring.limits import Limits, severity_of
+
+UNLIMITED_DELAY = 2
+"""Runs in a row after which a finding without limits is an alert, and good ones after which it is none."""
+
+
+def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
+    """Return how many runs in a row open and clear an alert of a kind of finding."""
+    rule = finding_rule(kind).rule
+    if rule.limits is None:
+        return UNLIMITED_DELAY, UNLIMITED_DELAY
+    chosen = limits.rule(rule.name, element)
+    return chosen.on_delay, chosen.off_delay
+
+
+def cause_severity(
+    limits: Limits,
+    *,
+    kind: str,
+    element: str,
+    sigma: float,
+    per_cent: float | None,
+    force: float | None,
+    present: Severity | None,
+) -> Severity | None:
+    """Return how severe a cause is; None while it reaches no limit. sigma: standard deviations of its change.
+
+    per_cent: its size, None where it has none. force: in the coupling [N]. present: severity that its alert has so far.
+    """
+    rule = finding_rule(kind).rule
+    if rule.limits is None or per_cent is None:
+        return Severity.ALERT
+    return severity_of(limits, rule.name, sigma=sigma, per_cent=per_cent, force=force, present=present, element=element)

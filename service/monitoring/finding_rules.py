@@ -1,0 +1,248 @@
+"""The findings that people are told of, each declared once: the alert rule that speaks of it, its limits and its sentence.
+
+`FINDING_RULES` has one declaration for each of `estimator.diagnosis.finding_kinds.FINDING_KINDS`; the module is not imported without.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
+from service.monitoring.limit_rule import Level, Quantity, Rule
+
+if TYPE_CHECKING:
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize, ElementKind
+
+
+class SizedCause(Protocol):
+    """A cause with its size, and its form where the data tell it."""
+
+    @property
+    def cause(self) -> "Cause":
+        """The cause."""
+
+    @property
+    def size(self) -> "ChangeSize":
+        """Its size."""
+
+    @property
+    def form(self) -> str | None:
+        """Its form, such as `parallel`."""
+
+
+@dataclass(frozen=True)
+class AlertRule:
+    """Rule by which alerts are raised. Raises ValueError where its parts contradict each other.
+
+    limits: in force where a person has set nothing else; None where the finding has no size: it is always an alert, never a
+    danger. quantities: those that its levels may name. deviations: kinds of elements whose deviations of single parameters are
+    measured by it as well. elements: kinds of elements that it concerns beside those of its findings.
+    """
+
+    name: str
+    limits: Rule | None = None
+    quantities: tuple[Quantity, ...] = ()
+    deviations: tuple["ElementKind", ...] = ()
+    elements: tuple["ElementKind", ...] = ()
+
+    def __post_init__(self) -> None:
+        if (self.limits is None) != (not self.quantities):
+            raise ValueError(f"alert rule '{self.name}' needs both limits and quantities that they may name, or neither")
+        if self.limits is not None:
+            self.require_quantities(self.limits)
+
+    def require_quantities(self, rule: Rule) -> None:
+        """Raise ValueError for a level that names a quantity which this rule does not have."""
+        for level_name, level in (("alert", rule.alert), ("danger", rule.danger)):
+            for quantity in level.named if level is not None else ():
+                if quantity not in self.quantities:
+                    raise ValueError(
+                        f"{level_name}.{quantity} is no limit of {self.name}: it has {', '.join(self.quantities)}"
+                    )
+
+
+@dataclass(frozen=True)
+class FindingRule:
+    """Declaration of what people are told of one kind of finding. Raises ValueError where a part is missing.
+
+    sentence: says what has happened, to go before "against the baseline, since …". force: the derived value of the element,
+    such as `misalignment_force`, that is its force [N]; needed where the rule's levels may name a force.
+    """
+
+    kind: str
+    rule: AlertRule
+    sentence: Callable[[SizedCause], str]
+    force: str | None = None
+
+    def __post_init__(self) -> None:
+        if "force" in self.rule.quantities and self.force is None:
+            raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
+
+
+# --- sentences ---------------------------------------------------------------------------------------------------------------
+
+
+def _misalignment_sentence(one: SizedCause) -> str:
+    quantities = one.size.quantities.items()
+    stiffnesses = [(name, value) for name, value in quantities if name.endswith("stiffness_per_cent")]
+    parts = [f"{name.rsplit('.', 1)[0]} {value:+.0f} %" for name, value in stiffnesses]
+    form = f" ({one.form})" if one.form else ""
+    return f"Coupling {_id(one)} is going out of alignment{form}: stiffness {', '.join(parts)}"
+
+
+def _element_sentence(one: SizedCause) -> str:
+    parts = [
+        f"{name.rsplit('.', 1)[1].removesuffix('_per_cent')} {value:+.0f} %" for name, value in one.size.quantities.items()
+    ]
+    return f"{one.cause.element.split('.')[0].capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
+
+
+def _unbalance_sentence(one: SizedCause) -> str:
+    q = one.size.quantities
+    return (
+        f"The unbalance of disc {_id(one)} has changed by {rounded(q['change_g_mm'], 3)} g·mm at {q['change_deg']:.0f}°, "
+        f"from {rounded(q['before_g_mm'], 3)} to {rounded(q['after_g_mm'], 3)} g·mm"
+    )
+
+
+def _sensor_sentence(one: SizedCause) -> str:
+    if not one.cause.names:
+        return f"Probe {_id(one)} gives no usable phasors any more"
+    q = one.size.quantities
+    return f"Probe {_id(one)} or its chain reads differently: gain {q['gain_per_cent']:+.0f} %, phase {q['phase_deg']:+.0f}°"
+
+
+def _run_out_sentence(one: SizedCause) -> str:
+    return f"The run-out at probe {_id(one)} has changed by {_largest(one)}"
+
+
+def _bow_sentence(one: SizedCause) -> str:
+    return f"The bow, or the run-out at all probes, of shaft {_id(one)} has changed by {_largest(one)}"
+
+
+def _misfit_sentence(_one: SizedCause) -> str:
+    return "No fit explains the machine's newest runs: its model does not hold any more, or its data are wrong"
+
+
+def _outliers_sentence(_one: SizedCause) -> str:
+    return "Many single phasors of the newest runs do not fit and are left out: look at cables, connections and interference"
+
+
+def _largest(one: SizedCause) -> str:
+    return f"{rounded(one.size.quantities['largest_um'], 2)} µm"
+
+
+def _id(one: SizedCause) -> str:
+    return one.cause.element.split(".", 1)[1]
+
+
+def rounded(value: float, digits: int) -> str:
+    """Return a number to so many digits, written out: people read these, and nobody reads 1.3e+04 g·mm aloud."""
+    shown = float(f"{value:.{digits}g}")
+    decimals = 0 if shown == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown))))
+    return f"{shown:.{decimals}f}"
+
+
+# --- alert rules; where the limits come from stands beside them --------------------------------------------------------------
+
+MISALIGNMENT = AlertRule(
+    "misalignment",
+    # Thermal seasons move stiffnesses by some 2 %. The thesis's smallest misalignment raises natural frequencies by up to 2 %,
+    # hence stiffnesses by 4 % at least.
+    limits=Rule(alert=Level(sigma=3, per_cent=3), danger=Level(per_cent=15)),
+    quantities=("sigma", "per_cent", "force"),
+)
+BEARING = AlertRule(
+    "bearing",
+    # An oil film's stiffness and damping follow oil temperature and load more than a coupling's do.
+    limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
+    quantities=("sigma", "per_cent"),
+    deviations=("bearing", "seal"),
+)
+COUPLING = AlertRule(
+    "coupling",
+    limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
+    quantities=("sigma", "per_cent"),
+    deviations=("coupling",),
+)
+UNBALANCE = AlertRule(
+    "unbalance",
+    # ISO 20816-1 calls a change of a vibration vector by a quarter of the zone B limit significant.
+    limits=Rule(alert=Level(sigma=4, per_cent=25), danger=Level(per_cent=100)),
+    quantities=("sigma", "per_cent"),
+    deviations=("disc",),
+)
+RUN_OUT = AlertRule(
+    "run_out",
+    limits=Rule(alert=Level(sigma=4, per_cent=25)),
+    quantities=("sigma", "per_cent"),
+    deviations=("shaft",),
+)
+SENSOR = AlertRule(
+    "sensor",
+    # API 670 allows a probe's scale factor 5 %. A wrong sensor is no danger to the machine.
+    limits=Rule(alert=Level(sigma=4, per_cent=5)),
+    quantities=("sigma", "per_cent"),
+    deviations=("probe",),
+)
+RATE_OF_CHANGE = AlertRule(
+    "rate_of_change",
+    # Seasons drift by 0.25 % a week at their steepest.
+    limits=Rule(alert=Level(rate_per_cent_per_week=0.5), danger=Level(rate_per_cent_per_week=2)),
+    quantities=("rate_per_cent_per_week",),
+    elements=("bearing", "seal", "coupling", "disc"),
+)
+"""Of parameters that drift too fast, whatever the diagnosis says: see `service.monitoring.rate_of_change`."""
+
+FINDING_RULES: tuple[FindingRule, ...] = (
+    FindingRule("misalignment", MISALIGNMENT, _misalignment_sentence, force="misalignment_force"),
+    FindingRule("bearing", BEARING, _element_sentence),
+    FindingRule("coupling", COUPLING, _element_sentence),
+    FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
+    FindingRule("bow", RUN_OUT, _bow_sentence),
+    FindingRule("run_out", RUN_OUT, _run_out_sentence),
+    FindingRule("sensor", SENSOR, _sensor_sentence),
+    FindingRule("misfit", AlertRule("misfit"), _misfit_sentence),
+    FindingRule("outliers", AlertRule("outliers"), _outliers_sentence),
+)
+
+
+def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> Mapping[str, FindingRule]:
+    """Return declarations by kind. Raises ValueError unless there is exactly one for each kind of finding."""
+    found = {one.kind: one for one in declared}
+    if len(found) < len(declared):
+        raise ValueError(f"a finding is declared twice: {', '.join(one.kind for one in declared)}")
+    missing, unknown = sorted(set(kinds) - set(found)), sorted(set(found) - set(kinds))
+    if missing:
+        raise ValueError(f"findings without sentence and alert rule in FINDING_RULES: {', '.join(missing)}")
+    if unknown:
+        raise ValueError(f"FINDING_RULES has what is no kind of finding of the estimator: {', '.join(unknown)}")
+    return found
+
+
+_BY_KIND = require_complete(FINDING_RULES, [one.kind for one in FINDING_KINDS])
+
+
+def finding_rule(kind: str) -> FindingRule:
+    """Return what is declared of a kind of finding. Raises KeyError where there is none."""
+    return _BY_KIND[kind]
+
+
+def is_finding(kind: str) -> bool:
+    """Return whether there is such a kind of finding."""
+    return kind in _BY_KIND
+
+
+DIAGNOSIS_RULES = {one.rule.name: one.rule for one in FINDING_RULES}
+"""Alert rules by which a diagnosis speaks, by name."""
+LIMITED_RULES: Mapping[str, AlertRule] = {
+    name: rule for name, rule in (DIAGNOSIS_RULES | {RATE_OF_CHANGE.name: RATE_OF_CHANGE}).items() if rule.limits is not None
+}
+"""Alert rules that have limits, by name, in the order in which people are shown them."""
+
+
+def concerned_elements(rule: AlertRule) -> tuple["ElementKind", ...]:
+    """Return the kinds of elements that a rule concerns."""
+    of_findings = (kind for one in FINDING_RULES if one.rule is rule for kind in finding_kind(one.kind).elements)
+    return tuple(dict.fromkeys((*of_findings, *rule.elements)))

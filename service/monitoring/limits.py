@@ -1,0 +1,171 @@
+"""Limits that a person sets for a machine: when a finding is an alert, when it is a danger, and how patient both are.
+
+Whatever a document leaves out is as in the defaults, which `service.monitoring.finding_rules` declares; they are starting points.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+from pydantic import ConfigDict, Field, ValidationInfo, create_model, field_validator
+
+from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from estimator.strict_model import Written
+from service.alerts.lifecycle import Severity
+from service.monitoring.finding_rules import LIMITED_RULES, concerned_elements
+from service.monitoring.limit_rule import Rule
+
+RULES = tuple(LIMITED_RULES)
+if TYPE_CHECKING:
+    RuleName = str
+else:
+    RuleName = Literal[RULES]
+DEFAULTS: Mapping[str, Rule] = {name: one.limits for name, one in LIMITED_RULES.items() if one.limits is not None}
+"""In force where a person has set nothing else."""
+
+
+def _deviation_rules() -> Mapping[str, str]:
+    found: dict[str, str] = {}
+    for rule in LIMITED_RULES.values():
+        for kind in rule.deviations:
+            if kind in found:
+                raise ValueError(f"deviations of {kind} are measured by two rules, {found[kind]} and {rule.name}")
+            found[kind] = rule.name
+    return found
+
+
+DEVIATION_RULES = _deviation_rules()
+"""Name of the rule whose limits the deviations of each kind of element are measured by."""
+
+
+class LimitsRefused(Invalid):
+    """The limits do not suit the machine. `problems` holds what is wrong as (field, message)."""
+
+    def __init__(self, problems: list[tuple[str, str]]) -> None:
+        super().__init__("; ".join(f"{field}: {message}" for field, message in problems))
+        self.problems = problems
+
+    @property
+    def detail(self) -> str:
+        """Say what is wrong as a whole; `field_errors` has the rest."""
+        return "the limits do not suit the machine"
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Name each limit that does not suit, as a field of the question."""
+        return [(f"limits.{field}", message) for field, message in self.problems]
+
+
+_FIELDS: dict[str, Any] = {name: (Rule, Field(default=rule)) for name, rule in DEFAULTS.items()}
+_RuleFields: Any = create_model("_RuleFields", __base__=Written, **_FIELDS)
+"""Model with one field for each alert rule that has limits."""
+
+
+class Limits(_RuleFields, Written):
+    """All limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
+
+    model_config = ConfigDict(frozen=True)
+
+    elements: dict[str, dict[RuleName, Rule]] = Field(
+        default_factory=dict, description="whole rules for single elements, such as coupling.C1, in the place of the machine's"
+    )
+
+    @field_validator(*RULES, mode="before")
+    @classmethod
+    def _completed(cls, value: Any, info: ValidationInfo) -> Any:
+        """With the default fields for those that are left out."""
+        if not isinstance(value, dict) or info.field_name is None:
+            return value
+        return DEFAULTS[info.field_name].model_dump() | value
+
+    @field_validator(*RULES, mode="after")
+    @classmethod
+    def _suited(cls, rule: Rule, info: ValidationInfo) -> Rule:
+        if info.field_name is not None:
+            LIMITED_RULES[info.field_name].require_quantities(rule)
+        return rule
+
+    @field_validator("elements", mode="after")
+    @classmethod
+    def _each_suited(cls, elements: dict[str, dict[RuleName, Rule]]) -> dict[str, dict[RuleName, Rule]]:
+        for rules in elements.values():
+            for name, rule in rules.items():
+                LIMITED_RULES[name].require_quantities(rule)
+        return elements
+
+    def rule(self, name: RuleName, element: str | None = None) -> Rule:
+        """Return the rule in force for an element, or for the machine."""
+        own = self.elements.get(element, {}).get(name) if element is not None else None
+        machine_wide: Rule = getattr(self, name)
+        return own or machine_wide
+
+
+def severity_of(
+    limits: Limits,
+    rule: RuleName,
+    *,
+    sigma: float | None = None,
+    per_cent: float | None = None,
+    force: float | None = None,
+    rate: float | None = None,
+    present: Severity | None = None,
+    element: str | None = None,
+) -> Severity | None:
+    """Return how severe a change is; None while it reaches no limit. What is not known is None and reaches nothing.
+
+    sigma: standard deviations. per_cent: of the baseline. force: in the coupling at running speed [N]. rate: [%/week]. All are
+    taken by their magnitude. present: of the open alert, None without one: a level that was reached is left only below the
+    hysteresis. element: such as `coupling.C1`, where it may have limits of its own.
+    """
+    chosen = limits.rule(rule, element)
+    found = {"sigma": sigma, "per_cent": per_cent, "force": force, "rate_per_cent_per_week": rate}
+    for severity, level in ((Severity.DANGER, chosen.danger), (Severity.ALERT, chosen.alert)):
+        held = present is not None and present >= severity
+        part = 1.0 - chosen.hysteresis if held else 1.0
+        if level is None:
+            continue
+        # What is too uncertain to be an alert is no danger either.
+        needed = chosen.alert.sigma if level.sigma is None else level.sigma
+        if level.reached(found, sigma=needed, part=part):
+            return severity
+    return None
+
+
+def deviation_rule(element: str) -> RuleName | None:
+    """Return the rule whose limits deviations of an element, such as `bearing.B1`, are measured by; None for none."""
+    return DEVIATION_RULES.get(element.split(".", 1)[0])
+
+
+def require_suited(limits: Limits, machine: Machine) -> None:
+    """Raise LimitsRefused for limits that a machine cannot have."""
+    problems = [*_element_problems(limits, machine), *_force_problems(limits, machine)]
+    if problems:
+        raise LimitsRefused(problems)
+
+
+def _element_problems(limits: Limits, machine: Machine) -> Iterator[tuple[str, str]]:
+    concerned = {name: concerned_elements(rule) for name, rule in LIMITED_RULES.items()}
+    kinds = {kind for of_rule in concerned.values() for kind in of_rule}
+    known = [f"{kind}.{part.id}" for kind in sorted(kinds) for part in getattr(machine, _list_name(kind))]
+    for element, rules in limits.elements.items():
+        if element not in known:
+            yield f"elements.{element}", f"'{element}' is not an element of machine '{machine.id}': {', '.join(known)}"
+            continue
+        for name in rules:
+            if element.split(".", 1)[0] not in concerned[name]:
+                yield f"elements.{element}.{name}", f"{name} speaks of {' and '.join(map(_list_name, concerned[name]))}"
+
+
+def _force_problems(limits: Limits, machine: Machine) -> Iterator[tuple[str, str]]:
+    if machine.couplings:
+        return
+    for rule in LIMITED_RULES.values():
+        chosen = limits.rule(rule.name)
+        for name, level in (("alert", chosen.alert), ("danger", chosen.danger)):
+            if level is not None and level.force is not None:
+                yield f"{rule.name}.{name}.force", f"machine '{machine.id}' has no coupling that could carry a force"
+
+
+def _list_name(kind: str) -> str:
+    """Return the name of the document's list of such elements."""
+    return f"{kind}s"

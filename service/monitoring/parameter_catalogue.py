@@ -1,0 +1,59 @@
+"""Which parameters and derived quantities a machine can have, under newer revisions of its document, and in which units."""
+
+from collections.abc import Collection, Iterator
+
+from sqlalchemy.orm import Session
+
+from estimator.errors import Missing
+from estimator.machine.document import Machine
+from estimator.rotor.parameter_names import derived_unit, derived_units, in_words, parameter_units
+from storage.machines import machines
+
+MOST_REVISIONS = 20
+"""Newest ones that are looked at: of each the rotor is assembled (some 1 ms), and anybody can ask for any name."""
+
+
+class ParameterUnknown(Missing):
+    """None of the newest revisions of a machine's document has a parameter, or derived quantity, of that name."""
+
+    subject = "parameter"
+
+
+def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[str, str]:
+    """SI unit of each parameter or derived quantity, perhaps never identified; the newest revision that has it counts.
+
+    Raises MachineUnknown, ParameterUnknown.
+    """
+    found: dict[str, str] = {}
+    for document in _newest_first(session, machine_id):
+        left = [name for name in names if name not in found]
+        if not left:
+            break
+        parameters = parameter_units(document)
+        found |= {name: unit for name in left if (unit := parameters.get(name) or derived_unit(document, name))}
+    for name in names:
+        if name not in found:
+            there = _what_there_is(machines.document(session, machine_id), name)
+            raise ParameterUnknown(f"{name} of machine '{machine_id}': {there}")
+    return found
+
+
+def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
+    newest = machines.get(session, machine_id).revision
+    for number in range(newest, max(0, newest - MOST_REVISIONS), -1):
+        yield machines.document(session, machine_id, number)
+
+
+def _what_there_is(document: Machine, name: str) -> str:
+    """The names that the element has; where there is no such element, the elements."""
+    names = [*parameter_units(document), *map(in_words, derived_units(document))]
+    element = _element(name)
+    own = [one for one in names if _element(one) == element]
+    if own:
+        return f"{element} has {', '.join(own)}"
+    return f"it has {', '.join(dict.fromkeys(map(_element, names)))}"
+
+
+def _element(name: str) -> str:
+    """`bearing.B1` of `bearing.B1.kxx`; of what belongs to the whole train its kind, such as `critical_speed`."""
+    return ".".join(name.split(".")[:2]) if name.count(".") > 1 else name.partition(".")[0]

@@ -1,0 +1,169 @@
+"""Recall of sequence gaps: samples that were counted as lost while a source's log was away are asked for when it is back."""
+
+from dataclasses import dataclass
+
+import zenoh
+
+from service.journal.source_backoff import SourceBackoff
+from service.recovery import log_queries
+from service.recovery.known_logs import KnownLogs
+from service.recovery.live_sources import LiveSources
+from service.recovery.log_queries import LogQueries, replies_so_far
+from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
+from service.resilience.backoff import Backoff
+from service.resilience.bounded_dict import BoundedDict
+from service.wire import Key
+from storage.measurements.samples import SourceKey
+
+
+@dataclass
+class _Recall:
+    """Gaps of a source, first and last number, for which its log is asked one after the other.
+
+    heard: whether it has answered anything. progress: whether anything of the gap.
+    """
+
+    key: Key
+    gaps: list[tuple[int, int]]
+    replies: "zenoh.Handler[zenoh.Reply] | None" = None
+    heard: bool = False
+    progress: bool = False
+
+
+class GapRecall:
+    """Ask logs for gaps, and take what they answer. Nothing here waits."""
+
+    def __init__(
+        self,
+        queries: LogQueries,
+        *,
+        sink: BatchSink,
+        records: GapRecords,
+        reader: ReplyReader,
+        backoff: SourceBackoff,
+        live: LiveSources,
+        logs: KnownLogs,
+    ) -> None:
+        self._queries = queries
+        self._sink = sink
+        self._records = records
+        self._reader = reader
+        self._backoff = backoff
+        self._live = live
+        self._logs = logs
+        self._recalls: dict[SourceKey, _Recall] = {}
+        self._postponed: BoundedDict[SourceKey, None] = BoundedDict()
+        """Sources whose gaps are to be asked for as soon as their samples are accepted again."""
+        self._unheard = Backoff[SourceKey]()
+        """Logs that did not answer when they were asked for gaps, though they answer otherwise."""
+
+    def __len__(self) -> int:
+        """Return of how many sources gaps are being asked for."""
+        return len(self._recalls)
+
+    def note_live(self, key: Key, source: SourceKey) -> None:
+        """Note that a source is there; that it was away before is a reason to ask for what it could not tell then."""
+        if self._live.add(key, source):
+            self.request(key, source)
+
+    def request(self, key: Key, source: SourceKey) -> None:
+        """Ask the log for what was counted as lost, now or as soon as the source is accepted."""
+        self._postponed[source] = None
+        if source in self._recalls or not self._backoff.accepts(source):
+            return  # what is being asked for may be older than the newest gaps
+        gaps = [(gap.first, gap.last) for gap in self._records.sequence_gaps(source)]
+        if gaps:
+            self._recalls[source] = _Recall(key, gaps)
+        del self._postponed[source]
+
+    def postpone(self, source: SourceKey) -> None:
+        """Note that a source's gaps are to be asked for."""
+        self._postponed[source] = None
+
+    def request_postponed(self, key: Key, source: SourceKey) -> None:
+        """Ask for the gaps of a source for which that was postponed, where it is due."""
+        if source in self._postponed and self._unheard.is_due(source):
+            with self._backoff.isolating(source):
+                self.request(key, source)
+
+    def leave(self, source: SourceKey) -> None:
+        """Ask for a source's gaps no more until its samples are accepted again."""
+        self._recalls.pop(source, None)
+        self._postponed[source] = None
+
+    def clear(self) -> None:
+        """Drop what is being asked for."""
+        self._recalls.clear()
+
+    def forget(self) -> None:
+        """Drop what is being asked for and what was postponed, as after a start."""
+        self._recalls.clear()
+        self._postponed.clear()
+        self._unheard = Backoff()
+
+    def collect(self) -> int:
+        """Take what logs have answered, and ask for the next gaps; return how many batches there were."""
+        count = 0
+        room = log_queries.MOST_QUERIES - sum(one.replies is not None for one in self._recalls.values())
+        for source, recall in list(self._recalls.items()):
+            with self._backoff.isolating(source):
+                if recall.replies is not None:
+                    count += self._collect(source, recall, recall.replies)
+                elif room > 0:
+                    room -= 1
+                    self._ask(source, recall)
+        return count
+
+    def _ask(self, source: SourceKey, recall: _Recall) -> None:
+        first, last = recall.gaps[0]
+        limit = min(last - first + 1, log_queries.MOST_ASKED)
+        recall.replies = self._queries.ask(recall.key, first=first, epoch=source.epoch, limit=limit)
+        recall.heard = recall.progress = False
+
+    def _collect(self, source: SourceKey, recall: _Recall, replies: "zenoh.Handler[zenoh.Reply]") -> int:
+        """Take what the log has of a gap, then go on to the next one; return how many batches there were."""
+        count = 0
+        self._sink.next_sequence(source)  # asks the database, if it must, before an answer is in hand
+        for reply in replies_so_far(replies):
+            if reply is None:
+                self._end(source, recall)
+                break
+            if reply.ok is not None and self._take(source, recall, reply.ok):
+                count += 1
+        if recall.heard:
+            self._unheard.succeeded(source)
+        return count
+
+    def _take(self, source: SourceKey, recall: _Recall, reply: zenoh.Sample) -> bool:
+        """Take what a reply has of a gap; return whether it is the source's."""
+        first, last = recall.gaps[0]
+        arrived = self._reader.replied(recall.key, reply)
+        if arrived is None or arrived.source != source:
+            return False
+        begin = arrived.batch.sequence
+        if not recall.heard:  # before that the log has nothing any more
+            first = max(first, begin)
+        if begin <= last:
+            self._sink.take(arrived)
+            recall.progress, first = True, max(first, arrived.end)
+        recall.heard = True
+        recall.gaps[0] = first, last
+        return True
+
+    def _end(self, source: SourceKey, recall: _Recall) -> None:
+        """Go on to what is left of the gap, or to the next one, when a log has answered all that it will."""
+        first, last = recall.gaps[0]
+        recall.replies = None
+        if not recall.heard:
+            recall.gaps.clear()
+            self._ask_again_later(source)
+        elif first > last or not recall.progress:
+            recall.gaps = [gap for gap in recall.gaps[1:] if gap[1] >= first]
+        if not recall.gaps:
+            del self._recalls[source]
+
+    def _ask_again_later(self, source: SourceKey) -> None:
+        """Postpone the gaps of a log that answers otherwise: it may have been held up."""
+        if self._logs.has_answered(source):
+            self._unheard.failed(source)
+            self._postponed[source] = None

@@ -1,0 +1,228 @@
+"""Gap recovery: batches wait for those before them while their source's log is asked. Nothing here blocks, so that a source
+that does not answer holds up no other.
+
+`GapRecovery` decides what is taken now and what waits. Logs are asked by `LogReplays` for what follows the last sample known,
+by `GapRecall` for what was counted as lost before, and by `QuietLogs` for what never came of a source that is quiet. What is
+taken goes to a `BatchSink`; a source of which it fails for a reason of its own is reported to `SourceBackoff`.
+"""
+
+import bisect
+import time
+from dataclasses import dataclass
+
+import zenoh
+
+from service.journal.batch import Arrived
+from service.journal.source_backoff import SourceBackoff
+from service.recovery.gap_recall import GapRecall
+from service.recovery.known_logs import KnownLogs
+from service.recovery.live_sources import LiveSources
+from service.recovery.log_queries import LogQueries
+from service.recovery.log_replay import LogReplays, Replay, is_behind_gap
+from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
+from service.recovery.quiet_logs import QuietLogs
+from service.replication.work_share import Share
+from service.wire import Key
+from storage.measurements.samples import SourceKey
+
+PATIENCE_S = 3.0
+"""How long batches behind a gap wait for the source's log: it may still be on its way back to the network, …"""
+PAUSE_S = 0.3
+"""… asked again after this long."""
+LARGEST_WAITING = 10_000
+"""Batches that wait behind one gap; further ones are left to the log."""
+
+
+@dataclass
+class Waiting:
+    """Batches of a source that wait for those before them, in order."""
+
+    key: Key
+    deadline: float
+    arrived: list[Arrived]
+    next_try: float = 0.0
+
+    def add(self, arrived: Arrived) -> None:
+        """Let one more batch wait, or leave it to the log where too many do."""
+        if len(self.arrived) < LARGEST_WAITING:
+            bisect.insort(self.arrived, arrived, key=lambda one: one.batch.sequence)
+
+
+class GapRecovery:
+    """Decide what can be stored now, what waits, and what is gone. For the ingest thread only."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        *,
+        sink: BatchSink,
+        records: GapRecords,
+        reader: ReplyReader,
+        share: Share,
+        backoff: SourceBackoff,
+    ) -> None:
+        self._sink = sink
+        self._share = share
+        self._backoff = backoff
+        queries = LogQueries(session)
+        self._logs = KnownLogs()
+        self.live = LiveSources(queries)
+        self._replays = LogReplays(queries, sink=sink, reader=reader, backoff=backoff, logs=self._logs)
+        self._recall = GapRecall(
+            queries, sink=sink, records=records, reader=reader, backoff=backoff, live=self.live, logs=self._logs
+        )
+        self._quiet = QuietLogs(
+            queries,
+            reader=reader,
+            backoff=backoff,
+            live=self.live,
+            logs=self._logs,
+            replays=self._replays,
+            recall=self._recall,
+        )
+        self._ceased = False
+        self.waiting: dict[SourceKey, Waiting] = {}
+        backoff.on_pause(self.leave)
+
+    @property
+    def is_asking(self) -> bool:
+        """Whether answers of logs are expected."""
+        return bool(len(self._replays) or len(self._recall) or len(self._quiet))
+
+    def follow(self, token: zenoh.Sample) -> None:
+        """Note that a source came or went, and ask the log of one that came."""
+        came = self.live.follow(token)
+        if came is not None and self._share.owns(came.machine):
+            self._quiet.add(came)
+
+    def review(self) -> None:
+        """Begin anew with what is known of the sources, and ask all logs: what is stored here has changed."""
+        self._take_unlogged()
+        self._drop_questions()
+        self._replays.forget()
+        self._recall.forget()
+        self._logs.forget_silences()
+        self.live.forget_sources()
+        for key in self.live:
+            if self._share.owns(key.machine):
+                self._quiet.add(key)
+
+    def cease(self) -> None:
+        """Ask no more, for the service ends: the next one asks the logs. What comes from a source whose log has never answered
+        is taken as it is.
+        """
+        self._ceased = True
+        self._take_unlogged()
+        self._drop_questions()
+
+    def leave(self, source: SourceKey) -> None:
+        """Leave what waits of a source, and what its log is asked for, to the log: nothing of it is taken for a while."""
+        self.waiting.pop(source, None)
+        self._replays.leave(source)
+        self._recall.leave(source)
+
+    def place(self, key: Key, arrived: Arrived) -> None:
+        """Take a published batch, let it wait for what is missing before it, or leave it to its source's log."""
+        source = arrived.source
+        self._recall.note_live(key, source)
+        self.live.note_heard(source)
+        waiting = self.waiting.get(source)
+        if not self._backoff.accepts(source):
+            return
+        if not is_behind_gap(arrived, self._sink):
+            self._sink.take(arrived)
+        elif self._ceased:
+            if not self._logs.has_answered(source):
+                self._sink.take(arrived)
+        elif waiting is not None:
+            waiting.add(arrived)
+        elif self._logs.is_silent(source):
+            self._sink.take(arrived)
+        else:
+            self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is asked next
+
+    def check_tails(self, *, quiet_s: float) -> None:
+        """Let each live source that was quiet for so long be asked what it has published beyond what came."""
+        self.live.call_roll()
+        for key in self.live:
+            if not self._share.owns(key.machine):
+                continue
+            sources = self.live.sources(key)
+            if not sources:
+                self._quiet.add(key)
+            for source in sources:
+                if self._logs.end_silence(source):
+                    self._recall.postpone(source)
+                self._recall.request_postponed(key, source)
+                # While samples come, their numbers show every gap; only a quiet source can hide one.
+                if self.live.is_quiet(source, quiet_s=quiet_s):
+                    self._quiet.add(key, source)
+
+    def collect(self, most: int) -> int:
+        """Take what logs have answered, at most so many batches, and ask again where something is missing.
+
+        Returns how many batches there were.
+        """
+        if self._ceased:
+            return 0
+        self.live.collect_roll()
+        self._quiet.collect()
+        for source in list(self.waiting):
+            with self._backoff.isolating(source):
+                self._release_if_complete(source)
+        count = self._recall.collect()
+        for source in self._replays.under_way():
+            with self._backoff.isolating(source):
+                taken, ended = self._replays.collect(source, most=most - count)
+                count += taken
+                if ended is not None:
+                    self._go_on(source, ended)
+            if count >= most:
+                return count
+        for source, waiting in list(self.waiting.items()):
+            if waiting.next_try <= time.monotonic():
+                with self._backoff.isolating(source):
+                    self._replays.ask(waiting.key, source)
+        return count
+
+    def _take_unlogged(self) -> None:
+        """Take what waits of sources whose logs have never answered as it is: nobody else has it."""
+        for source, waiting in list(self.waiting.items()):
+            if not self._logs.has_answered(source) and self._share.owns(source.machine_id):
+                with self._backoff.isolating(source):
+                    for arrived in waiting.arrived:
+                        self._sink.take(arrived)
+            self.waiting.pop(source, None)
+
+    def _drop_questions(self) -> None:
+        self.waiting.clear()
+        self._replays.clear()
+        self._recall.clear()
+        self._quiet.clear()
+
+    def _go_on(self, source: SourceKey, ended: Replay) -> None:
+        """Ask on, let what waits wait on, or give up what is missing, when a log has answered all that it will."""
+        self._release_if_complete(source)
+        waiting = self.waiting.get(source)
+        if ended.progress:
+            self._replays.ask(ended.key, source)
+        elif waiting is not None and waiting.deadline <= time.monotonic():
+            self._logs.note_silence(source)
+            self._release(source)
+        elif waiting is not None:
+            waiting.next_try = time.monotonic() + PAUSE_S
+
+    def _release_if_complete(self, source: SourceKey) -> None:
+        waiting = self.waiting.get(source)
+        if waiting is not None and not is_behind_gap(waiting.arrived[0], self._sink):
+            self._release(source)
+
+    def _release(self, source: SourceKey) -> None:
+        """Place what waited anew: behind a further gap it waits again."""
+        waiting = self.waiting[source]
+        # Asks the database, if it must, before what waits is let go of.
+        self._sink.next_sequence(source)
+        self._recall.note_live(waiting.key, source)
+        del self.waiting[source]
+        for arrived in waiting.arrived:
+            self.place(waiting.key, arrived)

@@ -1,0 +1,45 @@
+"""Which sources keep a log that answers, and which logs are silent for now."""
+
+import math
+import time
+
+from service.resilience.bounded_dict import BoundedDict
+from storage.measurements.samples import SourceKey
+
+SILENCE_S = 10.0
+"""How long the gaps of a source without an answering log are counted at once; a live one's are then asked for again."""
+
+
+class KnownLogs:
+    """Remember how sources' logs answered."""
+
+    def __init__(self) -> None:
+        self._answering: BoundedDict[SourceKey, bool] = BoundedDict()
+        self._silent_until: BoundedDict[SourceKey, float] = BoundedDict()
+
+    def note_answer(self, source: SourceKey) -> None:
+        """Note that a source's log has answered."""
+        self._answering[source] = True
+
+    def has_answered(self, source: SourceKey) -> bool:
+        """Return whether a source's log has ever answered."""
+        return source in self._answering
+
+    def note_silence(self, source: SourceKey) -> None:
+        """Note that a source's log does not answer."""
+        self._silent_until[source] = time.monotonic() + SILENCE_S
+
+    def is_silent(self, source: SourceKey) -> bool:
+        """Return whether a source's log did not answer a short time ago."""
+        return self._silent_until.get(source, 0.0) > time.monotonic()
+
+    def end_silence(self, source: SourceKey) -> bool:
+        """Forget a source's silence that has lasted long enough; return whether there was one."""
+        if self._silent_until.get(source, math.inf) > time.monotonic():
+            return False
+        del self._silent_until[source]
+        return True
+
+    def forget_silences(self) -> None:
+        """Forget which logs did not answer."""
+        self._silent_until.clear()

@@ -1,0 +1,94 @@
+"""Which machines have a source that is connected, and which source that is, as far as it is known."""
+
+import logging
+import time
+from collections.abc import Iterator
+
+import zenoh
+
+from service.recovery.log_queries import LogQueries, replies_so_far
+from service.resilience.bounded_dict import BoundedDict
+from service.wire import IDENTIFIER, Key
+from storage.measurements.samples import SourceKey
+
+logger = logging.getLogger(__name__)
+
+
+class LiveSources:
+    """Follow liveliness tokens, and call the roll as well: a token's arrival may itself have been missed."""
+
+    def __init__(self, queries: LogQueries) -> None:
+        self._queries = queries
+        self._live: dict[Key, dict[str, SourceKey]] = {}
+        """Of each machine of which a source is connected the newest start of each of its sources, once known."""
+        self._heard: BoundedDict[SourceKey, float] = BoundedDict()
+        self._roll_call: zenoh.Handler[zenoh.Reply] | None = None
+
+    def __contains__(self, key: Key) -> bool:
+        """Return whether a source of a machine is connected."""
+        return key in self._live
+
+    def __iter__(self) -> Iterator[Key]:
+        """Iterate over the machines of which a source is connected."""
+        return iter(list(self._live))
+
+    def sources(self, key: Key) -> list[SourceKey]:
+        """Return the newest start of each source of a machine, as far as it is known."""
+        return list(self._live.get(key, {}).values())
+
+    def follow(self, token: zenoh.Sample) -> Key | None:
+        """Note that a source came or went; return the machine of one that came."""
+        key = _live_key(token)
+        if key is None:
+            return None
+        if token.kind == zenoh.SampleKind.PUT:
+            logger.info("a source of %s/%s is alive", key.plant, key.machine)
+            self._live[key] = {}
+            return key
+        logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
+        self._live.pop(key, None)
+        self._roll_call = None  # what was answered before may say that it is alive
+        return None
+
+    def add(self, key: Key, source: SourceKey) -> bool:
+        """Note which source of a machine is connected; return whether that is news."""
+        known = self._live.get(key)
+        if known is None or known.get(source.source) == source:
+            return False
+        known[source.source] = source
+        return True
+
+    def forget_sources(self) -> None:
+        """Forget which sources there are; that machines have some is kept."""
+        self._heard.clear()
+        for key in self._live:
+            self._live[key] = {}
+
+    def note_heard(self, source: SourceKey) -> None:
+        """Note that samples of a source came."""
+        self._heard[source] = time.monotonic()
+
+    def is_quiet(self, source: SourceKey, *, quiet_s: float) -> bool:
+        """Return whether no samples of a source came for so long."""
+        return time.monotonic() - self._heard.get(source, 0.0) > quiet_s
+
+    def call_roll(self) -> None:
+        """Ask who is alive, unless that is being asked."""
+        if self._roll_call is None:
+            self._roll_call = self._queries.call_roll()
+
+    def collect_roll(self) -> None:
+        """Note who has answered that they are alive."""
+        if self._roll_call is None:
+            return
+        for reply in replies_so_far(self._roll_call):
+            if reply is None:
+                self._roll_call = None
+            elif reply.ok is not None and (key := _live_key(reply.ok)) is not None:
+                self._live.setdefault(key, {})
+
+
+def _live_key(token: zenoh.Sample) -> Key | None:
+    """Return whose source a liveliness token stands for; None where these are no ids: zenoh takes wildcards and spaces."""
+    plant, machine = str(token.key_expr).split("/")[3:5]
+    return Key(plant, machine) if IDENTIFIER.match(plant) and IDENTIFIER.match(machine) else None

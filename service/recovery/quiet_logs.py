@@ -1,0 +1,85 @@
+"""Logs of quiet sources: they are asked, as soon as there is room, for what was published and never came.
+
+Where it is not known yet which source a machine has, its log is asked for any batch first, which tells.
+"""
+
+import zenoh
+
+from service.journal.source_backoff import SourceBackoff
+from service.recovery import log_queries
+from service.recovery.gap_recall import GapRecall
+from service.recovery.known_logs import KnownLogs
+from service.recovery.live_sources import LiveSources
+from service.recovery.log_queries import LogQueries, replies_so_far
+from service.recovery.log_replay import LogReplays
+from service.recovery.protocols import ReplyReader
+from service.wire import Key
+from storage.measurements.samples import SourceKey
+
+
+class QuietLogs:
+    """Keep whose logs are to be asked, the longest waiting first. Nothing here waits."""
+
+    def __init__(
+        self,
+        queries: LogQueries,
+        *,
+        reader: ReplyReader,
+        backoff: SourceBackoff,
+        live: LiveSources,
+        logs: KnownLogs,
+        replays: LogReplays,
+        recall: GapRecall,
+    ) -> None:
+        self._queries = queries
+        self._reader = reader
+        self._backoff = backoff
+        self._live = live
+        self._logs = logs
+        self._replays = replays
+        self._recall = recall
+        self._to_ask: dict[tuple[Key, SourceKey | None], None] = {}
+        self._discoveries: dict[Key, zenoh.Handler[zenoh.Reply]] = {}
+        """Machines of which it is being asked which sources they have."""
+
+    def __len__(self) -> int:
+        """Return of how many machines it is being asked which sources they have."""
+        return len(self._discoveries)
+
+    def add(self, key: Key, source: SourceKey | None = None) -> None:
+        """Let a source's log be asked soon; None: one of the machine's, which is not known yet."""
+        self._to_ask.setdefault((key, source))
+
+    def collect(self) -> None:
+        """Ask the logs of sources that have become known, then as many of those that wait as there is room for."""
+        for key in list(self._discoveries):
+            self._collect_discovery(key)
+        while self._to_ask and len(self._discoveries) + len(self._replays) < log_queries.MOST_QUERIES:
+            key, source = next(iter(self._to_ask))
+            del self._to_ask[key, source]
+            self._ask(key, source)
+
+    def clear(self) -> None:
+        """Ask no more."""
+        self._to_ask.clear()
+        self._discoveries.clear()
+
+    def _ask(self, key: Key, source: SourceKey | None) -> None:
+        if source is not None:
+            with self._backoff.isolating(source):
+                self._replays.ask(key, source)
+        elif key in self._live and key not in self._discoveries:
+            self._discoveries[key] = self._queries.ask(key, first=0, limit=1)
+
+    def _collect_discovery(self, key: Key) -> None:
+        for reply in replies_so_far(self._discoveries[key]):
+            if reply is None:
+                del self._discoveries[key]
+                return
+            arrived = None if reply.ok is None else self._reader.replied(key, reply.ok)
+            if arrived is not None and key in self._live:
+                source = arrived.source
+                self._logs.note_answer(source)
+                with self._backoff.isolating(source):
+                    self._recall.note_live(key, source)
+                    self._replays.ask(key, source)

@@ -1,0 +1,91 @@
+"""The identification jobs that this replica holds: taken from the queue, and not finished or given back yet."""
+
+import logging
+from collections.abc import Collection
+
+from sqlalchemy.orm import Session
+
+from service.replication.work_share import Share
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.operation import replicas
+from storage.tables import JobRow
+
+logger = logging.getLogger(__name__)
+
+
+class HeldJobs:
+    """Finishes the jobs that this replica holds, or puts them back into the queue; leaves those that another has taken."""
+
+    def __init__(self, database: Database, share: Share) -> None:
+        """Read nothing yet. share: tells this replica's number."""
+        self._database = database
+        self._share = share
+
+    @property
+    def holder(self) -> int | None:
+        """Number of this replica; None where it is the only one."""
+        return self._share.holder
+
+    def own(self, session: Session, job_id: int) -> JobRow | None:
+        """Return a job that this replica holds; None when another one has taken it over."""
+        try:
+            row = jobs.get(session, job_id)
+        except jobs.JobUnknown:
+            logger.warning("job %d is not in the database any more: its result is left out", job_id)
+            return None
+        if (row.state, row.holder) == (jobs.RUNNING, self._share.holder):
+            return row
+        logger.warning("job %d was taken over by another replica: its result is left to that one", job_id)
+        return None
+
+    def put_back(self, job_id: int, error: str) -> None:
+        """Put a job back for another attempt, or aside where it has had as many as it may."""
+        with self._database.transaction() as session:
+            if (row := self.own(session, job_id)) is not None:
+                jobs.put_back(session, row, error)
+
+    def put_back_unhurt(self, job_id: int) -> None:
+        """Put a job back without an attempt being counted."""
+        with self._database.transaction() as session:
+            if (row := self.own(session, job_id)) is not None:
+                jobs.put_back_unhurt(row)
+
+    def fail(self, job_id: int, error: str) -> None:
+        """Finish a job as failed for a reason."""
+        logger.warning("identification job %d failed: %s", job_id, error)
+        with self._database.transaction() as session:
+            if (row := self.own(session, job_id)) is not None:
+                jobs.finish(row, state=jobs.FAILED, error=error)
+
+    def fail_unread(self, job_id: int, error: str, *, damaged: bool) -> None:
+        """Finish a job as failed because its data cannot be read. damaged: of the store, which is noted for its machine."""
+        logger.error("the data of job %d cannot be read: %s", job_id, error)
+        with self._database.transaction() as session:
+            row = self.own(session, job_id)
+            if row is not None:
+                if damaged:
+                    self._database.damage.concerns(row.machine_id)
+                jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
+
+    def finish(self, job_id: int) -> None:
+        """Finish a job as done."""
+        with self._database.transaction() as session:
+            if (row := self.own(session, job_id)) is not None:
+                jobs.finish(row, state=jobs.DONE)
+
+    def put_back_left(self) -> None:
+        """Put back what an earlier process left unfinished, and what replicas left that are no longer there."""
+        with self._database.transaction() as session:
+            living = [row.id for row in replicas.every(session)] if self._share.holder is not None else []
+            left = jobs.put_back_running(session, living=living)
+        if left:
+            logger.info("%d identifications were interrupted and are computed again", left)
+
+    def put_back_lost(self, known: Collection[int]) -> None:
+        """Put back jobs that were taken when the database's answer got lost. known: ids of those at work here."""
+        with self._database.transaction() as session:
+            for row in jobs.held_by(session, self._share.holder):
+                if row.id not in known:
+                    logger.warning("job %d was taken and not begun; it is taken again", row.id)
+                    jobs.put_back_unhurt(row)

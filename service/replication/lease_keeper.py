@@ -1,0 +1,132 @@
+"""The thread that keeps this process's place among the replicas on one database, and its fair share of the work."""
+
+import logging
+import math
+import os
+import socket
+from collections.abc import Collection
+
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.orm import Session
+
+from service.configuration.settings import Role
+from service.replication.work_share import DELIVERY, GATHERING, INGEST, RETENTION, lease_of
+from service.resilience.supervised_thread import SupervisedThread
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.operation import leases, replicas
+
+logger = logging.getLogger(__name__)
+
+ROUND_S = 2.0
+"""How often a replica says that it lives, and looks whether the others do."""
+
+
+class Leasing(SupervisedThread):
+    """A replica. What it owns is as of the last round; `require` tells for certain."""
+
+    def __init__(self, database: Database, role: Role) -> None:
+        super().__init__("leasing", failure="this replica cannot say that it lives", retry_s=ROUND_S, first_pause_s=ROUND_S)
+        self._database = database
+        self._role = role
+        self._number: int | None = None
+        self._held: frozenset[str] = frozenset()
+        self._changes = 0
+
+    def start(self) -> None:
+        """Join the others, with a first share."""
+        self._round()
+        super().start()
+
+    def stop(self) -> None:
+        """Leave; what was held is free at once."""
+        super().stop()
+        if self._number is not None:
+            try:
+                with self._database.transaction() as session:
+                    _bury(session, self._number)
+            except DBAPIError as error:
+                logger.warning("the others are not told that this replica leaves; they will notice: %s", error.orig)
+
+    @property
+    def holder(self) -> int | None:
+        """As of Share."""
+        return self._number
+
+    @property
+    def changes(self) -> int:
+        """As of Share."""
+        return self._changes
+
+    def owns(self, machine_id: str) -> bool:
+        """As of Share."""
+        return lease_of(machine_id) in self._held
+
+    def leads(self, work: str) -> bool:
+        """As of Share."""
+        return work in self._held
+
+    def require(self, session: Session, machine_ids: Collection[str]) -> None:
+        """As of Share."""
+        leases.require(session, {lease_of(one) for one in machine_ids}, holder=self._number or 0)
+
+    def turn(self) -> float:
+        """Do a round."""
+        self._round()
+        return ROUND_S
+
+    def _round(self) -> None:
+        """Say that this replica lives, bury the dead, and take or give back what makes the shares fair."""
+        alive = self._number is not None and self._beat(self._number)
+        with self._database.transaction() as session:
+            joined = not alive
+            number = self._join(session) if joined or self._number is None else self._number
+            left = jobs.put_back_running(session, living=[row.id for row in replicas.every(session)])
+            if left:
+                logger.warning("%d identifications were left by replicas that are gone; they are computed again", left)
+            for row in replicas.gone(session, me=number):
+                logger.warning("replica %d (%s on %s) is gone; its work is taken over", row.id, row.role, row.host)
+                _bury(session, row.id)
+            held = self._settle(session, number)
+        if joined:
+            logger.info("this process is replica %d, role %s", number, self._role)
+        if joined or held != self._held:
+            self._number, self._held = number, held
+            self._changes += 1
+
+    def _beat(self, number: int) -> bool:
+        """Say that this replica lives, whatever keeps the round waiting; False when it has to join anew."""
+        # Again, should the connection have broken.
+        if not self._database.hold(replicas.LOCK_CLASS, number):
+            return False
+        with self._database.transaction(beside_others=True) as session:
+            return replicas.beat(session, number)
+
+    def _join(self, session: Session) -> int:
+        number = replicas.join(session, role=self._role, host=socket.gethostname(), process=os.getpid())
+        self._database.hold(replicas.LOCK_CLASS, number)
+        leases.ensure(session, [*INGEST, DELIVERY, GATHERING, RETENTION])
+        session.flush()
+        return number
+
+    def _settle(self, session: Session, number: int) -> frozenset[str]:
+        held = leases.held(session, holder=number)
+        roles = [row.role for row in replicas.every(session)]
+        for role, names in (("ingest", INGEST), ("identify", (DELIVERY, GATHERING, RETENTION))):
+            mine = sorted(held & set(names))
+            sharing = sum(other in (role, "all") for other in roles)
+            fair = math.ceil(len(names) / sharing) if self._role in (role, "all") else 0
+            if surplus := mine[fair:]:
+                leases.give_back(session, surplus, holder=number)
+                held -= set(surplus)
+            elif len(mine) < fair:
+                held |= leases.take(session, names, holder=number, most=fair - len(mine))
+        return frozenset(held)
+
+
+def _bury(session: Session, number: int) -> None:
+    """Free what a replica held and was computing."""
+    leases.give_back_all(session, holder=number)
+    for row in jobs.held_by(session, number):
+        jobs.put_back_unhurt(row)
+    replicas.forget(session, number)

@@ -1,0 +1,79 @@
+"""Where the run collection of a machine stands, as it is stored with the samples that brought it there."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import msgspec
+from sqlalchemy.orm import Session
+
+from estimator.runs.operating_state import OperatingState
+from estimator.runs.speed_bins import SpeedBins
+from service.runs.late_samples import Window
+from storage.clock import is_ahead
+from storage.measurements import runs
+
+
+@dataclass
+class CollectionState:
+    """Where the collection of a machine stands; stored with the samples that brought it there.
+
+    revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
+    samples came late. bins, rolled_at: of rolling collection, and when it last began anew [ns].
+    """
+
+    revision: int
+    seen: int = 0
+    direction: int = 1
+    operating: OperatingState = field(default_factory=OperatingState)
+    late: list[Window] = field(default_factory=list)
+    bins: SpeedBins | None = None
+    rolled_at: int = 0
+
+    @classmethod
+    def restored(cls, stored: dict[str, Any]) -> Self:
+        """Return what `stored` gave; an older release knew only the sweep."""
+        operating = stored.get("operating", {"sweep": stored.get("sweep", {})})
+        bins = stored.get("bins")
+        return cls(
+            revision=stored["revision"],
+            seen=stored["seen"],
+            direction=stored.get("direction", 1),
+            operating=OperatingState.restored(operating),
+            late=stored.get("late", []),
+            bins=None if bins is None else SpeedBins(tuple(tuple(one) for one in bins)),
+            rolled_at=stored.get("rolled_at", 0),
+        )
+
+    @property
+    def is_of_the_future(self) -> bool:
+        """Return whether its newest sample lies ahead of the clock, which was ahead itself when that came."""
+        return is_ahead(self.seen)
+
+    @property
+    def is_under_way(self) -> bool:
+        """Return whether it is known what the machine does, which its silence would end."""
+        return self.operating.mode != "unknown" or bool(self.operating.sweep.sweep)
+
+    def stored(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {
+            "revision": self.revision,
+            "seen": self.seen,
+            "direction": self.direction,
+            "operating": msgspec.to_builtins(self.operating),
+            "late": self.late,
+            "bins": None if self.bins is None else self.bins.times,
+            "rolled_at": self.rolled_at,
+        }
+
+
+def standing(session: Session, machine_id: str) -> CollectionState | None:
+    """Return where the collection of a machine stands; None before its first sample."""
+    stored = runs.collector_state(session, machine_id)
+    return None if stored is None else CollectionState.restored(stored)
+
+
+def standings(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
+    """Return where the collection of those of these machines stands of which samples have come."""
+    return {row.machine_id: CollectionState.restored(row.state) for row in runs.collectors(session, machine_ids)}

@@ -1,0 +1,178 @@
+"""Run collection: new samples of a machine move its state on; runs begin and end. `service.runs.closing` gathers their samples."""
+
+import logging
+import threading
+import time
+from collections.abc import Collection
+
+import numpy as np
+from msgspec.structs import replace
+from numpy.typing import NDArray
+from sqlalchemy.orm import Session
+
+from estimator.machine.document import Machine
+from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
+from estimator.runs.segmentation import RunEnded, RunStarted
+from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
+from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.late_arrivals import LATE_PATIENCE_S, LateArrivals
+from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
+from storage.encoding.sample_blocks import Samples
+from storage.machines import machines
+from storage.measurements import runs, samples
+
+logger = logging.getLogger(__name__)
+
+ALIVE_PATIENCE = 10.0
+"""A source that is connected is waited for this many times longer than one that is not."""
+RECENT = 3_600_000_000_000
+"""A sample no older than an hour [ns] tells what a machine does at present."""
+
+
+class Collector:
+    """Collects the runs of all machines. All it must remember is stored with the samples, in the same transaction."""
+
+    def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
+        self.lock = threading.Lock()
+        """Held while where a machine's collection stands is read and written: ingest and closing both do."""
+        self.late = LateArrivals(patience_s=late_s)
+        self._heard: dict[str, float] = {}
+        self._silent: set[str] = set()
+
+    def forget(self) -> None:
+        """Forget who was heard of when, as after a start."""
+        self._heard.clear()
+        self._silent.clear()
+        self.late.forget()
+
+    def note_heard(self, machine_id: str) -> None:
+        """Note that a machine sends, though nothing of it is taken now."""
+        self._heard[machine_id] = time.monotonic()
+
+    def look_again(self, machine_ids: Collection[str]) -> None:
+        """Look once more at machines for which nothing of what was done is stored."""
+        self._silent.difference_update(machine_ids)
+        self.late.look_again(machine_ids)
+
+    def seen(self, session: Session, machine_id: str) -> int:
+        """Return the time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
+        stored = runs.collector_state(session, machine_id)
+        return 0 if stored is None or is_ahead(int(stored["seen"])) else int(stored["seen"])
+
+    def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
+        """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
+        self._heard[machine.id] = time.monotonic()
+        self._silent.discard(machine.id)
+        now = standing(session, machine.id) or CollectionState(revision)
+        limits = OperatingLimits.of(machine)
+        if now.revision != revision:
+            _revise(session, machine.id, now, revision)
+        if now.is_of_the_future and (recent := _recent(new.time)).size:
+            _set_back(session, machine.id, now, seen=int(recent.min()) - 1)
+        turning, late = now.direction, new.time <= now.seen
+        if late.any():
+            self.late.note(session, machine.id, now, new.time[late])
+        fresh = new.pick(~late)
+        _, first = np.unique(fresh.time, return_index=True)
+        fresh = fresh.pick(first)
+        for moment, speed, direction in zip(fresh.time.tolist(), fresh.speed.tolist(), fresh.direction.tolist(), strict=True):
+            now.seen, now.direction = moment, direction
+            now.operating, events = advance(now.operating, limits, time=moment, speed=speed, direction=direction)
+            for event in events:
+                _record(session, machine, revision, direction, event)
+        if machine.collection.runs != "sweeps" and len(fresh):
+            _roll(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
+        runs.save_collector_state(session, machine.id, now.stored())
+
+    def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
+        """Return whether a machine has newly sent nothing for so long; a source that is alive may take its time."""
+        heard = self._heard.setdefault(machine_id, time.monotonic())
+        waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
+        return waited and machine_id not in self._silent
+
+    def note_idle(self, session: Session, machine_ids: Collection[str]) -> None:
+        """Leave alone, until samples come, those of these machines of which it is not known what they do."""
+        known = standings(session, machine_ids)
+        self._silent |= {
+            one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
+        }
+
+    def end_silent(self, session: Session, machine_id: str) -> None:
+        """End the open run of a machine that has fallen silent."""
+        self._silent.add(machine_id)
+        now = standing(session, machine_id)
+        if now is None or not (now.is_under_way or now.is_of_the_future):
+            return
+        _silence(session, machine_id, now, reason="the source fell silent")
+        if now.is_of_the_future:
+            _set_back(session, machine_id, now, seen=samples.newest_time(session, machine_id, until=latest()) or 0)
+        runs.save_collector_state(session, machine_id, now.stored())
+
+
+def _revise(session: Session, machine_id: str, now: CollectionState, revision: int) -> None:
+    _silence(session, machine_id, now, reason="the machine's document was revised")
+    now.revision, now.bins, now.rolled_at = revision, None, 0
+
+
+def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the times that are of the present [ns]."""
+    last = latest()
+    return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
+
+
+def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: int) -> None:
+    """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
+    logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
+    _silence(session, machine_id, now, reason="the clock was set back")
+    now.operating = replace(now.operating, since=0)
+    now.seen, now.bins, now.rolled_at = seen, None, 0
+
+
+def _silence(session: Session, machine_id: str, now: CollectionState, *, reason: str) -> None:
+    machine = machines.document(session, machine_id, now.revision)
+    now.operating, events = silence(now.operating, OperatingLimits.of(machine), reason=reason)
+    for event in events:
+        _record(session, machine, now.revision, now.direction, event)
+
+
+def _record(session: Session, machine: Machine, revision: int, direction: int, event: Event) -> None:
+    if isinstance(event, ModeChanged):
+        runs.add_state(session, machine.id, since=event.time, mode=event.mode, speed=event.speed)
+    elif machine.collection.runs == ROLLING:
+        return
+    elif isinstance(event, RunStarted):
+        runs.open_run(session, machine.id, revision=revision, kind=event.kind, direction=direction, time_first=event.time)
+        logger.info("%s: a %s has begun", machine.id, event.kind)
+    else:
+        _end(session, machine.id, event)
+
+
+def _end(session: Session, machine_id: str, event: RunEnded) -> None:
+    row = runs.current(session, machine_id)
+    if row is not None:
+        runs.end(row, first=event.start, last=event.time, reason=event.reason)
+
+
+def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
+    """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
+    rules = machine.collection.rolling
+    if now.bins is None or now.rolled_at == 0:
+        now.bins, now.rolled_at = SpeedBins.empty(machine), int(fresh.time[0])
+    same = fresh.pick(fresh.direction == now.direction)
+    if turned:
+        now.bins = SpeedBins.empty(machine)  # the other sense of rotation is another run
+    now.bins = filled(now.bins, machine, time=same.time, speed=same.speed)
+    if now.seen - now.rolled_at < 1e9 * rules.interval_s:
+        return
+    now.bins = now.bins.recent(machine, now.seen)
+    if now.bins.coverage < rules.coverage:
+        return
+    times = now.bins.all_times
+    if times:
+        row = runs.open_run(
+            session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=times[0]
+        )
+        reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
+        runs.end_collected(row, times=times, reason=reason)
+    # The next run shares no sample with this one: what is compared later must be independent.
+    now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

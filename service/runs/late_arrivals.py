@@ -1,0 +1,88 @@
+"""Where samples came late, and how long more of them are waited for before they are sorted in."""
+
+import time
+from collections.abc import Collection
+
+from numpy import int64
+from numpy.typing import NDArray
+from sqlalchemy.orm import Session
+
+from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.late_samples import Window, add_late, remove_window
+from storage.measurements import runs
+
+LATE_PATIENCE_S = 10.0
+"""Late samples are sorted in when no more of them have come for this long, …"""
+LONGEST_LATE_PATIENCE = 10.0
+"""… or, where they do not cease, this many times as long after the first of them."""
+
+
+class LateArrivals:
+    """Note late samples and hand them out again, window by window. patience_s: how long more of them are waited for."""
+
+    def __init__(self, *, patience_s: float) -> None:
+        self._patience_s = patience_s
+        self._heard: dict[str, tuple[float, float]] = {}
+        """When the first one came that is not sorted in, and the last one."""
+        self._settled: set[str] = set()
+        """Machines of which none wait."""
+
+    def forget(self) -> None:
+        """Forget when samples came, as after a start."""
+        self._heard.clear()
+        self._settled.clear()
+
+    def look_again(self, machine_ids: Collection[str]) -> None:
+        """Look once more whether samples of these machines wait."""
+        self._settled.difference_update(machine_ids)
+
+    def note(self, session: Session, machine_id: str, now: CollectionState, times: NDArray[int64]) -> None:
+        """Note in `now` what must be sorted in; what lies in the open run will be read when that is closed."""
+        row = runs.current(session, machine_id)
+        if row is not None:
+            times = times[times < row.time_first]
+        if times.size:
+            moment = time.monotonic()
+            first, _ = self._heard.get(machine_id, (moment, moment))
+            self._heard[machine_id] = first, moment
+            self._settled.discard(machine_id)
+            now.late = add_late(now.late, now.revision, times.tolist())
+
+    def may_wait(self, machine_id: str) -> bool:
+        """Return whether late samples of a machine may wait to be sorted in."""
+        return machine_id not in self._settled
+
+    def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
+        """Leave alone, until samples come late, those of these machines of which none wait."""
+        known = standings(session, machine_ids)
+        self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
+
+    def patience(self, session: Session, machine_id: str) -> float | None:
+        """Return how long more late samples of a machine are waited for [s]; None while they still come, or where there are
+        none.
+        """
+        now = standing(session, machine_id)
+        if now is None or not now.late:
+            self._settled.add(machine_id)
+            return None
+        moment = time.monotonic()
+        first, last = self._heard.setdefault(machine_id, (moment, moment))
+        if moment - last < self._patience_s and moment - first < LONGEST_LATE_PATIENCE * self._patience_s:
+            return None
+        del self._heard[machine_id]
+        return self._patience_s
+
+    def windows(self, session: Session, machine_id: str) -> list[Window]:
+        """Return where samples of a machine came late and are not sorted in, ascending."""
+        now = standing(session, machine_id)
+        return [] if now is None else now.late
+
+    def take(self, session: Session, machine_id: str, window: Window) -> bool:
+        """Note that a window, as of `late.by_run`, is sorted in; False where more came into it since."""
+        now = standing(session, machine_id)
+        left = None if now is None else remove_window(now.late, window)
+        if now is None or left is None:
+            return False
+        now.late = left
+        runs.save_collector_state(session, machine_id, now.stored())
+        return True

@@ -1,0 +1,222 @@
+"""The plant simulator: machines that run up, hold and coast down week after week, published as a real source would.
+
+Each machine lives a story; what was true in each run can be written to a file, so that estimates can be compared with it.
+"""
+
+import json
+import logging
+import threading
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+import zenoh
+
+from estimator.arrays import Complexes, Floats
+from estimator.machine.document import Machine
+from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_plant import (
+    Story,
+    Truth,
+    at_progress,
+    draw_truth,
+    drawn_conditions,
+    measured_phasors,
+    scattered,
+    speed_law,
+    under_conditions,
+)
+from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
+from service.sources.publisher import Source
+from service.sources.recording import split
+from service.wire import WIRE_SCHEMA, Key, SampleBatch
+
+logger = logging.getLogger(__name__)
+
+RUN_UP_S, HOLD_S, RUN_DOWN_S = 1200.0, 60.0, 2400.0
+"""As slow as the steady state asks for, in which simulated phasors are computed."""
+HOLD_SAMPLES = 6
+BATCH_SAMPLES = 10
+HEALTHY_PART = 0.5
+"""Part of the cycles before a story begins to show."""
+
+
+@dataclass(frozen=True)
+class SimulationPlan:
+    """How a simulation goes: cycles of run-up and run-down, `interval_s` apart in the machines' time.
+
+    samples: per sweep. rate: samples per second of the clock and machine, which makes the time between cycles vanish; None
+    publishes in real time. linger_s: how long the source stays to answer replay queries after its last sample.
+    """
+
+    cycles: int
+    interval_s: float
+    samples: int
+    rate: float | None
+    seed: int
+    linger_s: float
+
+
+class TruthFile:
+    """Where the simulator writes what was true in each run, a JSON line a run."""
+
+    def __init__(self, file: TextIO | None) -> None:
+        self._file = file
+        self._lock = threading.Lock()
+
+    def write(self, machine: Machine, kind: RunKind, last_time: int, truth: Truth) -> None:
+        """Note one run, which its machine and the time of its last sample identify."""
+        if self._file is None:
+            return
+        names = [c.name for c in truth.unknowns.coefficients]
+        parameters = dict(zip(names, truth.coefficients.tolist(), strict=True)) | truth.factors
+        unbalances = {
+            plane.name: [value.real, value.imag]
+            for plane, value in zip(truth.unknowns.unbalances, truth.unbalances.tolist(), strict=True)
+        }
+        line = {"machine": machine.id, "kind": kind, "last_time": last_time}
+        with self._lock:
+            self._file.write(json.dumps(line | {"parameters": parameters, "unbalances": unbalances}) + "\n")
+            self._file.flush()
+
+
+def simulate(
+    session: zenoh.Session,
+    machines: list[tuple[Machine, Story]],
+    plan: SimulationPlan,
+    truth_path: Path | None,
+    stop: threading.Event,
+) -> None:
+    """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set.
+
+    Raises ValueError, before anything is published, for a machine that cannot live its story.
+    """
+    file = truth_path.open("w", encoding="utf-8") if truth_path is not None else None
+    try:
+        truths = TruthFile(file)
+        seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
+        lives = [
+            _Life(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
+            for (machine, story), seed in zip(machines, seeds, strict=True)
+        ]
+        threads = [threading.Thread(target=life.live, name=life.machine.id) for life in lives]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    finally:
+        if file is not None:
+            file.close()
+
+
+class _Life:
+    """One machine's life: its drawn truth, its story, its pace."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        machine: Machine,
+        story: Story,
+        plan: SimulationPlan,
+        truths: TruthFile,
+        rng: np.random.Generator,
+        stop: threading.Event,
+    ) -> None:
+        self.machine = machine
+        self._session = session
+        self._story: Story = story
+        self._plan = plan
+        self._truths = truths
+        self._rng = rng
+        self._stop = stop
+        self._drawn = draw_truth(machine, rng)
+        at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
+        self._due = time.monotonic()
+        self._conditions: Floats = np.empty(0)
+
+    def live(self) -> None:
+        """Publish all cycles."""
+        plan, machine = self._plan, self.machine
+        span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
+        # Compressed stories end now; those in real time begin now.
+        began = time.time() - (span_s if plan.rate is not None else 0.0)
+        self._due = time.monotonic()
+        with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
+            for cycle in range(plan.cycles):
+                progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
+                truth = scattered(at_progress(self._drawn, machine, self._story, progress), self._rng)
+                start = began + cycle * plan.interval_s
+                self._conditions = drawn_conditions(machine, start, self._rng)
+                truth = under_conditions(truth, machine, self._conditions)
+                if self._stop.wait(max(0.0, start - time.time())):
+                    return
+                logger.info(
+                    "%s: cycle %d of %d, %s at %.0f %%", machine.id, cycle + 1, plan.cycles, self._story, 100 * progress
+                )
+                self._sweep(source, truth, "run-up", start, RUN_UP_S)
+                self._hold(source, truth, start + RUN_UP_S)
+                self._sweep(source, truth, "run-down", start + RUN_UP_S + HOLD_S, RUN_DOWN_S)
+                if self._stop.is_set():
+                    return
+            self._stop.wait(plan.linger_s)
+
+    def _sweep(self, source: Source, truth: Truth, kind: RunKind, start: float, duration: float) -> None:
+        seconds, speed = speed_law(self.machine, kind, duration=duration, samples=self._plan.samples)
+        phasors = measured_phasors(self.machine, truth, speed, self._rng)
+        batch = _batch(self.machine, start + seconds, speed, phasors, self._conditions)
+        self._truths.write(self.machine, kind, batch.time_ns[-1], truth)
+        self._publish(source, batch)
+
+    def _hold(self, source: Source, truth: Truth, start: float) -> None:
+        """Hold a speed for a while."""
+        _, sweep = speed_law(self.machine, "run-down", duration=1.0, samples=2)
+        seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
+        speed = np.full(HOLD_SAMPLES, sweep[0])
+        phasors = measured_phasors(self.machine, truth, speed, self._rng)
+        self._publish(source, _batch(self.machine, start + seconds, speed, phasors, self._conditions))
+
+    def _publish(self, source: Source, batch: SampleBatch) -> None:
+        for piece in split(batch, BATCH_SAMPLES):
+            self._wait(piece)
+            if self._stop.is_set():
+                return
+            source.publish(piece)
+
+    def _wait(self, batch: SampleBatch) -> None:
+        """Wait until a batch is due: by its own last sample's time, or at the plan's rate."""
+        if self._plan.rate is None:
+            self._stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
+            return
+        # After a hitch the pace is taken up again, not caught up with.
+        self._due = max(self._due, time.monotonic() - 1.0) + len(batch.time_ns) / self._plan.rate
+        self._stop.wait(max(0.0, self._due - time.monotonic()))
+
+
+def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
+    """Return a batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
+
+    conditions: (k,) the same in all samples.
+    """
+    told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
+    return SampleBatch(
+        schema=WIRE_SCHEMA,
+        plant=machine.plant,
+        machine=machine.id,
+        source="",
+        epoch=0,
+        sequence=0,
+        channels=list(machine.channels),
+        speed_unit="rpm",
+        amplitude_unit="um",
+        amplitude_kind="peak-to-peak",
+        phase_convention="lag",
+        phase_unit="deg",
+        direction=machine.rotation,
+        time_ns=[round(s * 1e9) for s in time_s.tolist()],
+        speed=[rad_per_s_to_rpm(value) for value in speed.tolist()],
+        amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
+        phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
+        conditions={name: [value] * speed.size for name, value in told.items()} or None,
+    )

@@ -1,0 +1,3 @@
+"""Processes that compute, here or on Dask: pools, executors, limits of time and memory. They import `configuration` and
+`resilience` only; `identification` and `monitoring` give them tasks.
+"""

@@ -1,0 +1,233 @@
+"""An executor that computes on a Dask cluster, found by the address of its scheduler. Its workers are `rundown worker`.
+
+Workers keep the limits of time and memory, and end what does not. This side notices what they cannot: a worker that is frozen
+as a whole, or cut off, no longer says anything to the scheduler; it gets no more tasks, and what it has is given up when its
+time is over. A worker of another release, as its name tells, gets nothing: it would end on a task that it cannot unpickle.
+Should it get something after all, it refuses it (`service.workers.dask_task`).
+"""
+
+import logging
+import os
+import pickle
+import threading
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from concurrent.futures import CancelledError, Future
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from service.workers import dask_task
+from service.workers.executor import ExecutorUnavailable, TaskRefused
+from service.workers.process_pool import Stuck
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+logger = logging.getLogger(__name__)
+
+A = TypeVar("A")
+R = TypeVar("R")
+
+CONNECT_S = 5.0
+"""How long a scheduler is waited for, before it is tried again."""
+LOOK_S = 2.0
+SILENT_S = 30.0
+"""A worker of which the scheduler has heard nothing for so long is taken for frozen."""
+GRACE_S = 60.0
+"""What a silent worker has is given up so long after its time."""
+REFUSED_S = 60.0
+"""Who refused a task gets none for so long."""
+
+
+@dataclass(frozen=True)
+class _Sent:
+    """A task on its way. future: Dask's; since: on the monotonic clock [s]; to: the workers that may have it."""
+
+    future: Any
+    limit_s: float
+    since: float
+    to: tuple[str, ...]
+
+
+class DaskExecutor:
+    """Computes on the workers of a Dask scheduler; see `service.workers.executor.Executor`."""
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+        self._client: Client | None = None
+        self._lock = threading.Lock()
+        self._sent: dict[Future[Any], _Sent] = {}
+        self._looked = 0.0
+        self._seen: dict[str, tuple[float, float]] = {}
+        """Of each worker when the scheduler last heard of it, by its clock, and since when we know so little."""
+        self._refused: dict[str, tuple[str, float]] = {}
+        """Of each worker that refused a task why, and until when it gets none."""
+        self._usable: tuple[str, ...] = ()
+        self._warnings: tuple[str, ...] = ()
+
+    def capacity(self) -> int:
+        """Return one task for each thread of the workers that can be used. Raises ExecutorUnavailable."""
+        workers = self._workers()
+        if not workers:
+            raise ExecutorUnavailable(
+                f"the Dask scheduler at {self._address} has no workers: start some with `rundown worker`"
+            )
+        doubtful = self._doubtful(workers)
+        self._usable = tuple(address for address in workers if address not in doubtful)
+        if not self._usable:
+            raise ExecutorUnavailable("; ".join(doubtful.values()))
+        return sum(int(workers[address]["nthreads"]) for address in self._usable)
+
+    def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
+        """Compute a task, as `Executor.submit` says."""
+        release, to = dask_task.RELEASE, self._usable
+        future: Any = self._connected().submit(
+            dask_task.compute, release, pickle.dumps((work, task)), limit_s, pure=False, workers=to
+        )
+        answer: Future[R] = Future()
+        with self._lock:
+            self._sent[answer] = _Sent(future, limit_s, time.monotonic(), to)
+        future.add_done_callback(partial(self._pass_on, answer))
+        return answer
+
+    def look(self) -> None:
+        """Find silent workers, and give up what they should have computed by now. Raises ExecutorUnavailable."""
+        with self._lock:
+            sent = dict(self._sent)
+        if not (sent or self._warnings) or time.monotonic() < self._looked + LOOK_S:
+            return
+        self._looked = time.monotonic()
+        workers = self._workers()
+        self._doubtful(workers)
+        for answer, one in sent.items():
+            if not set(one.to) & set(workers):
+                self._give_up(answer, None)
+        late = {a: one for a, one in sent.items() if time.monotonic() > one.since + one.limit_s + GRACE_S}
+        if late and (silent := self._silent()):
+            tasks: Mapping[str, Collection[str]] = self._asked("processing", workers=None)
+            for answer, one in late.items():
+                for address in silent.keys() & {address for address, keys in tasks.items() if one.future.key in keys}:
+                    self._give_up(answer, Stuck(silent[address]))
+
+    def warnings(self) -> Sequence[str]:
+        """Return why some workers get no tasks at present."""
+        return self._warnings
+
+    def close(self) -> None:
+        """Leave the scheduler and give up what is being computed."""
+        if self._client is not None:
+            self._client.close(timeout=CONNECT_S)  # type: ignore[no-untyped-call]
+
+    def _workers(self) -> dict[str, Any]:
+        """Ask the scheduler for its workers, by address."""
+        workers: dict[str, Any] = self._asked("identity", n_workers=-1)["workers"]
+        now, before, self._seen = time.monotonic(), self._seen, {}
+        for address, one in workers.items():
+            heard, since = before.get(address, (None, now))
+            self._seen[address] = one["last_seen"], since if one["last_seen"] == heard else now
+        return workers
+
+    def _asked(self, question: str, **how: Any) -> Any:
+        """Return the scheduler's answer, in time: it may be frozen itself. Raises ExecutorUnavailable."""
+        client = self._connected()
+        ask = getattr(client.scheduler, question)
+        try:
+            return client.sync(ask, callback_timeout=CONNECT_S, **how)  # type: ignore[no-untyped-call]
+        except (OSError, TimeoutError) as error:
+            why = str(error) or "it takes too long"
+            raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {why}") from error
+
+    def _doubtful(self, workers: Mapping[str, Any]) -> dict[str, str]:
+        """Return the workers that get no tasks now, and why; that is warned of, too."""
+        now = time.monotonic()
+        found = {
+            address: _release_mismatch(address, dask_task.release_of(str(one["name"]))) for address, one in workers.items()
+        }
+        with self._lock:
+            self._refused = {address: one for address, one in self._refused.items() if address in workers and one[1] > now}
+            found |= {address: words for address, (words, _) in self._refused.items()}
+        doubtful = {address: words for address, words in found.items() if words} | self._silent()
+        self._warnings = tuple(doubtful.values())
+        return doubtful
+
+    def _silent(self) -> dict[str, str]:
+        since = time.monotonic() - SILENT_S
+        silent = [address for address, (_, at) in self._seen.items() if at < since]
+        return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
+
+    def _pass_on(self, answer: Future[Any], future: Any) -> None:
+        """Pass on what became of a task that is computed, refused or lost; runs in a thread of Dask's."""
+        from distributed import KilledWorker
+
+        with self._lock:
+            if answer not in self._sent:
+                return
+        try:
+            told: dask_task.TaskAnswer = future.result(timeout=2 * CONNECT_S)
+            if told["done"] is None:
+                raise self._refusal(told["address"], told["release"])
+            done, value = pickle.loads(told["done"])
+        except (CancelledError, TimeoutError, OSError):
+            self._give_up(answer, None)
+        except KilledWorker as error:
+            self._give_up(answer, BrokenProcessPool(f"its Dask workers died: {error}"))
+        except Exception as error:  # noqa: BLE001 - whoever waits for it is told
+            self._give_up(answer, error)
+        else:
+            self._finish(answer, value) if done else self._give_up(answer, value)
+
+    def _refusal(self, address: str, release: str) -> TaskRefused:
+        words = _release_mismatch(address, release) or f"the Dask worker at {address} refuses its tasks"
+        with self._lock:
+            self._refused[address] = words, time.monotonic() + REFUSED_S
+        return TaskRefused(words)
+
+    def _finish(self, answer: Future[Any], outcome: object) -> None:
+        with self._lock:
+            known = self._sent.pop(answer, None)
+        if known is not None:
+            known.future.release()
+            answer.set_result(outcome)
+
+    def _give_up(self, answer: Future[Any], reason: Exception | None) -> None:
+        """End a task without an outcome, if it has none by now; without a reason it is lost."""
+        with self._lock:
+            known = self._sent.pop(answer, None)
+        if known is None:
+            return
+        known.future.release()
+        if reason is None:
+            answer.cancel()
+        else:
+            answer.set_exception(reason)
+
+    def _connected(self) -> "Client":
+        """Return the client, a new one where there is none or the last one has given up."""
+        from distributed import Client  # takes a second to import, which only a cluster's user should pay
+
+        if self._client is not None and self._client.status == "running":
+            return self._client
+        if self._client is not None:
+            if self._client.status == "connecting":
+                raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer")
+            self._client = None
+        try:
+            self._client = Client(  # type: ignore[no-untyped-call]
+                self._address, timeout=CONNECT_S, set_as_default=False, name=f"rundown-{os.getpid()}"
+            )
+        except OSError as error:
+            raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {error}") from error
+        logger.info("identifications are computed by the Dask cluster at %s", self._address)
+        return self._client
+
+
+def _release_mismatch(address: str, release: str | None) -> str:
+    """Say what is wrong with a worker's release, if anything."""
+    ours = dask_task.RELEASE
+    if release is None:
+        return f"the Dask worker at {address} does not say its release: start it as `rundown worker` of release {ours}"
+    if release != ours:
+        return f"the Dask worker at {address} runs release {release}, this service {ours}: upgrade the older one"
+    return ""

@@ -1,0 +1,74 @@
+"""The task protocol between a service and its Dask workers, in a form that workers of every release understand.
+
+The function `compute`, its parameters and the fields of its answer never change. Tasks do, from release to release: they
+travel as bytes, which only a worker of the same release opens. Any other one says which it is. The name of each worker tells
+it beforehand: Dask's workers end where they get something that they cannot unpickle.
+"""
+
+import pickle
+import uuid
+from typing import TypedDict
+
+from service.configuration.release import VERSION
+from service.workers.process_pool import ProcessPool, failed
+
+TASK_FORM = 2
+"""Counts changes of the tasks and their results within a release, their modules' names among them: they travel pickled."""
+RELEASE = f"{VERSION}, tasks of form {TASK_FORM}"
+"""Of the code that makes tasks and opens them."""
+_NAMED = "rundown "
+
+
+def worker_name() -> str:
+    """Return a name for a worker of this release, which no other worker has."""
+    return f"{_NAMED}{RELEASE} #{uuid.uuid4()}"
+
+
+def release_of(name: str) -> str | None:
+    """Return the release that a worker's name tells; None where it tells none."""
+    return name.removeprefix(_NAMED).rpartition(" #")[0] if name.startswith(_NAMED) else None
+
+
+class TaskAnswer(TypedDict):
+    """A worker's answer. release, address: of the worker.
+
+    done: pickled, whether the task went well, and its outcome or its error; None: refused.
+    """
+
+    release: str
+    address: str
+    done: bytes | None
+
+
+class NoProcesses(RuntimeError):
+    """A Dask worker that was not started as `rundown worker`."""
+
+
+class _ThisWorker:
+    processes: ProcessPool | None = None
+
+
+def compute_in(processes: ProcessPool) -> None:
+    """Set the processes in which this Dask worker computes."""
+    _ThisWorker.processes = processes
+
+
+def compute(release: str, task: bytes, limit_s: float) -> TaskAnswer:
+    """Compute a task of a service of some release, within limit_s [s] and some grace. Runs in a thread of a Dask worker."""
+    from distributed import get_worker  # takes a second to import, which only a cluster's user should pay
+
+    answer = TaskAnswer(release=RELEASE, address=str(get_worker().address), done=None)
+    if release != RELEASE:
+        return answer
+    try:
+        if _ThisWorker.processes is None:
+            raise NoProcesses("this Dask worker has no processes that keep to a time: start it as `rundown worker`")
+        answer["done"] = _ThisWorker.processes.submit(limit_s, _computed, task).result()
+    except Exception as error:  # noqa: BLE001 - the service tells them apart
+        answer["done"] = failed(error)
+    return answer
+
+
+def _computed(task: bytes) -> bytes:
+    work, argument = pickle.loads(task)
+    return pickle.dumps((True, work(argument)))

@@ -1,0 +1,48 @@
+"""A worker of a Dask cluster: computes each identification in a process of its own, within its time and memory."""
+
+import asyncio
+import logging
+import threading
+from collections.abc import Callable, Collection
+from functools import partial
+
+from distributed import Worker
+
+from service.workers import dask_task
+from service.workers.process_pool import ProcessPool
+
+logger = logging.getLogger(__name__)
+
+RETRY_S = 2.0
+
+
+def work(
+    scheduler: str,
+    *,
+    processes: int,
+    memory_bytes: int,
+    tasks: Collection[Callable[..., object]],
+    stop: threading.Event,
+) -> None:
+    """Work for a scheduler until told to stop; where it is away, it is waited for. tasks: functions that it may ask for."""
+    asyncio.run(_work(scheduler, processes, partial(ProcessPool, processes, memory_bytes=memory_bytes, tasks=tasks), stop))
+
+
+async def _work(scheduler: str, processes: int, new_pool: Callable[[], ProcessPool], stop: threading.Event) -> None:
+    while not stop.is_set():
+        computing = new_pool()
+        dask_task.compute_in(computing)
+        try:
+            # The memory limit is each process's own; this process only passes tasks on, each in a thread that waits.
+            name = dask_task.worker_name()
+            worker = Worker(scheduler, name=name, nthreads=processes, memory_limit=0, dashboard=False)
+            async with worker:
+                logger.info("working for the scheduler at %s, %d at once; %s", scheduler, processes, dask_task.RELEASE)
+                while not stop.is_set() and worker.status.name in ("running", "paused", "init"):
+                    await asyncio.sleep(0.2)
+                computing.shutdown()
+        except (OSError, TimeoutError) as error:
+            logger.warning("no scheduler at %s: %s; trying again", scheduler, error)
+        finally:
+            computing.shutdown()
+        await asyncio.sleep(0.0 if stop.is_set() else RETRY_S)

@@ -1,0 +1,48 @@
+"""The choice of executor: worker processes of this machine, or a Dask cluster."""
+
+from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import Future
+from typing import TypeVar
+
+from service.configuration.settings import Settings
+from service.workers.dask_executor import DaskExecutor
+from service.workers.executor import Executor
+from service.workers.process_pool import ProcessPool
+
+A = TypeVar("A")
+R = TypeVar("R")
+
+
+def executor_of(settings: Settings, tasks: Collection[Callable[..., object]]) -> Executor:
+    """Return the executor that the settings ask for. tasks: functions that it will compute."""
+    if settings.dask_scheduler:
+        return DaskExecutor(settings.dask_scheduler)
+    return LocalExecutor(settings.workers, memory_bytes=settings.identification_memory_mb * 2**20, tasks=tasks)
+
+
+class LocalExecutor:
+    """Computes in processes of this machine, which watch their own time."""
+
+    def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]]) -> None:
+        """Begin no process yet. memory_bytes: what each may hold of its own. tasks: functions that they will compute."""
+        self._workers = workers
+        self._processes = ProcessPool(workers, memory_bytes=memory_bytes, tasks=tasks)
+
+    def capacity(self) -> int:
+        """Return one task for each process."""
+        return self._workers
+
+    def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
+        """Compute a task, as `Executor.submit` says."""
+        return self._processes.submit(limit_s, work, task)
+
+    def look(self) -> None:
+        """Do nothing: the process pool watches its processes itself."""
+
+    def warnings(self) -> Sequence[str]:
+        """Return nothing: what happened to a task is told by its future."""
+        return ()
+
+    def close(self) -> None:
+        """Kill the processes and give up what they compute."""
+        self._processes.shutdown()

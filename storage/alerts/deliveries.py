@@ -1,0 +1,172 @@
+"""Repository of subscriptions and of the outbox: which event still has to reach whom."""
+
+from collections.abc import Collection, Sequence
+
+from sqlalchemy import func, or_, select
+from sqlalchemy.orm import Session
+
+from estimator.errors import Conflict, Missing
+from storage.clock import TOLERANCE, now
+from storage.database.plant_scope import EVERY_PLANT
+from storage.paging import Keys, ordered
+from storage.tables import AlertEventRow, DeliveryRow, MachineRow, SubscriptionPlantRow, SubscriptionRow
+
+ACTIVE, DISABLED = "active", "disabled"
+PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
+STATES = (PENDING, DELIVERED, GIVEN_UP)
+
+
+class SubscriptionUnknown(Missing):
+    """No subscription of that id."""
+
+    subject = "subscription"
+
+
+class SubscriptionExists(Conflict):
+    """A subscription of that name is there already."""
+
+
+class SubscriptionDisabled(Conflict):
+    """Nothing is sent to this subscription."""
+
+
+class DeliveryUnknown(Missing):
+    """No delivery of that id."""
+
+    subject = "delivery"
+
+
+def subscribe(
+    session: Session, *, kind: str, name: str, target: str, secret: str | None, plants: Collection[str] | None = None
+) -> SubscriptionRow:
+    """Who is told from now on. plants: of whose events; None for all. Raises SubscriptionExists."""
+    if by_name(session, name) is not None:
+        raise SubscriptionExists(f"subscription '{name}' exists already")
+    row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=now())
+    row.told_of = [SubscriptionPlantRow(plant=plant) for plant in sorted(set(plants or ()))]
+    session.add(row)
+    session.flush()
+    return row
+
+
+def by_name(session: Session, name: str) -> SubscriptionRow | None:
+    """The subscription of a name, whoever may see it: names are unique."""
+    query = select(SubscriptionRow).where(SubscriptionRow.name == name).execution_options(**EVERY_PLANT)
+    return session.scalars(query).one_or_none()
+
+
+def told_of(row: SubscriptionRow) -> list[str] | None:
+    """The plants of whose events a subscription tells; None for all."""
+    return [one.plant for one in row.told_of] or None
+
+
+def tells(row: SubscriptionRow, plant: str) -> bool:
+    """Whether a subscription tells of a plant's events."""
+    plants = told_of(row)
+    return plants is None or plant in plants
+
+
+def get(session: Session, subscription_id: int) -> SubscriptionRow:
+    """Raises SubscriptionUnknown."""
+    row = session.get(SubscriptionRow, subscription_id)
+    if row is None:
+        raise SubscriptionUnknown(subscription_id)
+    return row
+
+
+def every(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
+    """All subscriptions, by id; after: the one before."""
+    return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
+
+
+def with_secret(session: Session) -> Sequence[SubscriptionRow]:
+    """Those that have a secret, whoever may see them, by id."""
+    query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
+    return session.scalars(query.execution_options(**EVERY_PLANT)).all()
+
+
+def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
+    """Send it nothing more; what was on its way is given up, and can be delivered again later."""
+    row.state, row.reason = DISABLED, reason
+    waiting = select(DeliveryRow).where(DeliveryRow.subscription_id == row.id, DeliveryRow.state == PENDING)
+    for delivery in session.scalars(waiting):
+        delivery.state, delivery.answer = GIVEN_UP, f"subscription disabled: {reason}"
+
+
+def enable(row: SubscriptionRow) -> None:
+    """Tell it of what happens from now on."""
+    row.state, row.reason = ACTIVE, None
+
+
+def require_active(row: SubscriptionRow) -> None:
+    """Raises SubscriptionDisabled."""
+    if row.state != ACTIVE:
+        raise SubscriptionDisabled(f"subscription '{row.name}' is disabled ({row.reason}): enable it first")
+
+
+def queue(session: Session, event: AlertEventRow) -> None:
+    """Put an event into the outbox of every active subscription that tells of its plant."""
+    machine = session.get_one(MachineRow, event.machine_id)
+    # Also of those that whoever made the event happen may not see.
+    query = select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE).execution_options(**EVERY_PLANT)
+    for row in session.scalars(query):
+        if tells(row, machine.plant):
+            queue_for(session, row, event)
+
+
+def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> DeliveryRow:
+    """Put an event into the outbox of one subscription."""
+    delivery = DeliveryRow(
+        subscription_id=row.id,
+        event_id=event.id,
+        alert_id=event.alert_id,
+        state=PENDING,
+        attempts=0,
+        next_try_at=event.at,
+        last_try_at=None,
+        answer=None,
+    )
+    session.add(delivery)
+    return delivery
+
+
+def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Sequence[DeliveryRow]:
+    """Deliveries to try at a moment [ns]: of each subscription and alert the oldest pending one, when its time has come.
+
+    busy: ids of subscriptions that take no more at present. What was never tried is due, and what was tried in the future, for
+    the clock was set back.
+    """
+    oldest = (
+        select(func.min(DeliveryRow.id))
+        .where(DeliveryRow.state == PENDING)
+        .where(DeliveryRow.subscription_id.not_in(busy))
+        .group_by(DeliveryRow.subscription_id, DeliveryRow.alert_id)
+    )
+    come = or_(DeliveryRow.next_try_at <= moment, DeliveryRow.attempts == 0, DeliveryRow.last_try_at > moment + TOLERANCE)
+    query = select(DeliveryRow).where(DeliveryRow.id.in_(oldest), come)
+    return session.scalars(query.order_by(DeliveryRow.id).limit(limit)).all()
+
+
+def of_subscription(session: Session, subscription_id: int, *, limit: int, after: Keys | None = None) -> Sequence[DeliveryRow]:
+    """The delivery log of a subscription, newest first; after: id of the one before."""
+    query = select(DeliveryRow).where(DeliveryRow.subscription_id == subscription_id)
+    return session.scalars(ordered(query, (DeliveryRow.id,), after).limit(limit)).all()
+
+
+def delivery(session: Session, delivery_id: int) -> DeliveryRow:
+    """Raises DeliveryUnknown."""
+    row = session.get(DeliveryRow, delivery_id)
+    if row is None:
+        raise DeliveryUnknown(delivery_id)
+    return row
+
+
+def again(row: DeliveryRow) -> None:
+    """Deliver once more, now."""
+    row.state, row.attempts, row.next_try_at, row.answer = PENDING, 0, now(), None
+
+
+def counts(session: Session) -> dict[str, int]:
+    """How many deliveries are in each state."""
+    query = select(DeliveryRow.state, func.count()).group_by(DeliveryRow.state)
+    return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

@@ -1,0 +1,150 @@
+"""Backup and restore. Of SQLite a backup is a database of its own, made by SQLite's backup API while others read and write; of
+PostgreSQL it is an archive of `pg_dump`.
+"""
+
+import errno
+import os
+import sqlite3
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sqlalchemy import Engine
+from sqlalchemy.exc import DatabaseError, OperationalError
+
+from storage.backup import sqlite_copy
+from storage.backup.backup_file import (
+    FORMAT,
+    Backup,
+    BackupUnusable,
+    described_by,
+    new_file,
+    put_down,
+    read,
+    require_rows,
+    synced_digest,
+)
+from storage.backup.restored_access import KnownKey, RestoredAccess, amend, known_keys
+from storage.database import postgresql_tools
+from storage.database.claim import Claim, file_of
+from storage.database.engine import lent_engine, shown
+from storage.database.schema import require_known, revision_of, row_counts
+
+_NEVER = "a backup never replaces another one"
+
+
+def back_up(url: str, file: Path) -> Backup:
+    """Copy a database as of one moment into a new file. Others may read and write meanwhile.
+
+    Raises BackupUnusable, DatabaseUnusable.
+    """
+    if not file.name:
+        raise BackupUnusable(f"{file} is no name of a file")
+    part = file.with_name(file.name + ".part")
+    try:
+        for path in (file, described_by(file)):
+            if path.exists():
+                raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        with lent_engine(url) as engine, new_file(part):
+            moment = datetime.now(UTC)
+            if engine.dialect.name == "sqlite":
+                revision, rows = sqlite_copy.copy(engine, part)
+            else:
+                revision, rows = _dump_postgresql(engine, part)
+            digest = synced_digest(part)
+            size = part.stat().st_size
+            made = Backup(FORMAT, engine.dialect.name, revision, moment.isoformat(timespec="seconds"), size, digest, rows)
+            put_down(part, file, made)
+    except FileExistsError as error:
+        why = "another backup is being written to it; if none is, take it away" if error.filename == str(part) else _NEVER
+        raise BackupUnusable(f"{error.filename} exists already: {why}") from error
+    except (OSError, sqlite3.Error, postgresql_tools.ToolFailed) as error:
+        raise BackupUnusable(f"{file} cannot be written: {error}") from error
+    return made
+
+
+@dataclass(frozen=True)
+class Restored:
+    """What was restored, and who gets in less than with the backup."""
+
+    backup: Backup
+    access: RestoredAccess
+
+
+def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
+    """Put a backup in the place of a database that holds no data, or of any one with `overwrite`.
+
+    All of it is there in the end, or what was there before; but nobody stays logged in, keys that the replaced database knows
+    as revoked are, and those that it does not know wait for a confirmation (`storage.backup.restored_access`).
+
+    Raises BackupUnusable, DatabaseUnusable; also while a service uses the database.
+    """
+    found = read(file)
+    require_known(found.schema_revision, str(file))
+    with lent_engine(url) as engine:
+        if engine.dialect.name != found.kind:
+            raise BackupUnusable(
+                f"{file} is a backup of {found.kind}, {shown(url)} is of {engine.dialect.name}: restore it to a database of "
+                "its own kind, then take it over with `rundown move`"
+            )
+        claim = Claim(engine)
+        try:
+            claim.take()
+            if not overwrite:
+                _require_empty(engine, url)
+            if engine.dialect.name == "sqlite":
+                access = sqlite_copy.replace(engine, file, found)
+            else:
+                access = _replace_postgresql(engine, file, found)
+        except (OSError, sqlite3.Error, postgresql_tools.ToolFailed) as error:
+            raise BackupUnusable(f"{file} cannot be restored: {error}") from error
+        finally:
+            claim.release()
+    return Restored(found, access)
+
+
+def _require_empty(engine: Engine, url: str) -> None:
+    path = file_of(engine)
+    if path is not None and not path.exists():
+        return
+    try:
+        with engine.connect() as connection:
+            held = sum(row_counts(connection).values())
+    except OperationalError:
+        raise
+    except DatabaseError as error:
+        raise BackupUnusable(
+            f"database {shown(url)} is damaged ({error.orig}): say --overwrite to replace it, or restore to another one"
+        ) from error
+    if held:
+        raise BackupUnusable(
+            f"database {shown(url)} holds {held} rows: say --overwrite to lose them, or restore to another one"
+        )
+
+
+def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
+    """Counted and dumped in one snapshot."""
+    with engine.connect().execution_options(isolation_level="REPEATABLE READ") as connection:
+        revision = require_known(revision_of(connection), "the database")
+        rows = row_counts(connection)
+        postgresql_tools.dump(connection, part)
+    return revision, rows
+
+
+def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
+    with postgresql_tools.set_aside(engine):
+        postgresql_tools.load(engine, file)
+        with engine.connect() as connection:
+            rows = row_counts(connection)
+        require_rows(rows, file, found)
+        with engine.begin() as connection:
+            return amend(connection, _keys_aside(engine))
+
+
+def _keys_aside(engine: Engine) -> dict[str, KnownKey]:
+    """What the database that is replaced knows of its keys; nothing where it cannot be read."""
+    try:
+        with engine.connect() as connection:
+            return known_keys(connection, schema=postgresql_tools.ASIDE)
+    except DatabaseError:
+        return {}

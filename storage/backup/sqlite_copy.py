@@ -1,0 +1,139 @@
+"""Copies of an SQLite database's file, made while others use it, and put back in its place."""
+
+import hashlib
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+
+from sqlalchemy import URL, Engine
+
+from storage.backup.backup_file import Backup, BackupUnusable, require_rows, sync_folder, synced_digest
+from storage.backup.restored_access import KnownKey, RestoredAccess, amend, known_keys
+from storage.database.claim import DatabaseUnusable, file_of, require_logs, require_own_name
+from storage.database.damage import marker_of
+from storage.database.engine import lent_engine
+from storage.database.private_files import PRIVATE
+from storage.database.schema import require_known, revision_of, row_counts
+
+_PIECE = 1 << 20
+
+
+def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
+    """Write all that is committed into a file that is there and empty. Returns the schema's revision and the number of rows of
+    each table. Raises BackupUnusable, DatabaseUnusable, sqlite3.Error.
+    """
+    path = file_of(engine)
+    if path is None or not path.is_file():
+        raise DatabaseUnusable(f"there is no database file {path}")
+    require_own_name(path)
+    require_logs(path)
+    with (
+        closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as source,
+        closing(sqlite3.connect(part, isolation_level=None)) as target,
+    ):
+        # All pages in one step: a state between two commits, while writers go on in the write-ahead log.
+        source.backup(target, pages=-1)
+        target.execute("PRAGMA journal_mode = DELETE")
+        (verdict,) = target.execute("PRAGMA integrity_check(1)").fetchone()
+    if verdict != "ok":
+        raise BackupUnusable(f"the database is damaged: {verdict}")
+    return _content(part, str(path))
+
+
+def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
+    with lent_engine(URL.create("sqlite", database=str(file))) as engine, engine.connect() as connection:
+        return require_known(revision_of(connection), name), row_counts(connection)
+
+
+def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
+    """Put a backup in the place of the database's file, which is the old one or the new one at any moment. For who has the
+    claim on it only. Returns who gets in less than with the backup. Raises BackupUnusable, OSError, sqlite3.Error.
+    """
+    path = file_of(engine)
+    if path is None:
+        raise BackupUnusable("a database in memory cannot be restored")
+    part = path.with_name(path.name + ".restoring")
+    try:
+        digest = hashlib.sha256()
+        part.unlink(missing_ok=True)  # of a restore that was killed: whoever has the claim is the only one
+        part.touch(mode=PRIVATE, exist_ok=False)
+        with file.open("rb") as source, part.open("wb") as target:
+            while piece := source.read(_PIECE):
+                digest.update(piece)
+                target.write(piece)
+        if digest.hexdigest() != found.sha256:
+            raise BackupUnusable(f"{file} changed while it was read")
+        _require_whole(part, file, found)
+        engine.dispose()
+        if path.exists():
+            _end_log(path)
+        access = _amended(part, _keys_of(path))
+        content = _content(part, str(part))
+        synced_digest(part)
+        # Before the new file is there: who dies in between leaves an old database, never a new one beside an old log, which
+        # SQLite would play back into it.
+        _remove_beside(path)
+        sync_folder(path.parent)
+        part.replace(path)
+        sync_folder(path.parent)
+        if _content(path, str(path)) != content:
+            raise BackupUnusable(f"{file} was not restored whole: {path} does not hold what was written to it")
+    finally:
+        part.unlink(missing_ok=True)
+        _remove_beside(part)
+    return access
+
+
+def _keys_of(path: Path) -> dict[str, KnownKey]:
+    """What a database that is to be replaced knows of its keys; nothing where it cannot be read or is not there."""
+    if not path.exists():
+        return {}
+    try:
+        with lent_engine(URL.create("sqlite", database=str(path))) as engine, engine.connect() as connection:
+            return known_keys(connection)
+    except DatabaseUnusable:
+        return {}
+
+
+def _amended(part: Path, known: dict[str, KnownKey]) -> RestoredAccess:
+    with (
+        lent_engine(URL.create("sqlite", database=str(part))) as engine,
+        engine.execution_options(writing="alone").begin() as connection,
+    ):
+        return amend(connection, known)
+
+
+def _end_log(path: Path) -> None:
+    """Take what an old database has in its log over into its file, which is then whole by itself. One that is damaged stays
+    as it is. Raises sqlite3.OperationalError while somebody uses it.
+    """
+    try:
+        with closing(sqlite3.connect(path)) as old:
+            old.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            old.execute("PRAGMA journal_mode = DELETE")
+    except sqlite3.DatabaseError as error:
+        if error.sqlite_errorcode & 0xFF in (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED):
+            raise
+
+
+def _beside(path: Path) -> list[Path]:
+    """Logs of a database file, also of one that is no longer there, and the note that it is damaged."""
+    return [*(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")), marker_of(path)]
+
+
+def _remove_beside(path: Path) -> None:
+    for one in _beside(path):
+        one.unlink(missing_ok=True)
+
+
+def _require_whole(path: Path, file: Path, found: Backup) -> None:
+    """Raises BackupUnusable where a database file is not what a backup says of itself."""
+    try:
+        revision, rows = _content(path, str(path))
+    except DatabaseUnusable as error:
+        raise BackupUnusable(f"{file} was not restored whole: {error}") from error
+    if revision != found.schema_revision:
+        raise BackupUnusable(
+            f"{file} was not restored whole: {path} has schema revision {revision}, the backup {found.schema_revision}"
+        )
+    require_rows(rows, file, found)

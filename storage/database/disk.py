@@ -1,0 +1,85 @@
+"""How much room the data take, how much is left, and giving back what is free inside an SQLite file."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, func, select
+
+from storage.database.claim import file_of
+from storage.database.engine import Database
+
+INCREMENTAL = 2
+"""SQLite's number of the kind of vacuum that new files have."""
+PAGES_AT_ONCE = 2_000
+"""Free pages that are given back in one transaction."""
+
+
+@dataclass(frozen=True)
+class DiskUse:
+    """All in bytes. data: of the database with its log. free, total: of the file system where it lies; None where that is on
+    another machine. budget: how large it may become, None without one.
+    """
+
+    data: int
+    free: int | None
+    total: int | None
+    budget: int | None
+
+    @property
+    def part(self) -> float | None:
+        """How much of the room is used, from 0 to 1: of the budget or of the file system, whichever is nearer to its end.
+
+        None where neither is known.
+        """
+        parts = []
+        if self.budget:
+            parts.append(self.data / self.budget)
+        if self.free is not None and self.total:
+            parts.append(1.0 - self.free / self.total)
+        return max(parts, default=None)
+
+
+def used(database: Database, *, budget: int | None) -> DiskUse:
+    """How much room a database takes. Raises DBAPIError, OSError."""
+    path = file_of(database.engine)
+    if path is not None:
+        return used_by_file(path, budget=budget)
+    if database.kind == "sqlite":
+        return DiskUse(0, None, None, budget)
+    with database.reading() as session:
+        size = session.scalar(select(func.pg_database_size(func.current_database())))
+    return DiskUse(int(size or 0), None, None, budget)
+
+
+def used_by_file(path: Path, *, budget: int | None) -> DiskUse:
+    """The same of an SQLite file, which is not opened. Raises OSError."""
+    files = (path, path.with_name(path.name + "-wal"))
+    room = shutil.disk_usage(path.parent)
+    return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
+
+
+def give_back(database: Database) -> int:
+    """Give some free pages of an SQLite file back to the file system; returns how many.
+
+    PostgreSQL uses free room again by itself (autovacuum). So does an SQLite file that an older release made, which keeps its
+    size.
+    """
+    if database.kind != "sqlite":
+        return 0
+    with database.reading() as session:
+        connection = session.connection()
+        if not _free_pages(connection) or connection.exec_driver_sql("PRAGMA auto_vacuum").scalar() != INCREMENTAL:
+            return 0
+    with database.transaction() as session:
+        connection = session.connection()
+        free = _free_pages(connection)
+        driver: Any = connection.connection.driver_connection
+        # It goes on by a page with each row that is asked for, though it has none to show.
+        driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_ONCE})").fetchall()
+        return free - _free_pages(connection)
+
+
+def _free_pages(connection: Connection) -> int:
+    return int(connection.exec_driver_sql("PRAGMA freelist_count").scalar() or 0)

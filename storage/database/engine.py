@@ -1,0 +1,327 @@
+"""The database: opening it, bringing its schema up to date, and transactions.
+
+Of both kinds holds: one writes at a time, and who only looks sees one state from its first query to its last.
+"""
+
+import re
+import sqlite3
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, closing, contextmanager
+from typing import Any
+
+from sqlalchemy import URL, Engine, create_engine, event, make_url, select
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
+from sqlalchemy.orm import Session, sessionmaker
+
+from storage.database import file_lock, private_files, versions, writer_turn
+from storage.database.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
+from storage.database.damage import Damage, marker_of
+from storage.database.file_inspection import damages
+from storage.database.schema_upgrade import bring_up_to_date
+from storage.database.sqlite_files import SqliteFiles
+from storage.database.writer_turn import WriterTurn
+from storage.encoding.text import json_text
+from storage.recent_maximum import Longest
+
+LARGEST_LOG = 64 * 2**20
+"""To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
+WRITER_KEY = CLAIM_KEY + 1
+"""Number of the advisory lock of PostgreSQL that is held for the time of each writing transaction."""
+_CONNECTION = {
+    "connect_timeout": 5,
+    "keepalives_idle": 10,
+    "keepalives_interval": 5,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 10_000,
+    # The server lets go of what a client holds that has vanished, or hangs in the middle of a transaction.
+    "options": "-c idle_in_transaction_session_timeout=10s "
+    "-c tcp_keepalives_idle=5 -c tcp_keepalives_interval=5 -c tcp_keepalives_count=2",
+}
+"""So that a PostgreSQL server that has vanished is noticed [s], and so that it notices that we have."""
+
+
+class Database:
+    """One database, SQLite or PostgreSQL by URL."""
+
+    def __init__(self, url: str) -> None:
+        """Open and migrate. Raises DatabaseUnusable."""
+        self.engine = engine_of(url)
+        try:
+            bring_up_to_date(self.engine)
+        except (DBAPIError, DatabaseUnusable, OSError) as error:
+            self.engine.dispose()
+            cause = error.orig if isinstance(error, DBAPIError) else error
+            raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
+        self.url = url
+        self._claim = Claim(self.engine)
+        self.longest_transaction = Longest()
+        """Of those that write, from when it was their turn until they were durable."""
+        self._files = _kept_files(self.engine)
+        self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
+        path = file_of(self.engine)
+        self._place = None if path is None else file_lock.use(path)
+        self.damage = Damage(None if path is None else marker_of(path))
+        """Of the store, as far as somebody has met it."""
+        event.listen(self.engine, "handle_error", self.damage.watch)
+        consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
+        self.for_reading = self.engine.execution_options(**consistent)
+        """Its transactions see one state from the first query to the last."""
+        self.for_writing = self.engine.execution_options(writing="alone")
+        """Its transactions wait for each other; on SQLite they must also have their `turn`."""
+        self._reading = sessionmaker(self.for_reading, expire_on_commit=False)
+        self._writing = sessionmaker(self.for_writing, expire_on_commit=False)
+        self._sharing = sessionmaker(self.engine.execution_options(writing="beside others"), expire_on_commit=False)
+
+    @property
+    def kind(self) -> str:
+        """`sqlite` or `postgresql`."""
+        return self.engine.dialect.name
+
+    @property
+    def version(self) -> str:
+        """Product and version, such as `SQLite 3.51.3`."""
+        return versions.named(self.engine)
+
+    @property
+    def objections(self) -> list[str]:
+        """What is known against that version."""
+        return versions.objections(self.engine)
+
+    @contextmanager
+    def transaction(self, *, beside_others: bool = False) -> Iterator[Session]:
+        """A session whose changes are committed together at the end, or not at all.
+
+        beside_others: what it changes is this process's own by a lease, so that PostgreSQL need not let other writers wait.
+        """
+        making = self._sharing if beside_others else self._writing
+        with self.turn(), self.longest_transaction.measured(), making.begin() as session:
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """A session for looking only."""
+        session = self._reading()
+        try:
+            yield session
+        finally:
+            _end_looking(session)
+
+    def claim(self, *, shared: bool = False) -> None:
+        """Be the only service on this database until `close`, or one of those that share it, which an SQLite file does not
+        allow. Raises DatabaseUnusable when another one is there.
+        """
+        self._claim.take(shared=shared)
+
+    def hold(self, number: int, second: int) -> bool:
+        """Hold an advisory lock of PostgreSQL as long as the claim; False where another connection does. On SQLite there is
+        nobody else.
+        """
+        return self._claim.hold(number, second)
+
+    @property
+    def needs_restart(self) -> bool:
+        """Whether this process cannot go on with the files that it has opened, and nothing is lost by its end."""
+        return self._files is not None and not self._files.look() and self._files.saved
+
+    def look_after_files(self) -> None:
+        """Save what is in no file any more that has a name. Raises DatabaseUnusable where one of an SQLite store's files was
+        deleted or replaced.
+        """
+        files = self._files
+        if files is None or files.look():
+            return
+        self._turn.save(files)
+        raise DatabaseUnusable(files.trouble)
+
+    def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
+        """Look through all pages of an SQLite store of which damage was met; where they are whole, it is over.
+
+        Of PostgreSQL, and where the time is too short, what was met stays told.
+        """
+        if self.kind != "sqlite":
+            return
+        met = self.damage.met
+        with closing(self.own_connection(check_same_thread=False)) as connection:
+            found = damages(connection, within_s=within_s, thorough=True, stopped=stopped)
+        if found:
+            self.damage.found(found)
+        elif found is not None:
+            self.damage.clear(met=met)
+
+    def own_connection(self, **options: Any) -> sqlite3.Connection:
+        """A connection of the driver outside the pool, to an SQLite store. Raises OperationalError."""
+        where, how = self.engine.dialect.create_connect_args(self.engine.url)
+        connect: Callable[..., sqlite3.Connection] = sqlite3.connect
+        if self._files is not None:
+            self._files.require()
+        return connect(*where, **{**how, **options})
+
+    def check(self) -> None:
+        """Raises DatabaseUnusable when the database does not answer, a file of it is no longer there, or another service took
+        it while a PostgreSQL server was away.
+        """
+        self.look_after_files()
+        try:
+            with self.reading() as session:
+                session.execute(select(1))
+            self._claim.keep()
+        except DBAPIError as error:
+            raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
+
+    def close(self) -> None:
+        """Give back all connections and the claim."""
+        self._claim.release()
+        if self._files is not None:
+            self._files.look()  # what it says afterwards
+        self.engine.dispose()
+        if self._files is not None:
+            self._files.close()
+        if self._place is not None:
+            file_lock.leave(self._place)
+            self._place = None
+
+    def turn(self) -> AbstractContextManager[None]:
+        """Have the turn among the writers of this process, see `storage.database.writer_turn`. Raises OperationalError."""
+        return self._turn.taken()
+
+
+def _kept_files(engine: Engine) -> SqliteFiles | None:
+    """Those of an SQLite store. Raises DatabaseUnusable."""
+    path = file_of(engine)
+    if path is None:
+        return None
+    try:
+        files = SqliteFiles(path)
+    except sqlite3.Error as error:
+        engine.dispose()
+        raise DatabaseUnusable(f"database {shown(engine.url)} cannot be used: {error}") from error
+
+    def require_behind(connection: Any, _record: Any) -> None:
+        try:
+            files.require()
+        except OperationalError:
+            connection.close()  # nobody else knows of it yet
+            raise
+
+    event.listen(engine, "do_connect", lambda *_: files.require())
+    event.listen(engine, "connect", require_behind)
+    return files
+
+
+def _end_looking(session: Session) -> None:
+    try:
+        session.close()
+    except DBAPIError:
+        # What was read stays read: that the connection broke behind it is the next one's to find out.
+        session.invalidate()
+
+
+def shown(url: str | URL) -> str:
+    """A URL without its passwords. Of one that cannot be read only how it begins, where there may be one in it."""
+    try:
+        parsed = make_url(url)
+    except (ArgumentError, ValueError):
+        url = str(url)
+        secret = "@" in url or "password" in url.lower()
+        return repr(re.match(r"[\w+]*", url)[0] + "…") if secret else repr(url)  # type: ignore[index]
+    hidden = {name: "hidden" for name in parsed.query if "password" in name.lower()}
+    return parsed.update_query_dict(hidden).render_as_string(hide_password=True)
+
+
+def require_there(url: str) -> None:
+    """Raises DatabaseUnusable where there is no such file; opening it would make an empty one."""
+    path = file_of(engine_of(url))
+    try:
+        there = path is None or path.is_file()
+    except OSError as error:  # of a folder that may not be looked into
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+    if not there:
+        raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
+
+
+def engine_of(url: str | URL) -> Engine:
+    """Where connections to a database come from; nothing is opened or migrated yet. Raises DatabaseUnusable."""
+    try:
+        return _engine(url)
+    except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+    except ValueError:  # its text may hold a part of the password
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
+
+
+@contextmanager
+def lent_engine(url: str | URL) -> Iterator[Engine]:
+    """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
+    engine = engine_of(url)
+    path = file_of(engine)
+    place = file_lock.use(path) if path is not None and path.is_file() else None
+    try:
+        yield engine
+    except DBAPIError as error:
+        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+    finally:
+        engine.dispose()
+        if place is not None:
+            file_lock.leave(place)
+
+
+def _engine(url: str | URL) -> Engine:
+    parsed = make_url(url)
+    dialect = parsed.get_dialect().name
+    if dialect == "sqlite" and "uri" in parsed.query:
+        raise DatabaseUnusable(
+            f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
+        )
+    engine = create_engine(
+        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
+    )
+    if dialect == "postgresql":
+        event.listen(engine, "begin", _begin_postgresql)
+    elif dialect == "sqlite":
+        event.listen(engine, "do_connect", lambda *_: _prepare_sqlite(engine))
+        event.listen(engine, "connect", _configure_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    return engine
+
+
+def _prepare_sqlite(engine: Engine) -> None:
+    if (path := file_of(engine)) is None:
+        return
+    try:
+        require_own_name(path)
+        require_logs(path)
+    except (DatabaseUnusable, OSError) as error:
+        raise OperationalError(None, None, error) from error
+    private_files.prepare(path)
+
+
+def _configure_sqlite(connection: Any, _record: Any) -> None:
+    # Transactions are begun by `_begin_sqlite`: the driver's own handling starts them too late for a safe upgrade to writing.
+    connection.isolation_level = None
+    try:
+        connection.execute(f"PRAGMA busy_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
+        if connection.execute("PRAGMA page_count").fetchone() == (0,):
+            # Of a new file only; of an older one it would change nothing, and wait for its writer.
+            connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
+        # A sample is durable before it counts as received, also when the power fails.
+        connection.execute("PRAGMA synchronous = FULL")
+        connection.execute("PRAGMA foreign_keys = ON")
+    except Exception:
+        connection.close()  # nobody else knows of it yet
+        raise
+
+
+def _begin_sqlite(connection: Any) -> None:
+    # A writer takes its lock at once: one that upgrades a read lock later may fail without the busy timeout being tried.
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if connection.get_execution_options().get("writing") else "BEGIN")
+
+
+def _begin_postgresql(connection: Any) -> None:
+    # What reads before it writes would otherwise have to expect that another one wrote in between.
+    writing = connection.get_execution_options().get("writing")
+    if writing:
+        connection.exec_driver_sql(f"SET LOCAL lock_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
+    if writing == "alone":
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({WRITER_KEY})")

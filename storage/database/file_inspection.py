@@ -1,0 +1,78 @@
+"""Looking into an SQLite file that nobody has open, without changing anything: no log is played back, cut or deleted."""
+
+import sqlite3
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import Engine, create_engine
+from sqlalchemy.exc import DatabaseError
+from sqlalchemy.pool import NullPool
+
+from storage.database.schema import revision_of
+
+AS_IT_IS = "mode=ro&immutable=1"
+"""For SQLite: no locks, no logs."""
+_STEPS = 10_000
+"""Of SQLite's machine, between two looks at the clock."""
+
+
+@contextmanager
+def looking_engine(path: Path) -> Iterator[Engine]:
+    """Where connections for looking come from. Not for a file that somebody has open: they may see it half written."""
+    log = path.with_name(path.name + "-wal")
+    # What a log holds is read from it, through an index of its own; without one the file is taken as it is, and no log made.
+    with _engine(path, AS_IT_IS if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
+        yield engine
+
+
+def revision_beside_a_service(path: Path) -> str | None:
+    """The schema's revision as the main file has it, of a store that somebody has open; neither log nor lock is touched.
+
+    None where it stands in the log only.
+    """
+    try:
+        with _engine(path, AS_IT_IS) as engine, engine.connect() as connection:
+            return revision_of(connection)
+    except DatabaseError:
+        return None
+
+
+@contextmanager
+def _engine(path: Path, how: str) -> Iterator[Engine]:
+    def connected() -> sqlite3.Connection:
+        return sqlite3.connect(f"{path.as_uri()}?{how}", uri=True)
+
+    engine = create_engine("sqlite://", creator=connected, poolclass=NullPool)
+    try:
+        yield engine
+    finally:
+        engine.dispose()
+
+
+def damages(
+    connection: sqlite3.Connection,
+    *,
+    within_s: float,
+    thorough: bool = False,
+    stopped: Callable[[], bool] = lambda: False,
+) -> list[str] | None:
+    """What is wrong with a store's pages, at most five findings; None where the time was too short, or it was stopped.
+
+    thorough: whether each index fits its table, too, which takes much longer.
+    """
+    until = time.monotonic() + within_s
+    connection.set_progress_handler(lambda: time.monotonic() > until or stopped(), _STEPS)
+    try:
+        check = "integrity_check" if thorough else "quick_check"
+        found = [str(row[0]) for row in connection.execute(f"PRAGMA {check}(5)")]
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode == sqlite3.SQLITE_INTERRUPT:
+            return None
+        raise
+    except sqlite3.DatabaseError as error:  # not even that much can be read
+        return [str(error)]
+    finally:
+        connection.set_progress_handler(None, 0)
+    return [] if found == ["ok"] else [line for one in found for line in one.splitlines() if not line.startswith("***")]

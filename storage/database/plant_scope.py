@@ -1,0 +1,115 @@
+"""A database as somebody sees it who may see some plants only: rows of the others are not there, whatever is asked.
+
+Each statement over mapped classes gets the condition on the plant, in the ORM, not in each query: a new query cannot forget
+it. A table for which nothing says which plant its rows belong to has no rows here, and a statement that is not about mapped
+classes is refused.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
+
+from sqlalchemy import ColumnElement, Select, event, false, select
+from sqlalchemy.orm import ORMExecuteState, Session, sessionmaker, with_loader_criteria
+
+from storage.database.engine import Database
+from storage.tables import (
+    AlertRow,
+    Base,
+    DeliveryRow,
+    MachineRow,
+    SubscriptionPlantRow,
+    SubscriptionRow,
+)
+
+Plants = frozenset[str]
+PLANTS = "plants"
+EVERY_PLANT = {"every_plant": True}
+"""Execution option of the few statements that must see all, whoever asks."""
+
+
+class NotScoped(RuntimeError):
+    """A statement of which it cannot be said whose rows it reads."""
+
+
+class PlantSession(Session):
+    """A session of somebody who sees some plants."""
+
+
+class PlantScope:
+    """Some plants of a database."""
+
+    def __init__(self, database: Database, plants: Plants) -> None:
+        self._database = database
+        info = {PLANTS: plants}
+        self._reading = sessionmaker(database.for_reading, class_=PlantSession, expire_on_commit=False, info=info)
+        self._writing = sessionmaker(database.for_writing, class_=PlantSession, expire_on_commit=False, info=info)
+
+    @contextmanager
+    def transaction(self) -> Iterator[Session]:
+        """A session whose changes are committed together at the end, or not at all."""
+        with self._database.turn(), self._writing.begin() as session:
+            yield session
+
+    @contextmanager
+    def reading(self) -> Iterator[Session]:
+        """A session for looking only."""
+        with self._reading() as session:
+            yield session
+
+    def check(self) -> None:
+        """As the database's."""
+        self._database.check()
+
+
+def plants_of(session: Session) -> Plants | None:
+    """What a session sees; None: everything."""
+    found: Plants | None = session.info.get(PLANTS)
+    return found
+
+
+@event.listens_for(PlantSession, "do_orm_execute")
+def _narrow(state: ORMExecuteState) -> None:
+    if not state.is_orm_statement:
+        raise NotScoped(f"not about mapped classes: {str(state.statement)[:200]}")
+    if state.execution_options.get("every_plant"):
+        return
+    if state.is_column_load or state.is_relationship_load:
+        return  # of an object that was read under the condition
+    state.statement = state.statement.options(*_criteria(state.session.info[PLANTS]))
+
+
+@lru_cache(maxsize=256)
+def _criteria(plants: Plants) -> tuple[Any, ...]:
+    return tuple(
+        with_loader_criteria(mapper.class_, _condition(mapper.class_, plants), include_aliases=True)
+        for mapper in Base.registry.mappers
+    )
+
+
+def _condition(row: Any, plants: Plants) -> ColumnElement[bool]:
+    if row is MachineRow:
+        return MachineRow.plant.in_(plants)
+    if row is SubscriptionRow:
+        return _told_only_of(SubscriptionRow.id, plants)
+    if row is SubscriptionPlantRow:
+        return _told_only_of(SubscriptionPlantRow.subscription_id, plants)
+    if row is DeliveryRow:
+        alerts = AlertRow.__table__
+        return DeliveryRow.alert_id.in_(select(alerts.c.id).where(alerts.c.machine_id.in_(_machines(plants))))
+    if "machine_id" in row.__table__.columns:
+        return row.machine_id.in_(_machines(plants))  # type: ignore[no-any-return]
+    return false()
+
+
+def _machines(plants: Plants) -> Select[tuple[str]]:
+    machines = MachineRow.__table__
+    return select(machines.c.id).where(machines.c.plant.in_(plants))
+
+
+def _told_only_of(number: Any, plants: Plants) -> ColumnElement[bool]:
+    told = SubscriptionPlantRow.__table__
+    own = select(told.c.subscription_id).where(told.c.plant.in_(plants))
+    foreign = select(told.c.subscription_id).where(told.c.plant.not_in(plants))
+    return number.in_(own) & number.not_in(foreign)  # type: ignore[no-any-return]

@@ -1,0 +1,50 @@
+"""Which revision of the schema a database has, which ones this release knows, and how many rows its tables hold."""
+
+from importlib import resources
+from pathlib import Path
+
+from sqlalchemy import Connection, func, inspect, select, text
+
+from storage.database.claim import DatabaseUnusable
+from storage.tables import Base, ChangeCountRow
+
+MIGRATIONS = Path(str(resources.files("storage"))) / "migrations"
+"""Whose file names begin with the revision that they lead to, each higher than the one before."""
+KEPT_BY_ITSELF = frozenset({ChangeCountRow.__tablename__})
+"""Tables that each database fills by itself; they hold no data."""
+
+
+def known_revisions() -> list[str]:
+    """All revisions, the newest first."""
+    return sorted((one.name.partition("_")[0] for one in (MIGRATIONS / "versions").glob("[0-9]*.py")), reverse=True)
+
+
+def revision_of(connection: Connection) -> str | None:
+    """The revision of a database; None of one without a schema."""
+    if not inspect(connection).has_table("alembic_version"):
+        return None
+    found: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
+    return found
+
+
+def require_known(revision: str | None, what: str) -> str:
+    """Raises DatabaseUnusable where something is of no revision or of a newer one than this release knows."""
+    known = known_revisions()
+    if revision is None:
+        raise DatabaseUnusable(f"{what} holds no data of Rundown")
+    if revision not in known:
+        raise DatabaseUnusable(
+            f"{what} has schema revision {revision}, which this release does not know; its newest is {known[0]}: "
+            "use the release that wrote it, or a newer one"
+        )
+    return revision
+
+
+def row_counts(connection: Connection) -> dict[str, int]:
+    """Rows of each of Rundown's tables that are there and hold data, by name."""
+    there = set(inspect(connection).get_table_names())
+    return {
+        table.name: connection.scalar(select(func.count()).select_from(table)) or 0
+        for table in Base.metadata.sorted_tables
+        if table.name in there - KEPT_BY_ITSELF
+    }

@@ -1,0 +1,69 @@
+"""How the effects of single channels' errors on a fit are kept: one compressed block, exact to the bit."""
+
+import io
+import zlib
+
+import msgspec
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.fit.channel_sensitivity import ChannelEffects
+
+ZIP = b"PK"
+"""With which a block begins that an older release wrote: a file of numpy's."""
+
+
+class _Block(msgspec.Struct, array_like=True):
+    """Arrays as the bytes of little-endian doubles, row by row."""
+
+    names: tuple[str, ...]
+    bias: bytes
+    information: bytes
+    score: bytes
+    phasors: tuple[int, ...]
+    amplitude: tuple[float, ...]
+
+
+def encode(effects: ChannelEffects) -> bytes:
+    """To a block."""
+    block = _Block(
+        names=effects.names,
+        bias=_bytes(effects.bias),
+        information=_bytes(effects.information),
+        score=_bytes(effects.score),
+        phasors=effects.phasors,
+        amplitude=effects.amplitude,
+    )
+    return zlib.compress(msgspec.msgpack.encode(block))
+
+
+def decode(block: bytes) -> ChannelEffects:
+    """From a block."""
+    if block.startswith(ZIP):
+        return _decode_zip(block)
+    found = msgspec.msgpack.decode(zlib.decompress(block), type=_Block)
+    errors = len(found.names)
+    return ChannelEffects(
+        names=found.names,
+        bias=np.frombuffer(found.bias, "<f8").reshape(-1, errors),
+        information=np.frombuffer(found.information, "<f8").reshape(errors, errors),
+        score=np.frombuffer(found.score, "<f8"),
+        phasors=found.phasors,
+        amplitude=found.amplitude,
+    )
+
+
+def _bytes(array: Floats) -> bytes:
+    return np.ascontiguousarray(array, dtype="<f8").tobytes()
+
+
+def _decode_zip(block: bytes) -> ChannelEffects:
+    with np.load(io.BytesIO(block), allow_pickle=False) as arrays:
+        return ChannelEffects(
+            names=tuple(map(str, arrays["names"].tolist())),
+            bias=arrays["bias"],
+            information=arrays["information"],
+            score=arrays["score"],
+            phasors=tuple(arrays["phasors"].tolist()),
+            amplitude=tuple(arrays["amplitude"].tolist()),
+        )

@@ -1,0 +1,210 @@
+"""Samples as arrays, and the compressed block in which they are stored, exact to the bit."""
+
+import struct
+import zlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.errors import Damaged
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
+from storage.encoding.packing import pack, shuffled, unpack, unshuffled
+
+_HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
+_MAGIC = b"RDSB"
+_FORMAT = 4
+_OLDEST_FORMAT = 1  # numbers side by side; before 3 without conditions; 1 without 2× too, and with one bit of status
+
+
+class DamagedBlock(Damaged):
+    """A stored block cannot be read."""
+
+
+@dataclass(frozen=True)
+class Samples:
+    """S samples of one machine's m channels, SI.
+
+    time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 1× 0-to-peak [m], NaN
+    where there is none. status: (S, m) ChannelStatus. scatter: (S, m) rms of the complex error of the 1× [m], NaN where
+    unknown. second: (S, m) complex 2× 0-to-peak [m], NaN where there is none; it does not enter the fit. conditions: (S, k)
+    operating conditions in the document's order and units, NaN where one was not measured; by default none.
+    """
+
+    time: NDArray[np.int64]
+    speed: NDArray[np.float64]
+    direction: NDArray[np.int8]
+    phasor: NDArray[np.complex128]
+    status: NDArray[np.uint8]
+    scatter: NDArray[np.float64]
+    second: NDArray[np.complex128]
+    conditions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+
+    def __post_init__(self) -> None:
+        if self.conditions.size == 0 and len(self.conditions) != len(self):
+            object.__setattr__(self, "conditions", np.empty((len(self), 0)))
+
+    @property
+    def usable(self) -> NDArray[np.bool_]:
+        """(S, m) where the 1× phasor is good."""
+        return np.asarray(self.status == ChannelStatus.GOOD)
+
+    def __len__(self) -> int:
+        return int(self.time.size)
+
+    def pick(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Samples":
+        """Some of the samples."""
+        return Samples(*(getattr(self, name)[which] for name in _FIELDS))
+
+    def between(self, first: int, last: int) -> "Samples":
+        """Samples with first <= time <= last [ns]."""
+        return self.pick((self.time >= first) & (self.time <= last))
+
+    def recorded(self, channels: tuple[str, ...]) -> RecordedRun:
+        """What the quality of a run is judged by."""
+        return RecordedRun(self.time / 1e9, self.speed, self.phasor, self.status, self.scatter, channels)
+
+    def measurement(self) -> Measurement:
+        """What an identification is fed with."""
+        return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
+
+
+_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions")
+
+
+def join(parts: Sequence[Samples], *, channels: int) -> Samples:
+    """Several pieces as one, in the order given."""
+    if not parts:
+        return Samples(
+            np.empty(0, np.int64),
+            np.empty(0),
+            np.empty(0, np.int8),
+            np.empty((0, channels), complex),
+            np.empty((0, channels), np.uint8),
+            np.empty((0, channels)),
+            np.empty((0, channels), complex),
+        )
+    width = max(part.conditions.shape[1] for part in parts)
+    conditions = np.concatenate([_wider(part.conditions, width) for part in parts])
+    joined = Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS[:-1]))
+    return replace(joined, conditions=conditions)
+
+
+def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str, float | None]:
+    """Mean of each condition over several pieces by its name, in the document's order; None where it was never measured."""
+    table = np.concatenate([np.empty((0, len(names))), *(_wider(part.conditions, len(names)) for part in parts)])
+    counts, sums = np.count_nonzero(np.isfinite(table), axis=0), np.nansum(table, axis=0)
+    return {name: float(sums[i] / counts[i]) if counts[i] else None for i, name in enumerate(names)}
+
+
+def encode(samples: Samples) -> bytes:
+    """The block that holds the samples."""
+    count, channels = samples.phasor.shape
+    body = b"".join(
+        [
+            shuffled(np.diff(samples.time, prepend=np.int64(0))),
+            shuffled(samples.speed),
+            samples.direction.astype("i1").tobytes(),
+            pack(_parts(samples.phasor)),
+            samples.status.astype("u1").tobytes(),
+            pack(samples.scatter),
+            pack(_parts(samples.second)),
+            samples.conditions.astype("<f8").tobytes(),
+        ]
+    )
+    packed = zlib.compress(body, 1)
+    return _HEADER.pack(_MAGIC, _FORMAT, channels, count, _checksum(channels, count, packed)) + packed
+
+
+def decode(data: bytes) -> Samples:
+    """The samples of a block. Raises DamagedBlock."""
+    try:
+        magic, version, channels, count, checksum = _HEADER.unpack_from(data)
+        if magic != _MAGIC or not _OLDEST_FORMAT <= version <= _FORMAT:
+            raise DamagedBlock(f"not a sample block of format {_OLDEST_FORMAT} to {_FORMAT}")
+        if checksum != _checksum(channels, count, data[_HEADER.size :]):
+            raise DamagedBlock("sample block is damaged: its checksum does not fit")
+        body = memoryview(zlib.decompress(data[_HEADER.size :]))
+        return _packed(body, count, channels) if version == _FORMAT else _plain(body, count, channels, version)
+    except DamagedBlock:
+        raise
+    except (struct.error, zlib.error, ValueError) as error:
+        raise DamagedBlock(f"sample block cannot be read: {error}") from error
+
+
+def _packed(body: memoryview, count: int, channels: int) -> Samples:
+    """Of the format that is written."""
+    time = np.cumsum(unshuffled(body, 0, count, "<i8").astype(np.int64))
+    speed = unshuffled(body, 8 * count, count, "<f8").astype(np.float64)
+    at = 16 * count
+    direction = np.frombuffer(body, "i1", count, at).copy()
+    phasor, at = unpack(body, at + count, (count, 2 * channels))
+    status = np.frombuffer(body, "u1", count * channels, at).copy().reshape(count, channels)
+    scatter, at = unpack(body, at + count * channels, (count, channels))
+    second, at = unpack(body, at, (count, 2 * channels))
+    conditions = np.frombuffer(body, "<f8", (len(body) - at) // 8, at).astype(np.float64)
+    return Samples(
+        time,
+        speed,
+        direction,
+        _complex(phasor),
+        status,
+        scatter,
+        _complex(second),
+        conditions.reshape(count, -1 if count else 0),
+    )
+
+
+def _parts(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """(S, 2 m) real and imaginary parts side by side, to the bit."""
+    return np.ascontiguousarray(values).view(np.float64)
+
+
+def _complex(parts: NDArray[np.float64]) -> NDArray[np.complex128]:
+    return np.ascontiguousarray(parts).view(np.complex128)
+
+
+def _plain(body: memoryview, count: int, channels: int, version: int) -> Samples:
+    """Of the formats of older releases."""
+    values = count * channels
+    at = 0
+
+    def take(kind: str, size: int) -> NDArray[np.generic]:
+        nonlocal at
+        taken = np.frombuffer(body, kind, size, at).copy()
+        at += taken.nbytes
+        return taken
+
+    table = count, channels
+    return Samples(
+        time=take("<i8", count).astype(np.int64),
+        speed=take("<f8", count).astype(np.float64),
+        direction=take("i1", count).astype(np.int8),
+        phasor=take("<c16", values).astype(np.complex128).reshape(table),
+        status=_status(take("u1", values if version > 1 else -(-values // 8)), values, version).reshape(table),
+        scatter=take("<f8", values).astype(np.float64).reshape(table),
+        second=(
+            take("<c16", values).astype(np.complex128) if version > 1 else np.full(values, complex(np.nan, np.nan))
+        ).reshape(table),
+        conditions=take("<f8", (len(body) - at) // 8).astype(np.float64).reshape(count, -1 if version > 2 else 0),
+    )
+
+
+def _wider(conditions: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Conditions (S, k) with columns of NaN up to a width: what an older block did not know was not measured."""
+    missing = np.full((len(conditions), max(width - conditions.shape[1], 0)), np.nan)
+    return np.hstack([conditions, missing]) if missing.shape[1] else conditions
+
+
+def _status(stored: NDArray[np.generic], values: int, version: int) -> NDArray[np.uint8]:
+    if version > 1:
+        return stored.astype(np.uint8)
+    usable = np.unpackbits(stored.astype(np.uint8), count=values).astype(bool)
+    return np.where(usable, ChannelStatus.GOOD, ChannelStatus.NOT_AVAILABLE).astype(np.uint8)
+
+
+def _checksum(channels: int, count: int, packed: bytes) -> int:
+    return zlib.crc32(packed, zlib.crc32(struct.pack("<HI", channels, count)))

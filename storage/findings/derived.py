@@ -1,0 +1,42 @@
+"""Repository of the quantities derived from identifications; their history: `storage.findings.trends`."""
+
+from collections.abc import Sequence
+
+from sqlalchemy import insert, select
+from sqlalchemy.orm import Session
+
+from estimator.updated_model.derived_quantities import Derived
+from storage.tables import DerivedRow, IdentificationRow
+
+
+def add(session: Session, identification: IdentificationRow, quantities: Sequence[Derived]) -> None:
+    """Store what was derived from a stored identification, in that order."""
+    rows = [
+        {
+            "identification_id": identification.id,
+            "name": one.name,
+            "place": place,
+            "machine_id": identification.machine_id,
+            "measured_at": identification.measured_at,
+            "unit": one.unit,
+            "value": one.value,
+            "lower": one.lower,
+            "upper": one.upper,
+            "reason": one.reason,
+        }
+        for place, one in enumerate(quantities)
+    ]
+    if rows:  # many at once: as objects of the session they would cost several times as much within the writer's turn
+        session.execute(insert(DerivedRow), rows)
+
+
+def of_identification(session: Session, identification_id: int) -> Sequence[DerivedRow]:
+    """All quantities derived from one identification, in the order in which they were stored."""
+    query = select(DerivedRow).where(DerivedRow.identification_id == identification_id).order_by(DerivedRow.place)
+    return session.scalars(query).all()
+
+
+def value(session: Session, identification_id: int, name: str) -> float | None:
+    """The value of one derived quantity; None where there is none."""
+    row = session.get(DerivedRow, (identification_id, name))
+    return None if row is None else row.value

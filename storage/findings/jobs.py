@@ -1,0 +1,178 @@
+"""Repository of identification jobs: a queue that survives restarts."""
+
+import hashlib
+import json
+from collections.abc import Collection, Sequence
+from typing import Any
+
+from sqlalchemy import ColumnElement, func, select
+from sqlalchemy.orm import Session
+
+from estimator.errors import Missing
+from storage.clock import now
+from storage.database.plant_scope import EVERY_PLANT
+from storage.encoding.text import plain_text
+from storage.findings.job_order import AUTOMATIC, TRIED, next_jobs, next_turn
+from storage.findings.job_order import QUEUED as QUEUED
+from storage.findings.job_order import RUNNING as RUNNING
+from storage.machines import machines
+from storage.paging import Keys, ordered
+from storage.tables import JobRow, ReplicaRow
+
+DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
+"""State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""
+STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
+
+RUN, GATHERED, VARIANT = "run", "gathered", "variant"
+"""Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""
+
+LARGEST_ATTEMPTS = 3
+
+
+class JobUnknown(Missing):
+    """No job of that id."""
+
+    subject = "job"
+
+
+def ask(
+    session: Session,
+    machine_id: str,
+    *,
+    scope: str,
+    run_ids: list[int],
+    options: dict[str, Any] | None = None,
+    asked_by: str | None = None,
+    priority: int = AUTOMATIC,
+) -> JobRow | None:
+    """Queue an identification of these runs; None when the same was asked for before, with the same options.
+
+    asked_by: identity of the person who asks for it; priority: as of `storage.findings.job_order`. Raises MachineUnknown.
+    """
+    if asked(session, scope=scope, run_ids=run_ids, options=options) is not None:
+        return None
+    plant = machines.get(session, machine_id).plant
+    row = JobRow(
+        machine_id=machine_id,
+        plant=plant,
+        priority=priority,
+        turn=next_turn(session, plant, priority),
+        asked_by=asked_by,
+        scope=scope,
+        run_ids=run_ids,
+        request=_request(scope, run_ids, options),
+        state=QUEUED,
+        attempts=0,
+        created_at=now(),
+        finished_at=None,
+        error=None,
+        options=options or None,
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def asked(session: Session, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None) -> JobRow | None:
+    """The job that was asked for with the same runs and options."""
+    return session.scalars(select(JobRow).where(JobRow.request == _request(scope, run_ids, options))).first()
+
+
+def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> str:
+    request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
+    if options:
+        request += ":" + hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:32]
+    return request
+
+
+def take(
+    session: Session, limit: int, *, holder: int | None = None, behind: int | None = None, overdue: bool = False
+) -> Sequence[JobRow]:
+    """The next jobs by `storage.findings.job_order` that no other replica is taking, marked as running.
+
+    holder: number of the replica, which gets none when it was taken for gone meanwhile. behind, overdue: as of `next_jobs`.
+    """
+    if holder is not None and session.get(ReplicaRow, holder) is None:
+        return []
+    rows = next_jobs(session, limit, behind=limit if behind is None else behind, overdue=overdue)
+    for row in rows:
+        row.state = RUNNING
+        row.attempts += 1
+        row.holder = holder
+    return rows
+
+
+def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
+    """Record how a job ended: DONE, FAILED or QUARANTINED with the reason."""
+    # What was raised may quote what came from outside.
+    row.state, row.error, row.finished_at = state, None if error is None else plain_text(error), now()
+
+
+def put_back(session: Session, row: JobRow, error: str) -> None:
+    """Queue a job again that has cost its worker its life or more than it may; after several times it is put aside."""
+    if row.attempts >= LARGEST_ATTEMPTS:
+        finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
+    else:
+        row.turn, row.priority = next_turn(session, row.plant, TRIED), TRIED
+        row.state, row.holder = QUEUED, None
+
+
+def put_back_unhurt(row: JobRow) -> None:
+    """Queue a job again that nobody computes any more, in the turn that it had: that says nothing against the job."""
+    row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
+
+
+def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
+    """Queue again what is running with none of the living replicas. Returns how many."""
+    rows = [row for row in session.scalars(select(JobRow).where(JobRow.state == RUNNING)) if row.holder not in living]
+    for row in rows:
+        put_back_unhurt(row)
+    return len(rows)
+
+
+def held_by(session: Session, holder: int | None) -> Sequence[JobRow]:
+    """What a replica is computing; None: the only process on its database."""
+    return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
+
+
+def waiting(session: Session, *, automatic: bool = False) -> bool:
+    """Whether any job is queued; automatic: one that nobody asked for."""
+    query = select(JobRow.id).where(JobRow.state == QUEUED)
+    if automatic:
+        query = query.where(JobRow.priority == AUTOMATIC)
+    return session.scalars(query.limit(1)).first() is not None
+
+
+def waiting_of(session: Session, *, asked_by: str, most: int) -> int:
+    """How many jobs wait that somebody asked for, of whichever plant; counted no further than `most`."""
+    return _counted(session, JobRow.asked_by == asked_by, most)
+
+
+def asked_of_machine(session: Session, machine_id: str, *, most: int) -> int:
+    """How many jobs of a machine wait that people asked for; counted no further than `most`."""
+    return _counted(session, (JobRow.machine_id == machine_id) & JobRow.asked_by.is_not(None), most)
+
+
+def _counted(session: Session, which: ColumnElement[bool], most: int) -> int:
+    rows = select(JobRow.id).where(JobRow.state == QUEUED, which).limit(most).subquery()
+    return session.scalar(select(func.count()).select_from(rows), execution_options=EVERY_PLANT) or 0
+
+
+def get(session: Session, job_id: int) -> JobRow:
+    """Raises JobUnknown."""
+    row = session.get(JobRow, job_id)
+    if row is None:
+        raise JobUnknown(job_id)
+    return row
+
+
+def of_machine(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[JobRow]:
+    """The newest jobs of a machine, newest first; after: id of the one before."""
+    query = ordered(select(JobRow).where(JobRow.machine_id == machine_id), (JobRow.id,), after)
+    return session.scalars(query.limit(limit)).all()
+
+
+def count(session: Session) -> dict[str, int]:
+    """How many jobs are in each state."""
+    query = select(JobRow.state, func.count()).group_by(JobRow.state)
+    return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

@@ -1,0 +1,3 @@
+"""Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, timelines and the fleet. They import
+`tables` and `encoding`; every part of the service asks them for the document in force.
+"""

@@ -1,0 +1,179 @@
+"""Repository of machines and the revisions of their documents."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from sqlalchemy import func, select
+from sqlalchemy.exc import IntegrityError
+from sqlalchemy.orm import Session
+
+from estimator.errors import Conflict, Missing
+from estimator.machine.document import Machine, parse_machine
+from storage.clock import now
+from storage.paging import Keys, ordered
+from storage.tables import MachineRow, RevisionRow
+
+
+class MachineExists(Conflict):
+    """A machine of that id is there already."""
+
+
+class MachineUnknown(Missing):
+    """No machine of that id."""
+
+    subject = "machine"
+
+
+class RevisionUnknown(MachineUnknown):
+    """The machine is there, but no such revision of its document."""
+
+    subject = "revision"
+
+
+class PlantChanged(Conflict):
+    """A revision may not move a machine to another plant: its key on the wire would change."""
+
+
+def create(session: Session, machine: Machine) -> RevisionRow:
+    """Store a new machine as revision 1. Raises MachineExists."""
+    if session.get(MachineRow, machine.id) is not None:
+        raise MachineExists(f"machine '{machine.id}' exists already; revise it instead")
+    session.add(MachineRow(id=machine.id, plant=machine.plant, revision=1, created_at=now()))
+    try:
+        session.flush()
+    except IntegrityError as error:  # one that this session does not see
+        raise MachineExists(f"the id '{machine.id}' is taken: choose another") from error
+    return _add_revision(session, machine, 1, None)
+
+
+def revise(session: Session, machine: Machine) -> RevisionRow:
+    """Store a new revision of a machine; a document equal to the one in force changes nothing.
+
+    Raises MachineUnknown, PlantChanged.
+    """
+    row = get(session, machine.id)
+    if row.plant != machine.plant:
+        raise PlantChanged(f"machine '{machine.id}' belongs to plant '{row.plant}', not '{machine.plant}'")
+    current = revision(session, machine.id, row.revision)
+    before = parse_machine(current.document)
+    if before == machine:
+        return current
+    row.revision += 1
+    return _add_revision(session, machine, row.revision, (current, before))
+
+
+def get(session: Session, machine_id: str) -> MachineRow:
+    """Raises MachineUnknown."""
+    row = session.get(MachineRow, machine_id)
+    if row is None:
+        raise MachineUnknown(machine_id)
+    return row
+
+
+def some(session: Session, machine_ids: Collection[str]) -> Sequence[MachineRow]:
+    """Those of these machines that are known."""
+    return session.scalars(select(MachineRow).where(MachineRow.id.in_(machine_ids))).all()
+
+
+def every(session: Session) -> Sequence[MachineRow]:
+    """All machines, by id."""
+    return session.scalars(select(MachineRow).order_by(MachineRow.id)).all()
+
+
+def ids(session: Session) -> Sequence[str]:
+    """Ids of all machines, in order."""
+    return session.scalars(select(MachineRow.id).order_by(MachineRow.id)).all()
+
+
+def lock(session: Session, machine_id: str) -> None:
+    """Keep other transactions that ask for this from concluding anything about the machine until this one ends."""
+    session.execute(select(MachineRow.id).where(MachineRow.id == machine_id).with_for_update())
+
+
+def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
+    """Raises MachineUnknown, of a machine that is there RevisionUnknown."""
+    row = session.get(RevisionRow, (machine_id, number))
+    if row is None:
+        raise RevisionUnknown(f"{number} of machine '{get(session, machine_id).id}'")
+    return row
+
+
+def revisions(
+    session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
+) -> Sequence[RevisionRow]:
+    """All revisions of a machine, oldest first; after: the one before."""
+    query = select(RevisionRow).where(RevisionRow.machine_id == machine_id)
+    return session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
+
+
+def document(session: Session, machine_id: str, number: int | None = None) -> Machine:
+    """The machine's document, by default the revision in force. Raises MachineUnknown."""
+    number = get(session, machine_id).revision if number is None else number
+    return parse_machine(revision(session, machine_id, number).document)
+
+
+def comparable(session: Session, machine_id: str, number: int) -> list[int]:
+    """Revisions without a break around a given one under which identifications can be compared with its own, ascending.
+
+    Raises MachineUnknown.
+    """
+    return [one for span in _spans(session, machine_id, number) for one in span.revisions]
+
+
+def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
+    """Those of them whose samples have the same channels and operating conditions, in the same order, ascending.
+
+    Raises MachineUnknown.
+    """
+    spans = _spans(session, machine_id, number)
+    own = next(span.conditions for span in spans if number in span.revisions)
+    return [one for span in spans if span.conditions == own for one in span.revisions]
+
+
+@dataclass(frozen=True)
+class _Span:
+    """Revisions without a break that are the same train with the same operating conditions. conditions: their names."""
+
+    revisions: range
+    conditions: tuple[str, ...]
+
+
+def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
+    """Of the revisions that can be compared with a given one. Only the first document of each span is read: there are as many
+    as there were changes of the operating conditions, however many revisions there are.
+    """
+    same = revision(session, machine_id, number).same_since
+    query = (
+        select(RevisionRow.alike_since, func.max(RevisionRow.revision))
+        .where(RevisionRow.machine_id == machine_id, RevisionRow.same_since == same)
+        .group_by(RevisionRow.alike_since)
+        .order_by(RevisionRow.alike_since)
+    )
+    ranges = [range(first, last + 1) for first, last in session.execute(query)]
+    documents = [document(session, machine_id, one.start) for one in ranges]
+    own = next(place for place, one in enumerate(ranges) if number in one)
+    first = last = own
+    while first > 0 and documents[first - 1].describes_the_same_as(documents[own]):
+        first -= 1
+    while last + 1 < len(ranges) and documents[last + 1].describes_the_same_as(documents[own]):
+        last += 1
+    return [_Span(ranges[place], documents[place].condition_names) for place in range(first, last + 1)]
+
+
+def _add_revision(session: Session, machine: Machine, number: int, before: tuple[RevisionRow, Machine] | None) -> RevisionRow:
+    """before: the revision in force until now, and its document."""
+    same = alike = number
+    if before is not None and machine.is_the_same_train_as(before[1]):
+        same = before[0].same_since
+        alike = before[0].alike_since if machine.conditions == before[1].conditions else number
+    row = RevisionRow(
+        machine_id=machine.id,
+        revision=number,
+        document=machine.model_dump(mode="json"),
+        created_at=now(),
+        same_since=same,
+        alike_since=alike,
+    )
+    session.add(row)
+    session.flush()
+    return row

@@ -1,0 +1,3 @@
+"""Repositories of sample blocks, sources, runs and the quarantine. They import `tables` and `encoding`; the journal writes
+them, workers read them.
+"""

@@ -1,0 +1,166 @@
+"""Repository of the audit trail: append-only, each entry bound to the one before by a hash.
+
+Who can write to the database file can forge the whole chain from some entry on; the newest number and hash, noted elsewhere,
+show that too (`verify`, known).
+"""
+
+import hashlib
+import json
+import re
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import select, text
+from sqlalchemy.orm import Session
+
+from storage.clock import now
+from storage.encoding.text import nul_back, plain_text
+from storage.paging import Keys, ordered
+from storage.tables import AuditHeadRow, AuditRow
+
+BEGINNING = "0" * 64
+"""What the first entry is bound to."""
+HEAD = 1
+SURROGATES = re.compile("[\ud800-\udfff]")
+"""What is read in the place of bytes that are no UTF-8."""
+LOCK = 0x525541554449
+"""Number of PostgreSQL's advisory lock: one writer at a time, or two entries would follow the same one."""
+
+
+@dataclass(frozen=True)
+class AuditedOperation:
+    """What happened. who: principal; operation: what was asked; target: on what; outcome: what became of it."""
+
+    who: str
+    address: str
+    operation: str
+    target: str
+    outcome: str
+
+
+@dataclass(frozen=True)
+class Break:
+    """Where the chain does not hold, and why."""
+
+    number: int
+    reason: str
+
+
+def append(session: Session, entry: AuditedOperation) -> AuditRow:
+    """Write an entry, in the transaction of what it tells of."""
+    if session.get_bind().dialect.name == "postgresql":
+        session.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": LOCK})
+    head = session.get(AuditHeadRow, HEAD)
+    if head is None:
+        head = AuditHeadRow(id=HEAD, number=0, hash=BEGINNING)
+        session.add(head)
+    row = AuditRow(
+        number=head.number + 1,
+        at=now(),
+        who=plain_text(entry.who)[:200],
+        address=plain_text(entry.address)[:64],
+        operation=plain_text(entry.operation)[:80],
+        target=plain_text(entry.target)[:2000],
+        outcome=plain_text(entry.outcome)[:80],
+        previous=head.hash,
+    )
+    row.hash = digest(row)
+    session.add(row)
+    session.flush()  # the database lets the head follow only an entry that is there
+    head.number, head.hash = row.number, row.hash
+    session.flush()
+    return row
+
+
+def digest(row: AuditRow, *, text_as: Callable[[str], str] = str) -> str:
+    """SHA-256 of an entry and the hash before it. text_as: what its texts are taken as."""
+    texts = [text_as(one) for one in (row.who, row.address, row.operation, row.target, row.outcome)]
+    said = [row.previous, row.number, row.at, *texts]
+    return hashlib.sha256(json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode()).hexdigest()
+
+
+def newest(session: Session, *, limit: int, after: Keys | None = None) -> Sequence[AuditRow]:
+    """Entries, newest first; after: number of the one before."""
+    return session.scalars(ordered(select(AuditRow), (AuditRow.number,), after).limit(limit)).all()
+
+
+def head(session: Session) -> tuple[int, str]:
+    """Number and hash of the newest entry."""
+    row = session.get(AuditHeadRow, HEAD)
+    return (0, BEGINNING) if row is None else (row.number, row.hash)
+
+
+def holds(session: Session, noted: tuple[int, str]) -> bool:
+    """Whether the entry of a number and hash noted before is still there, as it was."""
+    number, digest = noted
+    if number == 0:
+        return True
+    row = session.get(AuditRow, number)
+    return row is not None and row.hash == digest and head(session)[0] >= number
+
+
+def verify(session: Session, *, known: Collection[tuple[int, str]] = ()) -> list[Break]:
+    """Every place where an entry was changed, taken away, put in or moved. known: numbers and hashes noted before."""
+    with _bytes_as_they_are(session):
+        return list(_breaks(session, known))
+
+
+def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Break]:
+    noted: dict[int, set[str]] = {}
+    for number, hashed in known:
+        noted.setdefault(number, set()).add(hashed)
+    number, previous = 0, BEGINNING
+    last_number, last_hash = head(session)
+    for row in session.scalars(select(AuditRow).order_by(AuditRow.number).execution_options(yield_per=1000)):
+        wrong = _of_another_kind(row)
+        if row.number != number + 1:
+            yield Break(number + 1, f"missing: the entry behind {number} is {row.number}")
+        elif row.previous != previous and wrong is None:
+            yield Break(row.number, "does not follow the entry before it")
+        # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
+        if wrong is not None:
+            yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
+        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_back):
+            yield Break(row.number, "was changed")
+        if noted.get(row.number, set()) - {row.hash}:
+            yield Break(row.number, "is not the entry that was noted")
+        number, previous = row.number, row.hash
+    if number != last_number:
+        yield Break(last_number, f"the last entry should be {last_number}, and is {number}")
+    elif previous != last_hash:
+        yield Break(last_number, "is not the last entry that the trail's head names")
+    for one in sorted(noted):
+        if one > number:
+            yield Break(one, f"was noted, and there are only {number}")
+
+
+def _of_another_kind(row: AuditRow) -> tuple[str, str] | None:
+    """The first column that holds something else than it should, and what it should hold: SQLite takes anything."""
+    if not isinstance(row.at, int):
+        return "at", "number"
+    for name in ("who", "address", "operation", "target", "outcome", "previous", "hash"):
+        if not _is_text(getattr(row, name)):
+            return name, "text"
+    return None
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and not SURROGATES.search(value)
+
+
+@contextmanager
+def _bytes_as_they_are(session: Session) -> Iterator[None]:
+    """Read texts that are no UTF-8 as well, so that it can be said where they are."""
+    connection = session.connection()
+    driver: Any = connection.connection.driver_connection
+    if connection.dialect.name != "sqlite":
+        yield
+        return
+    before = driver.text_factory
+    driver.text_factory = lambda raw: raw.decode("utf-8", "surrogateescape")
+    try:
+        yield
+    finally:
+        driver.text_factory = before

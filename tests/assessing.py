@@ -1,0 +1,15 @@
+"""Assess in one go what `rundown serve` judges in a worker, between two transactions."""
+
+from sqlalchemy.orm import Session
+
+from service.monitoring import conclusions
+from service.monitoring.assess import assess
+from service.monitoring.assessment_context import load_context, load_state
+from storage.tables import IdentificationRow
+
+
+def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:
+    """Load the context, assess it and apply the assessment."""
+    context = load_context(session, stored, baseline_runs=baseline_runs)
+    if context is not None:
+        conclusions.apply(session, stored, context, assess(context), load_state(session, stored))

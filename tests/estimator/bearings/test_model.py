@@ -1,0 +1,94 @@
+"""The seam of bearing models: what the fit relies on holds for every form that is registered."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from estimator.bearings.model import BearingForm, CoefficientModel, ModelParameter
+from estimator.bearings.registry import CONSTANT, FORM_NAMES, DeclaredForm, place_of
+from estimator.machine.document import parse_machine
+from estimator.machine.parameter_description import describe
+from tests.estimator.trains import chapter_3_document
+
+EXAMPLES: dict[str, dict[str, Any]] = {
+    "piecewise": {"knots_rpm": [500, 1500, 3000]},
+    "polynomial": {"knots_rpm": [500, 1500, 3000]},
+}
+"""One document of each form; a form without one fails the tests."""
+SPEED = np.linspace(40.0, 330.0, 13)
+DIRECT = ModelParameter("bearing.B1.kxx", "stiffness", "N/m", True, 2e8, 1e8, 1.0, coefficient="bearing.B1.kxx")
+CROSS = ModelParameter("bearing.B1.kxy", "stiffness", "N/m", False, 0.0, 1e8, 10.0, coefficient="bearing.B1.kxy")
+ELEMENT = (DIRECT, CROSS)
+
+
+def form_of(name: str) -> BearingForm:
+    if name == "constant":
+        return CONSTANT
+    found: BearingForm = TypeAdapter(DeclaredForm).validate_python({"form": name, **EXAMPLES[name]})
+    return found
+
+
+def models() -> list[Any]:
+    names = ("constant", *sorted(FORM_NAMES))
+    found = [(name, model) for name in names for model in form_of(name).models(ELEMENT)]
+    return [pytest.param(model, id=f"{name}-{'-'.join(model.coefficients)}") for name, model in found]
+
+
+def drawn(model: CoefficientModel) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return np.random.default_rng(3).normal(0.1, 0.3, len(model.parameters))
+
+
+@pytest.mark.parametrize("model", models())
+def test_derivatives_are_those_of_the_values(model: CoefficientModel) -> None:
+    curves, at = model.at(SPEED), drawn(model)
+    found = curves.derivatives(at, slice(2, 9))
+    assert found.shape == (7, len(model.coefficients), len(model.parameters))
+    for p in range(at.size):
+        step = 1e-5 * np.eye(at.size)[p]
+        difference = (curves.values(at + step) - curves.values(at - step))[2:9] / 2e-5
+        assert found[:, :, p] == pytest.approx(difference, rel=1e-7, abs=1e-7 * ELEMENT[0].scale)
+
+
+@pytest.mark.parametrize("model", models())
+def test_a_level_is_the_same_at_every_speed(model: CoefficientModel) -> None:
+    governed = [one for one in ELEMENT if one.name in model.coefficients]
+    values = model.at(SPEED).values(model.level(np.full(len(governed), 0.2)))
+    assert values == pytest.approx(np.tile([float(one.value(np.array(0.2))) for one in governed], (SPEED.size, 1)), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["constant", *sorted(FORM_NAMES)])
+def test_every_coefficient_is_given_once_and_every_parameter_counted(name: str) -> None:
+    form = form_of(name)
+    found = form.models(ELEMENT)
+    assert sorted(one for model in found for one in model.coefficients) == sorted(one.name for one in ELEMENT)
+    assert sum(len(model.parameters) for model in found) == form.parameter_count(["kxx", "kxy"])
+    assert all(model.constant == (name == "constant") for model in found)
+
+
+@pytest.mark.parametrize("model", models())
+def test_names_say_what_is_positive(model: CoefficientModel) -> None:
+    for one in model.parameters:
+        assert (describe(one.name).element, describe(one.name).positive) == ("bearing.B1", one.positive)
+
+
+def test_every_form_has_a_place_in_a_document() -> None:
+    for name, fields in EXAMPLES.items():
+        document = chapter_3_document()
+        document["bearings"][1]["speed_dependence"] = {"form": name, **fields}
+        form = parse_machine(document).bearings[1].speed_dependence
+        assert form is not None
+        assert form.governs("kxx")
+
+
+def test_a_place_in_a_document_does_not_name_the_class_of_a_form() -> None:
+    known = {"type": "missing", "loc": ("bearings", 1, "speed_dependence", "SpeedDependence", "knots_rpm")}
+    assert place_of(known) == ("bearings", 1, "speed_dependence", "knots_rpm")
+    assert place_of({"type": "unknown_form", "loc": ("seals", 0, "speed_dependence")}) == (
+        "seals",
+        0,
+        "speed_dependence",
+        "form",
+    )
+    assert place_of({"type": "missing", "loc": ("materials", "SpeedDependence", "density")})[1] == "SpeedDependence"

@@ -1,0 +1,119 @@
+"""The diagnosis: its evidence against the probability of the data, and the right name for what was done to a machine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.arrays import Floats
+from estimator.diagnosis.bayes_factors import Deviation, diagnose, reference
+from estimator.diagnosis.observation import Observation
+from tests.estimator.diagnosis import watched_machine as plant
+
+
+def named(observations: tuple[Observation, ...]) -> set[tuple[str, str]]:
+    found = diagnose(plant.watch().reference, observations)
+    return {(one.kind, one.element) for one in found.causes}
+
+
+def test_a_healthy_machine_has_nothing() -> None:
+    for one in plant.healthy(4):
+        assert named((one,)) == set()
+    assert named(plant.healthy(4)) == set()
+
+
+def test_each_cause_is_called_what_it_is() -> None:
+    healthy = plant.true_machine()
+    done = {
+        ("misalignment", "coupling.C1"): plant.after(plant.misaligned(0.12)),
+        ("bearing", "bearing.B1"): plant.after(plant.grown({"bearing.B1": 1.2}), count=1),
+        ("bearing", "bearing.B2"): plant.after(plant.grown({"bearing.B2": 0.8}), count=1),
+        ("unbalance", "disc.core-2"): plant.after(plant.grown({}, {1: 1.5}), count=1),
+        ("sensor", "probe.B2L"): plant.after(healthy, count=1, edit=plant.gain(2, 1.12)),
+        ("sensor", "probe.B3R"): plant.after(healthy, count=1, edit=plant.gain(5, 0.9)),
+        ("run_out", "probe.B2L"): plant.after(healthy, count=1, edit=plant.run_out(2, 1e-6)),
+    }
+    assert {cause: named(observations) for cause, observations in done.items()} == {cause: {cause} for cause in done}
+
+
+def test_two_causes_at_once_are_both_named() -> None:
+    both = plant.grown({"coupling.C1": 1.2, "bearing.B2": 1.2, "bearing.B3": 1.2}, {0: 1.5j})
+    assert named(plant.after(both)) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
+
+
+def test_a_large_unbalance_hides_no_misalignment() -> None:
+    beside = dict.fromkeys(("coupling.C1", "bearing.B2", "bearing.B3"), 1.084)
+    for times in (2.0, 3.0):
+        runs = plant.after(plant.grown(beside, {0: times}))
+        assert named(runs) == {("misalignment", "coupling.C1"), ("unbalance", "disc.core-1")}
+        assert named(plant.after(plant.grown({}, {0: times}))) == {("unbalance", "disc.core-1")}
+
+
+def test_what_a_cause_has_moved_and_by_how_much() -> None:
+    found = diagnose(plant.watch().reference, plant.after(plant.grown({}, {1: 1.5}), count=3))
+    (cause,) = found.causes
+    assert cause.names == ("disc.core-2.unbalance.real", "disc.core-2.unbalance.imaginary")
+    true = 0.5 * plant.true_machine().unbalances[1]
+    apart = cause.change - np.array([true.real, true.imag])
+    # The baseline's own error counts too: within four standard errors of both, and not shrunk away.
+    assert np.linalg.norm(apart) < 0.15 * abs(true)
+    assert cause.distance > 10.0
+
+
+def test_neither_the_order_of_the_runs_nor_of_the_baseline_matters() -> None:
+    machine, watch = plant.motor_pump(), plant.watch()
+    window = plant.after(plant.misaligned(0.12), count=3)
+    forwards = diagnose(watch.reference, window)
+    backwards = diagnose(reference(machine, watch.baseline[::-1]), window[::-1])
+    for one, other in zip(forwards.causes, backwards.causes, strict=True):
+        assert (one.kind, one.element) == (other.kind, other.element)
+        assert one.evidence == pytest.approx(other.evidence, rel=1e-6)
+        assert one.agreement == pytest.approx(other.agreement[::-1], rel=1e-5)
+
+
+def test_evidence_is_the_ratio_of_two_gaussian_densities() -> None:
+    """For full-rank information, against the densities of the window's estimate with and without the changes."""
+    base = plant.watch().reference
+    now = plant.healthy(1)[0]
+    # Something is known of every direction, so that the estimate has a density.
+    known = now.information + np.diag((3.0 * base.unit) ** -2.0)
+    moved = now.reference + 2.0 * base.unit * np.sin(np.arange(base.unit.size))
+    shifted = replace(now, reference=moved, information=known)
+    deviation = Deviation.of(base, [shifted])
+    white = known * np.outer(base.unit, base.unit)
+    apart = (moved - base.origin) / base.unit + np.linalg.solve(white, base.unit * now.gradient) - base.centre
+    spread = np.linalg.inv(white) + np.eye(base.unit.size) + base.doubt
+
+    def log_density(covariance: Floats) -> float:
+        return -0.5 * float(np.linalg.slogdet(covariance)[1] + apart @ np.linalg.solve(covariance, apart))
+
+    simple = [one for one in base.hypotheses if not len(one.rising) and len(one.variants) == 1]
+    assert {one.kind for one in simple} == {"unbalance", "sensor", "run_out", "bow"}
+    for one in simple:
+        columns = one.variants[0] / base.unit[:, None]
+        expected = log_density(spread + columns @ columns.T) - log_density(spread)
+        assert deviation.evidence(one) == pytest.approx(expected, rel=1e-4, abs=1e-3)
+
+
+def test_chance_seldom_makes_evidence() -> None:
+    """Bayes factors are 1 on average while nothing has happened, so that e^t is exceeded at most once in e^t runs (Markov)."""
+    base = plant.watch().reference
+    now = plant.healthy(1)[0]
+    found = Deviation.of(base, [now])
+    root = np.linalg.cholesky(found.precision + 1e-10 * np.trace(found.precision) / len(found.pull) * np.eye(len(found.pull)))
+    rng = np.random.default_rng(3)
+    drawn = [replace(found, pull=root @ rng.standard_normal(len(found.pull)), _evidence={}) for _ in range(400)]
+    for one in base.hypotheses:
+        factors = np.array([np.exp(another.evidence(one)) for another in drawn])
+        assert np.mean(factors >= 20.0) <= 1.0 / 20.0 + 3.0 * np.sqrt(0.05 / 400)
+
+
+def test_unlike_identifications_are_not_compared() -> None:
+    watch = plant.watch()
+    other = replace(watch.baseline[0], names=("something", *watch.baseline[0].names[1:]))
+    with pytest.raises(ValueError, match="are not of the baseline's quantities"):
+        diagnose(watch.reference, [other])
+    with pytest.raises(ValueError, match="of different quantities"):
+        reference(plant.motor_pump(), [watch.baseline[0], other])
+    with pytest.raises(ValueError, match="at least one identification"):
+        reference(plant.motor_pump(), [])

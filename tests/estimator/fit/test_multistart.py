@@ -1,0 +1,55 @@
+"""Fits that begin elsewhere, and fits that meet a place where the train cannot be condensed."""
+
+import sys
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from estimator.fit import maximum_likelihood as fit_module
+from estimator.fit.identify import Options, identify
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.rotor.elimination import SingularCondensation
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
+from tests.estimator.trains import chapter_3
+
+
+@pytest.fixture(scope="module")
+def train() -> Machine:
+    return chapter_3()
+
+
+@pytest.fixture(scope="module")
+def measured(train: Machine) -> Measurement:
+    rng = np.random.default_rng(5)
+    _, speed = speed_law(train, "run-down", duration=300.0, samples=80)
+    return Measurement.of(speed=speed, phasor=measured_phasors(train, draw_truth(train, rng), speed, rng))
+
+
+def test_a_fit_that_begins_at_its_end_stays_there(train: Machine, measured: Measurement) -> None:
+    once = identify(train, measured)
+    again = identify(train, measured, Options(starts=1), beginning=once.point)
+    assert again.accepted
+    assert again.iterations < once.iterations
+    assert_allclose(again.point, once.point, atol=1e-4 * np.max(np.sqrt(np.diag(once.covariance))), rtol=1e-5)
+
+
+def test_a_step_to_where_nothing_can_be_condensed_is_shortened(
+    train: Machine, measured: Measurement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = identify(train, measured)
+    linearised, calls = fit_module.FitProblem.linearised, 0
+
+    def sometimes_singular(self: fit_module.FitProblem, *arguments: object) -> object:
+        nonlocal calls
+        calls += sys._getframe(1).f_code.co_name == "descend"
+        if calls in (2, 3):
+            raise SingularCondensation("here")
+        return linearised(self, *arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(fit_module.FitProblem, "linearised", sometimes_singular)
+    found = identify(train, measured)
+    assert calls > 3
+    assert found.accepted
+    assert_allclose(found.chi_square, expected.chi_square, rtol=1e-6)

@@ -1,0 +1,124 @@
+"""Samples and runs as they are read."""
+
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import numpy as np
+import pytest
+
+from storage.database.engine import Database
+from storage.measurements import samples as sample_store
+from storage.measurements.samples import SourceKey
+from tests.asking import Api, problem
+from tests.plant import (
+    SECOND,
+    START,
+    document,
+    samples,
+)
+
+MOMENT = datetime.fromtimestamp(START // SECOND, UTC)
+
+
+def test_newest_samples(told: Api) -> None:
+    body = told.value("/machines/pump-7/samples", limit=2)
+    assert body["machine"] == "pump-7"
+    assert body["channels"] == ["B2X", "B2Y", "B3X", "B3Y"]
+    assert body["speed_rpm"][-1] == pytest.approx(1500.0)
+    assert body["direction"] == ["positive"] * 2
+    assert [len(column) for column in body["amplitude_um_pp"]] == [2] * 4
+    assert body["amplitude_um_pp"][0] == pytest.approx([100.0] * 2)
+    assert body["phase_lag_deg"][0] == pytest.approx([30.0] * 2)
+    assert datetime.fromisoformat(body["time"][-1]) == MOMENT + timedelta(seconds=80)
+
+
+def test_samples_before_those_that_were_read(told: Api) -> None:
+    whole = told.value("/machines/pump-7/samples", limit=10_000)["time"]
+    newest = told.value("/machines/pump-7/samples", limit=5)["time"]
+    before = datetime.fromisoformat(newest[0]) - timedelta(microseconds=1)
+    older = told.value("/machines/pump-7/samples", limit=7, to=before.isoformat())["time"]
+    assert older + newest == whole[-12:]
+    asked = {"from": whole[3], "to": whole[8]}
+    assert told.value("/machines/pump-7/samples", **asked)["time"] == whole[3:9]
+
+
+def test_samples_are_read_through_revisions_that_describe_the_same_machine(changing: Api) -> None:
+    before = changing.value("/machines/pump-7/samples")
+    assert before["revisions"] == [1]
+    changing("PUT", "/machines/pump-7", json=document(name="New"))
+    after = changing.value("/machines/pump-7/samples")
+    assert after["revisions"] == [1, 2]
+    assert len(after["time"]) > 0
+    assert after | {"revisions": [1]} == before
+    other = document(name="New")
+    other["bearings"][0]["kxx"] = 1.23e6
+    changing("PUT", "/machines/pump-7", json=other)
+    none = changing.value("/machines/pump-7/samples")
+    assert (none["time"], none["revisions"]) == ([], [3])
+    assert changing.value("/machines/pump-7/samples", revision=2)["time"] == before["time"]
+    detail = problem(changing.get("/machines/pump-7/samples", revision=9), 404)["detail"]
+    assert detail == "no revision 9 of machine 'pump-7': GET /api/v1/machines/<id>/revisions lists them"
+    assert "no machine nobody: " in problem(changing.get("/machines/nobody/samples", revision=1), 404)["detail"]
+
+
+def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant: Database, api: Api) -> None:
+    held = samples(2)
+    held.scatter[:, 1] = 1e-6
+    held.second[:, 2] = 2e-6 * np.exp(-1j * np.radians(40.0))
+    with plant.transaction() as session:
+        key = SourceKey("pump-7", "monitor", 1)
+        sample_store.add_block(session, key, revision=1, first_sequence=0, samples=held)
+    plain = api.value("/machines/pump-7/samples")
+    assert [plain[name] for name in ("amplitude_2x_um_pp", "phase_2x_lag_deg", "scatter_um_pp", "status")] == [None] * 4
+    whole = api.value("/machines/pump-7/samples", include=["2x", "scatter", "status"])
+    assert whole["status"] == [["not_available"] * 2, *[["good"] * 2] * 3]
+    assert whole["scatter_um_pp"] == [[None] * 2, [pytest.approx(2.0)] * 2, [None] * 2, [None] * 2]
+    assert whole["amplitude_2x_um_pp"] == [[None] * 2, [None] * 2, [pytest.approx(4.0)] * 2, [None] * 2]
+    assert whole["phase_2x_lag_deg"][2] == pytest.approx([40.0] * 2)
+    for commas in ("2x,scatter,status", ["2x,scatter", "status"]):
+        assert api.value("/machines/pump-7/samples", include=commas) == whole
+    for wrong in ("3x", "2x,3x", "2x,", "2x,scatter,status,2x"):
+        problem(api.get("/machines/pump-7/samples", include=wrong), 422)
+
+
+def test_of_a_machine_without_samples_there_are_none(api: Api) -> None:
+    body = api.value("/machines/pump-7/samples")
+    assert (body["time"], body["speed_rpm"]) == ([], [])
+    assert body["amplitude_um_pp"] == [[], [], [], []]
+
+
+def test_runs_are_listed_newest_first(told: Api) -> None:
+    up, down = told.value("/machines/pump-7/runs")
+    assert (down["kind"], down["state"], down["samples"]) == ("run-down", "closed", 40)
+    assert down["speed_maximum_rpm"] == pytest.approx(2990.0)
+    assert (up["kind"], up["state"], up["ended_at"], up["samples"]) == ("run-up", "open", None, None)
+    assert datetime.fromisoformat(down["started_at"]) == MOMENT
+    assert told.value(f"/runs/{down['id']}") == down
+
+
+@pytest.mark.parametrize(
+    ("limits", "kinds"),
+    [
+        ({}, ["run-up", "run-down"]),
+        ({"limit": 1}, ["run-up"]),
+        ({"from": MOMENT + timedelta(seconds=1)}, ["run-up"]),
+        ({"to": MOMENT}, ["run-down"]),
+        ({"to": MOMENT.replace(tzinfo=None)}, ["run-down"]),
+        ({"to": MOMENT.astimezone(UTC) - timedelta(microseconds=1)}, []),
+        ({"from": datetime(1, 1, 1, tzinfo=UTC), "to": datetime(9999, 12, 31, tzinfo=UTC)}, ["run-up", "run-down"]),
+    ],
+)
+def test_runs_of_a_time_range(told: Api, limits: dict[str, Any], kinds: list[str]) -> None:
+    asked = {name: value.isoformat() if isinstance(value, datetime) else value for name, value in limits.items()}
+    assert [one["kind"] for one in told.value("/machines/pump-7/runs", **asked)] == kinds
+
+
+def test_phasors_of_a_closed_and_of_an_open_run(told: Api) -> None:
+    up, down = told.value("/machines/pump-7/runs")
+    closed, opened = told.value(f"/runs/{down['id']}/phasors"), told.value(f"/runs/{up['id']}/phasors")
+    assert len(closed["time"]) == 40
+    assert closed["amplitude_um_pp"][1][0] is None
+    assert closed["phase_lag_deg"][1][0] is None
+    assert closed["amplitude_um_pp"][0][0] == pytest.approx(100.0)
+    assert len(opened["time"]) == 40
+    assert opened["speed_rpm"][0] == pytest.approx(310.0)

@@ -1,0 +1,68 @@
+"""All machines at a glance: state, runs, alerts, and what happened since a time."""
+
+from datetime import UTC, datetime, timedelta
+
+import pytest
+
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from service.runs.collector import Collector
+from storage.database.engine import Database
+from storage.machines import machines
+from tests.asking import Api, fields
+from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
+from tests.prompt_journal import PromptJournal
+
+
+@pytest.fixture
+def api(plant: Database) -> Api:
+    """Over one machine in a run-up with two alerts, and one of which nothing is known."""
+    PromptJournal(plant, Collector()).store(
+        [arrived(batch([*sweep_rpm(2990.0, 310.0), 250.0, *sweep_rpm(310.0, 1650.0)]))], []
+    )
+    with plant.transaction() as session:
+        machines.create(session, machine(id="fan-2", name="Fan 2"))
+        row = store_identification(session, identification(), run_id=100, measured_at=START)
+        for element, severe in (("coupling.C1", False), ("bearing.B1", True)):
+            finding = AlertFinding("it moves", {}, row.id, START)
+            alert = transitions.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
+            alert.severity = 2 if severe else 1
+        transitions.acknowledge(session, alert, transitions.Person("anna"))
+    return Api(plant)
+
+
+def test_each_machine_at_a_glance(api: Api) -> None:
+    fan, pump = api.value("/fleet")["machines"]
+    assert (fan["id"], fan["name"], fan["state"], fan["last_run"], fan["speed_rpm"]) == (
+        "fan-2",
+        "Fan 2",
+        "unknown",
+        None,
+        None,
+    )
+    assert fan["open_alerts"] == {"alert": 0, "danger": 0}
+    assert (pump["state"], pump["plant"]) == ("run-up", "plant-1")
+    assert pump["speed_rpm"] == pytest.approx(1650.0)
+    assert pump["open_alerts"] == {"alert": 1, "danger": 1}
+    assert pump["unacknowledged"] == 1
+    assert pump["last_run"]["state"] == "open"
+    state = api.value("/machines/pump-7/state")
+    assert pump["open_run"] == state["run"]
+    assert pump["open_run"]["progress"] == pytest.approx(0.5, abs=0.05)
+    assert (pump["newest_sample_at"], pump["state_since"]) == (state["newest_sample_at"], state["since"])
+    assert pump["last_identification"]["accepted"] is True
+
+
+def test_what_happened_since(api: Api) -> None:
+    _, pump = api.value("/fleet")["machines"]
+    assert pump["happened"] == {"runs": 0, "identifications": 1, "alert_events": 3, "revisions": 1, "timeline": 0}
+    long_ago = api.value("/fleet", since="2020-01-01T00:00:00Z")
+    assert long_ago["since"] == "2020-01-01T00:00:00Z"
+    assert long_ago["machines"][1]["happened"]["runs"] == 2
+    later = (datetime.now(UTC) + timedelta(hours=1)).isoformat()
+    assert set(api.value("/fleet", since=later)["machines"][1]["happened"].values()) == {0}
+
+
+def test_wrong_questions_are_refused(api: Api) -> None:
+    assert fields(api.get("/fleet", since="yesterday")) == ["query.since"]
+    assert fields(api.get("/fleet", limit=0)) == ["query.limit"]

@@ -1,0 +1,49 @@
+"""`rundown key`: what a key cannot be made with is said in a line, before anything is stored."""
+
+import pytest
+from typer.testing import CliRunner
+
+from service.commands.app import app
+from service.security import api_keys
+from service.security.principal import Role
+from storage.database.engine import Database
+from storage.operation import api_keys as keys
+
+
+def refused(*arguments: str) -> str:
+    ended = CliRunner().invoke(app, ["key", *arguments])
+    assert ended.exit_code == 1, ended.output
+    (line,) = ended.output.splitlines()
+    return line
+
+
+@pytest.mark.parametrize("days", ["inf", "nan", "1e300", "1e9", "0", "-1"])
+def test_days_have_bounds(database: Database, days: str) -> None:
+    said = refused("create", "anna", "--role", "viewer", "--days", days, "--database", database.url)
+    assert "--days" in said
+    assert "must be from 0.001 to 36500 days, which is a hundred years" in said
+    with database.reading() as session:
+        assert not keys.are_there(session)
+
+
+@pytest.mark.parametrize("plant", ["", "p\n1", "p\n", "p,q", "p" * 65])
+def test_a_plant_is_named_as_machines_name_it(database: Database, plant: str) -> None:
+    said = refused("create", "anna", "--role", "viewer", "--plant", "p1", "--plant", plant, "--database", database.url)
+    assert said == f"rundown: --plant {plant!r} is no plant: it must have 1 to 64 letters, digits, '_' and '-'"
+    with database.reading() as session:
+        assert not keys.are_there(session)
+
+
+@pytest.mark.parametrize("option", ["--days", "--overlap-days"])
+def test_a_rotation_s_days_have_bounds(database: Database, option: str) -> None:
+    with database.transaction() as session:
+        row, _ = api_keys.create(session, name="anna", role=Role.of("viewer"), plants=None, days=1.0)
+    for days in ("inf", "nan", "1e9", "-1"):
+        assert f"rundown: {option} " in refused("rotate", row.prefix, option, days, "--database", database.url)
+    with database.reading() as session:
+        assert len(keys.every(session)) == 1
+
+
+def test_a_hundred_years_are_not_too_long(database: Database) -> None:
+    ended = CliRunner().invoke(app, ["key", "create", "a", "--role", "viewer", "--days", "36500", "--database", database.url])
+    assert ended.exit_code == 0, ended.output

@@ -1,0 +1,187 @@
+"""The commands that work on recorded runs without a service, run in this process on data of the dense model."""
+
+import csv
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from estimator.machine.document import parse_machine
+from service.commands.app import app
+from tests.estimator.trains import Complexes, Document, chapter_3_document, dense_response, noisy
+
+DOCUMENT = "examples/thesis-chapter-3.yaml"
+SPEED = np.arange(300.0, 10.0, -4.0)
+
+
+def recorded(folder: Path, name: str, phasor: Complexes, **sidecar: Any) -> str:
+    """A run as CSV and sidecar; its path."""
+    channels = [probe["id"] for probe in chapter_3_document()["probes"]]
+    with (folder / f"{name}.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["speed", *(f"{channel}_{part}" for channel in channels for part in ("a", "p"))])
+        for speed, row in zip(SPEED, phasor, strict=True):
+            writer.writerow([speed, *(value for one in row for value in (1e6 * abs(one), np.degrees(np.angle(one))))])
+    described = {
+        "plant": "examples",
+        "machine": "thesis-chapter-3",
+        "interval_s": 1.0,
+        "speed": "speed",
+        "speed_unit": "rad/s",
+        "amplitude_unit": "um",
+        "amplitude_kind": "peak",
+        "phase_convention": "lead",
+        "phase_unit": "deg",
+        "channels": [{"channel": c, "amplitude": f"{c}_a", "phase": f"{c}_p"} for c in channels],
+        **sidecar,
+    }
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump(described))
+    return str(folder / f"{name}.csv")
+
+
+def of(document: Document, seed: int) -> Complexes:
+    return noisy(dense_response(parse_machine(document), SPEED, direction=1), seed=seed)
+
+
+def run(*arguments: str, status: int = 0) -> str:
+    found = CliRunner().invoke(app, list(arguments))
+    assert found.exit_code == status, found.output
+    return found.output
+
+
+def test_the_command_says_which_release_it_is() -> None:
+    assert run("--version") == f"rundown {version('rundown')}\n"
+
+
+@pytest.fixture
+def healthy(tmp_path: Path) -> str:
+    return recorded(tmp_path, "healthy", of(chapter_3_document(), seed=1))
+
+
+def value(text: str, name: str) -> tuple[float, float]:
+    """Value and standard error of a parameter in a printed identification."""
+    words = next(line for line in text.splitlines() if line.startswith(name)).split()
+    return float(words[1]), float(words[3])
+
+
+def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, tmp_path: Path) -> None:
+    document = chapter_3_document()
+    document["discs"][0]["unbalance"] = {"magnitude": 0.0135, "angle_deg": 36}
+    heavier = recorded(
+        tmp_path, "trial", of(document, seed=2), added_unbalance={"D1": {"magnitude": 0.0135 - 0.0095, "angle_deg": 36}}
+    )
+    text = run("identify", DOCUMENT, healthy, heavier, "--advice")
+    assert text.startswith("accepted")
+    assert f"{2 * SPEED.size} samples" in text
+    found, error = value(text, "bearing.B1.kxx")
+    assert abs(found - 250_000) < 4 * error
+    found, error = value(text, "disc.D1.unbalance")
+    assert abs(found - 0.0095 * np.cos(np.radians(36))) < 4 * error
+    assert "one more sample at" in text
+    assert "a probe on shaft" in text
+
+
+@pytest.mark.long
+def test_an_unmentioned_trial_weight_is_noticed(healthy: str, tmp_path: Path) -> None:
+    document = chapter_3_document()
+    document["discs"][0]["unbalance"] = {"magnitude": 0.0135, "angle_deg": 36}
+    heavier = recorded(tmp_path, "trial", of(document, seed=2))
+    assert "not" in run("identify", DOCUMENT, healthy, heavier, status=1).splitlines()[0]
+
+
+def test_a_trial_weight_on_no_disc(tmp_path: Path) -> None:
+    path = recorded(tmp_path, "run", of(chapter_3_document(), 1), added_unbalance={"D9": {"magnitude": 0.001, "angle_deg": 0}})
+    assert "adds unbalance to D9; the discs are D1, D2, D3, D4" in run("identify", DOCUMENT, path, status=1)
+
+
+def test_the_thesis_s_regression_is_selectable(healthy: str) -> None:
+    text = run("identify", DOCUMENT, healthy, "--method", "regression", "--tikhonov", "L-curve", status=1)
+    assert text.startswith("NOT TO BE USED: these values do not explain the run")
+    assert "no intervals" in text
+    assert "regularised with λ" in text
+    assert sum(line.startswith("bearing.") for line in text.splitlines()) == 32
+
+
+def test_what_the_updated_model_says(healthy: str) -> None:
+    text = run("model", DOCUMENT, healthy, "--service-rpm", "2500", "--grade", "6.3")
+    first = next(line for line in text.splitlines() if line.startswith("  ")).split()
+    assert abs(float(first[0]) - 122.0 * 30 / np.pi) < 3  # the lowest critical speed, 122 rad/s
+    for part in ("Response peaks", "load of the couplings at 2500 r/min", "ISO 21940-11 G 6.3", "Correction that leaves"):
+        assert part in text
+    assert "Impact test" not in text
+
+
+def test_an_impact_test_in_the_document_is_compared(healthy: str, tmp_path: Path) -> None:
+    document = chapter_3_document()
+    document["impact_test"] = {"frequencies_hz": [19.0, 60.0]}
+    (tmp_path / "document.yaml").write_text(yaml.safe_dump(document))
+    text = run("model", str(tmp_path / "document.yaml"), healthy)
+    assert "Impact test" in text
+    assert any(line.strip().startswith("19.00") for line in text.splitlines())
+
+
+def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> None:
+    document = chapter_3_document()
+    for part in (document["couplings"][0], document["bearings"][1], document["bearings"][2]):
+        part["kxx"] *= 1.2
+        part["kyy"] *= 1.2
+    later = recorded(tmp_path, "later", of(document, seed=3))
+    text = run("compare", DOCUMENT, healthy, later, "--coupling", "C1")
+    assert text.startswith("changed coefficients: better than")
+    assert "coupling.C1.kxx" in text
+    assert "there are C1" in run("compare", DOCUMENT, healthy, later, "--coupling", "C7", status=1)
+
+
+def test_a_fit_that_is_refused_has_no_model(tmp_path: Path) -> None:
+    document = chapter_3_document()
+    document["discs"][1]["mass"] *= 1.5
+    path = recorded(tmp_path, "other", of(document, seed=4))
+    text = run("model", DOCUMENT, path, status=1)
+    assert not text.startswith("accepted")
+    assert "Critical speeds" not in text
+
+
+def test_a_run_of_another_machine(tmp_path: Path) -> None:
+    path = recorded(tmp_path, "run", of(chapter_3_document(), 1), machine="pump-9")
+    assert "is a recording of 'pump-9'" in run("identify", DOCUMENT, path, status=1)
+
+
+def test_sampled_runs_try_the_commands(tmp_path: Path) -> None:
+    document = "examples/motor-pump.yaml"
+    healthy, later = str(tmp_path / "healthy.csv"), str(tmp_path / "later.csv")
+    run("sample", document, healthy, "--samples", "120")
+    run("sample", f"{document}:misalignment", later, "--samples", "120", "--run-seed", "2")
+    assert run("identify", document, healthy).startswith("accepted")
+    assert run("compare", document, healthy, later, "--coupling", "C1").startswith("changed coefficients: better than")
+
+
+def test_the_same_seeds_sample_the_same_run(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        run("sample", DOCUMENT, str(tmp_path / f"{name}.csv"), "--samples", "20")
+    run("sample", DOCUMENT, str(tmp_path / "other.csv"), "--samples", "20", "--run-seed", "2")
+    one, two, other = ((tmp_path / f"{name}.csv").read_text() for name in ("one", "two", "other"))
+    assert one == two != other
+
+
+def test_options_that_do_not_go_together(healthy: str) -> None:
+    assert "--tikhonov goes with" in run("identify", DOCUMENT, healthy, "--tikhonov", "L-curve", status=1)
+    assert "--advice goes with" in run("identify", DOCUMENT, healthy, "--method", "regression", "--advice", status=1)
+
+
+def test_files_that_are_not_there_or_something_else(healthy: str, tmp_path: Path) -> None:
+    assert "none.csv: no such file" in run("identify", DOCUMENT, str(tmp_path / "none.csv"), status=1)
+    assert "is neither YAML nor JSON" in run("identify", "README.md", healthy, status=1)
+
+
+@pytest.mark.long
+def test_a_machine_with_seals_bows_and_loads_is_sampled_and_identified(tmp_path: Path) -> None:
+    path = str(tmp_path / "run.csv")
+    run("sample", "examples/sealed-pump.yaml", path)
+    text = run("identify", "examples/sealed-pump.yaml", path)
+    assert text.startswith("accepted")
+    for name in ("seal.N1.mxx", "shaft.pump.bow", "coupling.C1.force_x", "coupling.C1.kx_phiy"):
+        assert any(line.startswith(name) for line in text.splitlines()), name

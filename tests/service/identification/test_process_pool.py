@@ -1,0 +1,134 @@
+"""Worker processes that die, stop or hang: real ones, killed and stopped; those who wait are told, and the others go on."""
+
+import contextlib
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
+from concurrent.futures.process import BrokenProcessPool
+
+import psutil
+import pytest
+
+from service.identification.computation import compute
+from service.workers import process_pool
+from service.workers.process_pool import Interrupted, ProcessPool, Stuck
+from tests.plant import wait_until
+
+MEMORY = 2**31
+SOON_S = 30.0
+
+
+@pytest.fixture
+def two(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProcessPool]:
+    """Two processes, with half a second of grace."""
+    monkeypatch.setattr(process_pool, "GRACE_S", 0.5)
+    monkeypatch.setattr(process_pool, "HAND_OVER_S", 1.5)
+    made = ProcessPool(2, memory_bytes=MEMORY)
+    try:
+        yield made
+    finally:
+        made.shutdown()
+
+
+class Unreadable(Exception):
+    """Cannot be made again from what it tells."""
+
+    def __init__(self, one: str, other: str) -> None:
+        super().__init__(one + other)
+
+
+def unreadable() -> None:
+    raise Unreadable("half and ", "half")
+
+
+@pytest.mark.parametrize("tasks", [[], [compute]])
+def test_modules_of_the_tasks_are_imported_before_the_first(tasks: list[Callable[..., object]]) -> None:
+    made = ProcessPool(1, memory_bytes=MEMORY, tasks=tasks)
+    try:
+        # A function of this module would import what is looked for.
+        found = made.submit(10.0, eval, "'estimator.identification.quality_gate' in __import__('sys').modules").result(SOON_S)
+        assert found == bool(tasks)
+    finally:
+        made.shutdown()
+
+
+def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> None:
+    here = [two.submit(10.0, os.getpid) for _ in range(6)]
+    assert os.getpid() not in {future.result(SOON_S) for future in here}
+    assert two.submit(10.0, bytes, 3_000_000).result(SOON_S) == bytes(3_000_000)
+    assert two.submit(10.0, len, bytes(3_000_000)).result(SOON_S) == 3_000_000
+    with pytest.raises(ValueError, match="invalid literal"):
+        two.submit(10.0, int, "none").result(SOON_S)
+    with pytest.raises(RuntimeError, match="Unreadable: half and half"):
+        two.submit(10.0, unreadable).result(SOON_S)
+    with pytest.raises(BrokenProcessPool):
+        two.submit(10.0, os._exit, 1).result(SOON_S)
+    assert two.submit(10.0, abs, -1).result(SOON_S) == 1
+
+
+def test_that_no_process_can_be_begun_is_not_held_against_the_work(two: ProcessPool, monkeypatch: pytest.MonkeyPatch) -> None:
+    def short_of_descriptors(_: object) -> None:
+        raise OSError(24, "Too many open files")
+
+    monkeypatch.setattr(process_pool, "RETRY_S", 0.0)
+    with monkeypatch.context() as short:
+        short.setattr(process_pool._Slot, "_begin", short_of_descriptors)
+        with pytest.raises(Interrupted, match="Too many open files"):
+            two.submit(10.0, abs, -1).result(SOON_S)
+    assert two.submit(10.0, abs, -1).result(SOON_S) == 1
+
+
+def test_stopped_processes_are_killed_and_others_take_their_places(two: ProcessPool) -> None:
+    pids: set[int] = set()
+    while len(pids) < 2:
+        pids |= {future.result(SOON_S) for future in [two.submit(10.0, os.getpid) for _ in range(4)]}
+    computing = [two.submit(0.5, time.sleep, 0.4) for _ in range(2)]
+    wait_until(lambda: all(future.running() for future in computing))
+    for pid in pids:
+        os.kill(pid, signal.SIGSTOP)
+    for future in computing:
+        with pytest.raises(Stuck, match="did not answer for"):
+            future.result(SOON_S)
+    assert {two.submit(10.0, os.getpid).result(SOON_S) for _ in range(4)}.isdisjoint(pids)
+    wait_until(lambda: not any(psutil.pid_exists(pid) for pid in pids))
+
+
+def test_one_that_was_stopped_before_is_noticed_at_once_whatever_it_gets(two: ProcessPool) -> None:
+    first = two.submit(10.0, os.getpid).result(SOON_S)
+    second = two.submit(10.0, os.getpid).result(SOON_S)
+    for pid in {first, second}:
+        os.kill(pid, signal.SIGSTOP)
+    large = [two.submit(300.0, len, bytes(5_000_000)) for _ in range(4)]
+    ended = [future.exception(SOON_S) for future in large]
+    assert {type(one) for one in ended} == {Stuck, type(None)}
+
+
+def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_works_on(two: ProcessPool) -> None:
+    hanging = two.submit(0.5, time.sleep, 600.0)
+    others = [two.submit(10.0, abs, -number) for number in range(20)]
+    assert [future.result(SOON_S) for future in others] == list(range(20))
+    with pytest.raises(Stuck):
+        hanging.result(SOON_S)
+
+
+def test_a_shutdown_waits_for_nobody_and_leaves_nothing() -> None:
+    made = ProcessPool(1, memory_bytes=MEMORY)
+    pid = made.submit(10.0, os.getpid).result(SOON_S)
+    os.kill(pid, signal.SIGSTOP)
+    first, second = (made.submit(300.0, len, bytes(5_000_000)) for _ in range(2))
+    wait_until(first.running)
+    began = time.monotonic()
+    made.shutdown()
+    assert time.monotonic() - began < 5.0
+    with pytest.raises(Interrupted):
+        first.result(SOON_S)
+    with pytest.raises(CancelledError):
+        second.result(SOON_S)
+    with pytest.raises(Interrupted):
+        made.submit(1.0, os.getpid)
+    with contextlib.suppress(psutil.NoSuchProcess):
+        psutil.Process(pid).wait(5.0)
+    wait_until(lambda: not [one for one in threading.enumerate() if one.name == "worker process"])

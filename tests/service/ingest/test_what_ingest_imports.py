@@ -1,0 +1,59 @@
+"""What stores samples computes nothing of the science: no document, however large, makes anybody's samples wait."""
+
+import pytest
+
+from tests.imports import imported_by, imported_directly_by
+
+STATES_AND_COUNTS = {
+    "arrays",
+    "capture",
+    "channel_status",
+    "coverage",
+    "errors",
+    "machine",
+    "measurement",
+    "operating_state",
+    "recorded",
+    "references",
+    "segmentation",
+    "speed_bins",
+    "speed_reading",
+    "units",
+    "written",
+}
+"""Modules of the estimator that hold data, count samples and follow the speed; their work does not grow with the model."""
+
+
+@pytest.mark.parametrize(
+    "module",
+    ["service.ingest.ingest_thread", "service.runs.closing", "storage.measurements.runs", "storage.measurements.samples"],
+)
+def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
+    found = imported_by(module)
+    assert {one.removeprefix("estimator.") for one in found if one.startswith("estimator.")} <= STATES_AND_COUNTS
+    assert "scipy" not in found
+    assert {"numpy", "sqlalchemy"} <= found, "the look at imports sees nothing"
+
+
+@pytest.mark.parametrize(
+    ("module", "known"),
+    [
+        ("service.monitoring.assessment_context", {"estimator.machine.document", "estimator.trends.parameter_vector"}),
+        ("service.monitoring.conclusions", set[str]()),
+        ("service.monitoring.assessment_queue", set[str]()),
+        ("service.alerts.transitions", set[str]()),
+        ("service.monitoring.finding_text", set[str]()),
+        ("service.identification.scheduler", {"estimator.fit.identify"}),
+        ("service.identification.job_submission", {"estimator.fit.identify"}),
+        ("service.identification.result_filing", {"estimator.fit.identify"}),
+        ("service.identification.task_builder", {"estimator.fit.identify", "estimator.machine.document"}),
+        ("service.identification.job_options", {"estimator.fit.identify", "estimator.machine.document"}),
+    ],
+)
+def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:
+    """They name documents, options and points, which are data; what judges and identifies is imported by the worker only."""
+    named = {one for one in imported_directly_by(module) if one.startswith(("estimator.", "service.monitoring.assess"))}
+    named.discard("estimator.errors")
+    assert {one for one in named if not one.rpartition(".")[2][:1].isupper()} <= known | {
+        f"{one}.parse_machine" for one in known
+    }

@@ -1,0 +1,66 @@
+"""Declarations of findings: complete, without contradictions, and in the documentation as in the code."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from estimator.diagnosis.finding_kinds import FINDING_KINDS
+from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, SizedCause, require_complete
+from service.monitoring.limit_rule import Level, Rule
+
+DOCS = Path(__file__).parents[2] / "docs"
+KINDS = [one.kind for one in FINDING_KINDS]
+
+
+def sentence(one: SizedCause) -> str:
+    return f"{one.cause.element} rubs"
+
+
+def test_a_kind_without_a_sentence_is_refused() -> None:
+    with pytest.raises(ValueError, match="without sentence and alert rule in FINDING_RULES: rub"):
+        require_complete(FINDING_RULES, [*KINDS, "rub"])
+
+
+def test_a_sentence_of_what_is_no_finding_is_refused() -> None:
+    rub = FindingRule("rub", AlertRule("rub"), sentence)
+    with pytest.raises(ValueError, match="no kind of finding of the estimator: rub"):
+        require_complete([*FINDING_RULES, rub], KINDS)
+    with pytest.raises(ValueError, match="declared twice"):
+        require_complete([*FINDING_RULES, FINDING_RULES[0]], KINDS)
+    assert require_complete([*FINDING_RULES, rub], [*KINDS, "rub"])["rub"] is rub
+
+
+def test_limits_that_contradict_their_rule_are_refused() -> None:
+    limits = Rule(alert=Level(sigma=4, per_cent=5))
+    with pytest.raises(ValueError, match="'rub' needs both limits and quantities"):
+        AlertRule("rub", limits=limits)
+    with pytest.raises(ValueError, match="'rub' needs both limits and quantities"):
+        AlertRule("rub", quantities=("sigma",))
+    with pytest.raises(ValueError, match=r"alert\.per_cent is no limit of rub: it has sigma"):
+        AlertRule("rub", limits=limits, quantities=("sigma",))
+
+
+def test_a_limit_for_a_force_needs_one() -> None:
+    rule = AlertRule("rub", limits=Rule(alert=Level(sigma=4, force=5)), quantities=("sigma", "force"))
+    with pytest.raises(ValueError, match="'rub' can have a limit for a force"):
+        FindingRule("rub", rule, sentence)
+
+
+def test_the_documentation_has_every_kind_and_every_rule() -> None:
+    analysts, alerts = (DOCS / "analysts.md").read_text(), (DOCS / "alerts.md").read_text()
+    assert [kind for kind in KINDS if f"`{kind}`" not in analysts] == []
+    rules = {
+        name for line in alerts.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line.split("|")[1])
+    }
+    assert {one.rule.name for one in FINDING_RULES} | set(LIMITED_RULES) <= rules
+
+
+@pytest.mark.parametrize("rule", LIMITED_RULES.values(), ids=lambda rule: rule.name)
+def test_the_documentation_has_the_limits(rule: AlertRule) -> None:
+    rows = [line.split("|") for line in (DOCS / "alerts.md").read_text().splitlines() if line.startswith("| `")]
+    (row,) = [cells for cells in rows if f"`{rule.name}`" in cells[1] and len(cells) == 6]
+    assert rule.limits is not None
+    for level, shown in ((rule.limits.alert, row[2]), (rule.limits.danger, row[3])):
+        sizes = [] if level is None else [f"{getattr(level, name):g}" for name in level.named]
+        assert re.findall(r"[\d.]+", shown) == sizes

@@ -1,0 +1,48 @@
+"""The simulated plant sends the conditions that its machines' documents name, and lives under them."""
+
+import json
+import threading
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from estimator.machine.document import Machine
+from service.sources.simulator import SimulationPlan, simulate
+from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch
+from tests.plant import listened_to, machine, wait_until
+
+PLAN = SimulationPlan(cycles=2, interval_s=86_400.0, samples=20, rate=100_000.0, seed=1, linger_s=0.0)
+
+
+def published(router: zenoh.Session, client: zenoh.Session, train: Machine, truth: Path) -> list[SampleBatch]:
+    """All batches of a simulation that a subscriber on the other side hears."""
+    heard: list[SampleBatch] = []
+
+    def listen(sample: zenoh.Sample) -> None:
+        key = Key.parse(str(sample.key_expr))
+        heard.append(decode_batch(key, sample.payload.to_bytes(), str(sample.encoding)))
+
+    with router.declare_subscriber(ALL_SAMPLES, listen):
+        wait_until(lambda: listened_to(client.declare_publisher("rundown/v1/plant-1/x/samples")))
+        simulate(client, [(train, "healthy")], PLAN, truth, threading.Event())
+        wait_until(lambda: sum(len(one.time_ns) for one in heard) >= 2 * (2 * PLAN.samples + 6))
+    return heard
+
+
+def test_conditions_are_those_of_the_cycle(router: zenoh.Session, client: zenoh.Session, tmp_path: Path) -> None:
+    train = machine(id="warm", conditions=[{"name": "oil", "unit": "degC"}, {"name": "load", "unit": "%"}])
+    heard = published(router, client, train, tmp_path / "truth.jsonl")
+    told = [tuple(set(values) for values in (one.conditions or {}).values()) for one in heard]
+    assert all(len(oil) == len(load) == 1 for oil, load in told)
+    oils = {oil.pop() for oil, _ in told}
+    assert len(oils) == 2  # one a cycle
+    assert all(oil is not None and 30.0 < oil < 70.0 for oil in oils)
+
+
+def test_without_conditions_nothing_is_said_of_them(router: zenoh.Session, client: zenoh.Session, tmp_path: Path) -> None:
+    heard = published(router, client, machine(id="plain"), tmp_path / "truth.jsonl")
+    assert {one.conditions is None for one in heard} == {True}
+    runs = [json.loads(line) for line in (tmp_path / "truth.jsonl").read_text().splitlines()]
+    assert [run["kind"] for run in runs] == ["run-up", "run-down"] * 2
+    assert runs[0]["parameters"]["bearing.B1.kxx"] == pytest.approx(2e6, rel=0.4)

@@ -1,0 +1,47 @@
+"""Effects of channels' errors come back exactly, also from blocks that an older release wrote."""
+
+import io
+
+import numpy as np
+import pytest
+
+from estimator.fit.channel_sensitivity import ChannelEffects
+from storage.encoding import channel_effects
+
+
+@pytest.fixture
+def effects() -> ChannelEffects:
+    """Of a fit of 5 coordinates, 3 errors in 2 channels."""
+    random = np.random.default_rng(7)
+    return ChannelEffects(
+        names=("probe.Ä.gain.real", "probe.Ä.gain.imaginary", "probe.B.run_out.real"),
+        bias=random.standard_normal((5, 3)).T.copy().T,  # in columns, as a fit may leave it
+        information=random.standard_normal((3, 3)),
+        score=random.standard_normal(3),
+        phasors=(100, 0),
+        amplitude=(1.5e-6, 0.0),
+    )
+
+
+def assert_same(one: ChannelEffects, other: ChannelEffects) -> None:
+    assert (one.names, one.phasors, one.amplitude) == (other.names, other.phasors, other.amplitude)
+    for name in ("bias", "information", "score"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), strict=True)
+
+
+def test_they_come_back_exactly(effects: ChannelEffects) -> None:
+    assert_same(channel_effects.decode(channel_effects.encode(effects)), effects)
+
+
+def test_blocks_of_older_releases_are_read(effects: ChannelEffects) -> None:
+    block = io.BytesIO()
+    np.savez_compressed(
+        block,
+        names=np.array(effects.names),
+        bias=effects.bias,
+        information=effects.information,
+        score=effects.score,
+        phasors=np.array(effects.phasors, dtype=np.int64),
+        amplitude=np.array(effects.amplitude),
+    )
+    assert_same(channel_effects.decode(block.getvalue()), effects)

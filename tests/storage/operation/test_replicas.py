@@ -1,0 +1,109 @@
+"""Replicas and leases: who lives, who owns what, and that nobody writes what is another's."""
+
+import pytest
+
+from service.replication import lease_keeper
+from service.replication.lease_keeper import Leasing
+from service.replication.work_share import DELIVERY, INGEST, lease_of
+from storage.database.engine import Database
+from storage.database.errors import NotHeld
+from storage.findings import jobs
+from storage.operation import leases, replicas
+from storage.tables import JobRow
+from tests.plant import KEY, wait_until
+
+
+def join(database: Database) -> int:
+    with database.transaction() as session:
+        leases.ensure(session, [*INGEST, DELIVERY])
+        return replicas.join(session, role="all", host="here", process=1)
+
+
+def test_a_lease_is_one_replicas_at_a_time(database: Database) -> None:
+    first, second = join(database), join(database)
+    assert first < second
+    with database.transaction() as session:
+        assert leases.take(session, INGEST, holder=first, most=3) == set(INGEST[:3])
+        assert leases.take(session, INGEST, holder=second, most=3) == set(INGEST[3:6])
+    with database.transaction(beside_others=True) as session:
+        leases.require(session, INGEST[:2], holder=first)
+        with pytest.raises(NotHeld, match=INGEST[3]):
+            leases.require(session, [INGEST[0], INGEST[3]], holder=first)
+    with database.transaction() as session:
+        leases.give_back(session, INGEST[:1], holder=first)
+        leases.give_back(session, INGEST[3:4], holder=first)  # not its own: nothing
+        assert leases.held(session, holder=first) == set(INGEST[1:3])
+        leases.give_back_all(session, holder=second)
+        assert leases.held(session, holder=second) == set()
+
+
+def test_numbers_are_never_given_twice(database: Database) -> None:
+    first = join(database)
+    with database.transaction() as session:
+        replicas.forget(session, first)
+        assert not replicas.beat(session, first)
+    assert join(database) > first
+
+
+def test_who_was_taken_for_gone_gets_no_job_and_what_nobody_computes_is_put_back(plant: Database) -> None:
+    number = join(plant)
+    with plant.transaction() as session:
+        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
+        assert len(jobs.take(session, 5, holder=number)) == 1
+        replicas.forget(session, number)
+        assert jobs.put_back_running(session, living=[number + 1]) == 1
+        assert jobs.take(session, 5, holder=number) == []
+        (row,) = session.query(JobRow).all()
+        assert (row.state, row.attempts, row.holder) == (jobs.QUEUED, 0, None)
+
+
+def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Database) -> None:
+    """On PostgreSQL as well: the dead one holds no lock of its number."""
+    with plant.transaction() as session:
+        dead = replicas.join(session, role="all", host="gone", process=2)
+        leases.ensure(session, INGEST)
+        leases.take(session, INGEST, holder=dead, most=32)
+        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
+        jobs.take(session, 1, holder=dead)
+        row = next(one for one in replicas.every(session) if one.id == dead)
+        row.seen_at -= int(2 * replicas.LEASE_S * 1e9)
+    plant.claim(shared=True)
+    living = Leasing(plant, "all")
+    living.start()
+    try:
+        assert living.owns(KEY.machine)
+        with plant.transaction(beside_others=True) as session:
+            living.require(session, [KEY.machine])
+            assert [one.id for one in replicas.every(session)] == [living.holder]
+            assert session.query(JobRow).one().state == jobs.QUEUED
+    finally:
+        living.stop()
+    with plant.transaction() as session:
+        assert set(leases.holders(session).values()) == {None}
+        with pytest.raises(NotHeld, match=lease_of(KEY.machine)):
+            living.require(session, [KEY.machine])
+
+
+class Confused(Leasing):
+    """Meets what nobody expected, until it is told that this is over."""
+
+    puzzled = False
+
+    def _round(self) -> None:
+        if self.puzzled:
+            raise LookupError("no such thing")
+        super()._round()
+
+
+def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lease_keeper, "ROUND_S", 0.02)
+    plant.claim(shared=True)
+    living = Confused(plant, "all")
+    living.start()
+    try:
+        living.puzzled = True
+        wait_until(lambda: living.trouble == "this replica cannot say that it lives: unexpected error; the log has it")
+        living.puzzled = False
+        wait_until(lambda: living.trouble is None)
+    finally:
+        living.stop()
