@@ -1,0 +1,123 @@
+"""The house: which room may import which, that no file or room is in a circle, and that rooms stay small and say what they are.
+
+A room is a folder of one of the packages. `ROOMS` is the picture in docs/developers.md: an arrow that is not in it fails here,
+and so does one that nobody goes any more.
+"""
+
+import ast
+import re
+import subprocess
+from collections import defaultdict
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+from tests.rooms import ROOMS
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("estimator", "storage", "service")
+LARGEST_ROOM, MEDIAN_ROOM = 25, 12
+"""Files in a room, its `__init__.py` left out."""
+
+
+@cache
+def files() -> dict[str, Path]:
+    """All modules of the packages but migrations, by their dotted names."""
+    listed = subprocess.run(["git", "ls-files", *PACKAGES], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    paths = [Path(one) for one in listed.splitlines() if one.endswith(".py") and "migrations" not in one]
+    return {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
+
+
+def room(module: str) -> str:
+    """The folder that a module lies in."""
+    return files()[module].parent.as_posix()
+
+
+def named(tree: ast.Module) -> Iterator[str]:
+    """All modules that an import names, also within functions and for types only: circles hide there."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (one.name for one in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            yield from (
+                f"{node.module}.{one.name}" if f"{node.module}.{one.name}" in files() else node.module for one in node.names
+            )
+
+
+@cache
+def imports() -> dict[str, frozenset[str]]:
+    """Which modules each module imports."""
+    return {
+        module: frozenset(one for one in named(ast.parse((ROOT / path).read_text())) if one in files() and one != module)
+        for module, path in files().items()
+    }
+
+
+def arrows() -> dict[str, dict[str, str]]:
+    """From each room to others, with one import that makes the arrow."""
+    found: dict[str, dict[str, str]] = defaultdict(dict)
+    for module, others in imports().items():
+        for other in others:
+            if room(module) != room(other):
+                found[room(module)][room(other)] = f"{files()[module]} imports {other}"
+    return found
+
+
+def circle(graph: dict[str, set[str]]) -> list[str]:
+    """One circle of a graph; empty where there is none."""
+    done: set[str] = set()
+
+    def follow(one: str, path: list[str]) -> list[str]:
+        if one in path:
+            return [*path[path.index(one) :], one]
+        if one in done:
+            return []
+        for other in sorted(graph.get(one, ())):
+            if found := follow(other, [*path, one]):
+                return found
+        done.add(one)
+        return []
+
+    return next((found for one in sorted(graph) if (found := follow(one, []))), [])
+
+
+def test_rooms_import_only_what_the_picture_shows() -> None:
+    new = [
+        f"{why}: no arrow from {one} to {other} in tests/rooms.py. Move what is needed to a room below, or draw the arrow there"
+        for one, others in arrows().items()
+        for other, why in others.items()
+        if other not in ROOMS.get(one, ())
+    ]
+    assert new == []
+
+
+def test_no_arrow_of_the_picture_is_left_unused() -> None:
+    unused = [f"{one} -> {other}" for one, others in ROOMS.items() for other in others if other not in arrows().get(one, {})]
+    assert unused == []
+
+
+def test_no_room_and_no_file_is_in_a_circle() -> None:
+    assert circle({one: set(others) for one, others in ROOMS.items()}) == []
+    assert circle({one: set(others) for one, others in imports().items()}) == []
+
+
+def test_a_circle_is_found() -> None:
+    assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c", "b"]
+
+
+def test_rooms_are_small() -> None:
+    sizes: dict[str, int] = defaultdict(int)
+    for path in files().values():
+        sizes[path.parent.as_posix()] += path.name != "__init__.py"
+    assert {one: size for one, size in sizes.items() if size > LARGEST_ROOM} == {}
+    assert median(sizes.values()) <= MEDIAN_ROOM
+
+
+@pytest.mark.parametrize("package", sorted({path.parent.as_posix() for path in files().values()}))
+def test_each_room_says_what_lives_there(package: str) -> None:
+    """In two or three sentences: what lives there, what it may import, where data come from and go to."""
+    said = ast.get_docstring(ast.parse((ROOT / package / "__init__.py").read_text())) or ""
+    assert 2 <= len(re.findall(r"[.:;](?=\s|$)", said)) <= 6, f"{package}/__init__.py: {said!r}"
