@@ -11,63 +11,63 @@ class DomainError(Exception):
     """Base of all categories; no error derives from it directly."""
 
     retry_after_s: ClassVar[int | None] = None
-    """When it makes sense to ask again [s]; None where nobody knows."""
+    """Time after which it makes sense to ask again [s]; None where nobody knows."""
 
     @property
     def detail(self) -> str:
-        """Describe what is wrong, where, and what would be right."""
+        """State what is wrong, where, and what would be right."""
         return str(self.args[0]) if self.args else str(self)
 
     @property
     def field_errors(self) -> Sequence[tuple[str, str]]:
-        """Name each wrong field of what was given, and say what is wrong with it."""
+        """Return each wrong field of the input with what is wrong with it."""
         return ()
 
 
 class Invalid(DomainError, ValueError):
-    """Input that cannot be right, or of which nothing can be made."""
+    """Raised when the input cannot be right, or nothing can be made of it."""
 
 
 class Missing(DomainError, LookupError):
-    """Something asked for that is not there; the error's argument names it."""
+    """Raised when the object asked for does not exist; the error's argument names it."""
 
     subject: str
-    """A word for what it is: `machine`."""
+    """Word for the kind of object: `machine`."""
 
     @property
     def detail(self) -> str:
-        """Describe what is not there."""
+        """State which object does not exist."""
         return f"no {self.subject} {super().detail}"
 
 
 class Conflict(DomainError, ValueError):
-    """A request that is forbidden by what is there."""
+    """Raised when the present state forbids the request."""
 
 
 class Gone(DomainError):
-    """Something asked for that was there once, and is deleted."""
+    """Raised when the object asked for existed once, and is deleted."""
 
 
 class Outdated(DomainError):
-    """A change of something that is no longer as it was read."""
+    """Raised when the object to be changed is no longer as it was read."""
 
 
 class Unconditional(DomainError):
-    """A change that does not say which state it replaces, and has to."""
+    """Raised when a change does not say which state it replaces, and has to."""
 
 
 class LimitReached(DomainError):
-    """As much is under way as may be; later there is room again."""
+    """Raised when as much is under way as may be; later there is room again."""
 
 
 class Damaged(DomainError, ValueError):
-    """Stored data that cannot be read."""
+    """Raised when a stored object cannot be read."""
 
     @property
     def detail(self) -> str:
-        """Describe what cannot be read, and what to do."""
+        """State what cannot be read, and what to do."""
         return f"{super().detail}; look at the disk, and restore a backup"
 
 
 class Unavailable(DomainError, RuntimeError):
-    """A part that is needed does not work at present."""
+    """Raised when a part that is needed does not work at present."""

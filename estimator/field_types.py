@@ -1,4 +1,4 @@
-"""Types of the fields that people write in documents, and the base of a document's parts. SI units."""
+"""Types of the fields that people write in documents, in SI units, and the base of a document's parts."""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""Physical quantities that parameters are of, their SI units, and how those of coefficients act."""
+"""Physical quantities of parameters, their SI units, and how those of coefficients act."""
 
 from typing import Literal
 
@@ -17,6 +17,7 @@ Quantity = Literal[
     "gain",
     "run-out",
 ]
+"""Physical quantity of a parameter."""
 
 UNITS: dict[Quantity, str] = {
     "stiffness": "N/m",
@@ -33,5 +34,6 @@ UNITS: dict[Quantity, str] = {
     "gain": "1",
     "run-out": "m",
 }
+"""SI unit of each quantity."""
 ORDER: dict[Quantity, int] = {"damping": 1, "angular damping": 1, "inertia": 2}
 """Power of jω with which a coefficient acts; 0 where it is not named."""

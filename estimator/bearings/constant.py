@@ -1,4 +1,4 @@
-"""Coefficients that are the same at every speed: each is its own parameter."""
+"""Constant coefficients, the same at every speed: each is its own parameter."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,44 +14,84 @@ from estimator.bearings.terms import TERMS
 
 @dataclass(frozen=True)
 class ConstantModel:
-    """One coefficient that is the same at every speed."""
+    """One coefficient that is the same at every speed.
+
+    Attributes:
+        coefficient: The coefficient as a parameter.
+        constant: True.
+    """
 
     coefficient: ModelParameter
     constant: bool = True
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Name of the coefficient."""
+        """Return the name of the coefficient."""
         return (self.coefficient.name,)
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """The coefficient itself."""
+        """Return the coefficient itself."""
         return (self.coefficient,)
 
     def at(self, speed: Floats) -> MixedCoefficient:
-        """Return the coefficient at speeds (S,) [rad/s]."""
+        """Return the coefficient at some speeds.
+
+        Args:
+            speed: Spin speeds (S,), without sign [rad/s].
+
+        Returns:
+            Its curves.
+        """
         return MixedCoefficient(self.coefficient, np.ones((speed.size, 1)))
 
     def level(self, fitted: Floats) -> Floats:
-        """Return the parameter (1,) of a fitted number (1,): the same."""
+        """Return the parameter of a constant coefficient: the same number.
+
+        Args:
+            fitted: Fitted number (1,) [-]; shape (C,) with C = 1.
+
+        Returns:
+            Fitted number (1,) [-].
+        """
         return fitted
 
 
 class Constant:
-    """The form of an element that says nothing of the speed."""
+    """Form of an element whose document states no dependence on the speed."""
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
     coefficients: tuple[str, ...] | None = None
 
     def governs(self, term: str) -> bool:
-        """Return whether a term is constant: all are."""
+        """Return whether a term is constant: all are.
+
+        Args:
+            term: The term, such as `kxx`.
+
+        Returns:
+            Whether it is a term.
+        """
         return term in TERMS
 
     def parameter_count(self, terms: Sequence[str]) -> int:
-        """Return one for each term."""
+        """Return the number of parameters that give some terms: one for each.
+
+        Args:
+            terms: The terms.
+
+        Returns:
+            The number.
+        """
         return len(terms)
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
-        """Return a model of each coefficient."""
+        """Return a model of each coefficient.
+
+        Args:
+            coefficients: The coefficients as parameters.
+
+        Returns:
+            The models.
+        """
         return [ConstantModel(one) for one in coefficients]

@@ -14,16 +14,34 @@ from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParame
 from estimator.field_types import Part, Positive
 
 Weights = Callable[[Floats, Floats], Floats]
-"""Of knots (P,) and speeds (S,) [rad/s] the weights (S, P) with which the values at the knots make the one at each speed."""
+"""Function of knots (P,) and speeds (S,) [rad/s] that returns the weights (S, P) with which the values at the knots make the
+one at each speed.
+"""
 
 
 def piecewise_weights(knots: Floats, speed: Floats) -> Floats:
-    """Return the weights (S, P) of straight lines from knot to knot, level outside them."""
+    """Compute the weights of straight lines from knot to knot, level outside them.
+
+    Args:
+        knots: Knots (P,), ascending [rad/s].
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Weights (S, P) [-].
+    """
     return np.stack([np.interp(speed, knots, row) for row in np.eye(knots.size)], axis=1)
 
 
 def polynomial_weights(knots: Floats, speed: Floats) -> Floats:
-    """Return the weights (S, P) of the one polynomial through all knots: Lagrange's polynomials."""
+    """Compute the weights of the one polynomial through all knots: Lagrange's polynomials.
+
+    Args:
+        knots: Knots (P,), ascending [rad/s].
+        speed: Speeds (S,) [rad/s].
+
+    Returns:
+        Weights (S, P) [-].
+    """
     return np.stack(
         [np.prod([(speed - other) / (own - other) for other in knots if other != own], axis=0) for own in knots],
         axis=1,
@@ -31,12 +49,19 @@ def polynomial_weights(knots: Floats, speed: Floats) -> Floats:
 
 
 WEIGHTS: dict[str, Weights] = {"piecewise": piecewise_weights, "polynomial": polynomial_weights}
-"""By form."""
+"""Weights by form."""
 
 
 @dataclass(frozen=True)
 class KnotModel:
-    """One coefficient through its values at knots [r/min]."""
+    """One coefficient through its values at knots.
+
+    Attributes:
+        coefficient: The coefficient as a parameter.
+        knots_rpm: Knots [r/min].
+        weights: Function that returns the weights of the knots.
+        constant: False.
+    """
 
     coefficient: ModelParameter
     knots_rpm: tuple[float, ...]
@@ -45,25 +70,39 @@ class KnotModel:
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Name of the coefficient."""
+        """Return the name of the coefficient."""
         return (self.coefficient.name,)
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Its value at each knot."""
+        """Return its value at each knot as a parameter."""
         return tuple(replace(self.coefficient, name=f"{self.coefficient.name}@{knot:g}rpm") for knot in self.knots_rpm)
 
     def at(self, speed: Floats) -> MixedCoefficient:
-        """Return the coefficient at speeds (S,) [rad/s]."""
+        """Return the coefficient at some speeds.
+
+        Args:
+            speed: Spin speeds (S,), without sign [rad/s].
+
+        Returns:
+            Its curves.
+        """
         return MixedCoefficient(self.coefficient, self.weights(np.array(self.knots_rpm) * np.pi / 30.0, speed))
 
     def level(self, fitted: Floats) -> Floats:
-        """Return the values at the knots (P,) of a coefficient that is the same at every speed."""
+        """Return the values at the knots of a coefficient that is the same at every speed.
+
+        Args:
+            fitted: Fitted number (1,) [-]; shape (C,) with C = 1.
+
+        Returns:
+            Fitted numbers (P,) [-], all the same.
+        """
         return np.full(len(self.knots_rpm), fitted[0])
 
 
 class SpeedDependence(Part):
-    """How an element's coefficients follow the speed: through values at some speeds, which are identified.
+    """Dependence of an element's coefficients on the speed: through values at some speeds, which are identified.
 
     Two or more knots: `piecewise` runs straight from knot to knot and stays level outside them, `polynomial` is the one
     polynomial through all of them. Direct terms follow in their logarithm, so that they stay positive.
@@ -82,13 +121,34 @@ class SpeedDependence(Part):
         return self
 
     def governs(self, term: str) -> bool:
-        """Return whether a term such as `kxx` follows the speed."""
+        """Return whether a term follows the speed.
+
+        Args:
+            term: The term, such as `kxx`.
+
+        Returns:
+            Whether it does.
+        """
         return self.coefficients is None or term in self.coefficients
 
     def parameter_count(self, terms: Sequence[str]) -> int:
-        """Return the number of values at knots: one at each for each term."""
+        """Return the number of values at knots: one at each for each term.
+
+        Args:
+            terms: The terms.
+
+        Returns:
+            The number.
+        """
         return len(self.knots_rpm) * len(terms)
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
-        """Return a model of each coefficient."""
+        """Return a model of each coefficient.
+
+        Args:
+            coefficients: The coefficients as parameters.
+
+        Returns:
+            The models.
+        """
         return [KnotModel(one, self.knots_rpm, WEIGHTS[self.form]) for one in coefficients]

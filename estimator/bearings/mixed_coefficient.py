@@ -1,4 +1,4 @@
-"""A coefficient that is, at each speed, a weighted sum of fitted numbers: of logarithms where it is positive by nature."""
+"""Coefficient that is, at each speed, a weighted sum of fitted numbers: of logarithms where it is positive by nature."""
 
 from dataclasses import dataclass
 
@@ -10,17 +10,37 @@ from estimator.bearings.model import ModelParameter
 
 @dataclass(frozen=True)
 class MixedCoefficient:
-    """One coefficient at S speeds. weight: (S, P) of each fitted number."""
+    """One coefficient at S speeds.
+
+    Attributes:
+        coefficient: The coefficient as a parameter.
+        weight: Weight (S, P) of each fitted number [-].
+    """
 
     coefficient: ModelParameter
     weight: Floats
 
     def values(self, fitted: Floats) -> Floats:
-        """Return the coefficient (S, 1) [SI] of fitted numbers (P,)."""
+        """Compute the coefficient.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Coefficient (S, 1) [SI].
+        """
         return self.coefficient.value(self.weight @ fitted)[:, None]
 
     def derivatives(self, fitted: Floats, block: slice) -> Floats:
-        """Return its derivatives (s, 1, P) by the fitted numbers, at some of the speeds."""
+        """Compute the derivatives of the coefficient by the fitted numbers, at some of the speeds.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (s, 1, P) [SI].
+        """
         weight = self.weight[block]
         slope = self.coefficient.slope(weight @ fitted)
         return np.asarray((slope[:, None] * weight)[:, None, :])

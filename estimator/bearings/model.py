@@ -1,8 +1,9 @@
-"""The seam between bearing models and the fit: coefficients over the spin speed, from a model's own parameters.
+"""Interface between bearing models and the fit: coefficients over the spin speed, from a model's own parameters.
 
-A *form* is what the machine document says of an element, with the model's data as its fields. It makes *models*: each gives
-some of the element's coefficients from parameters that the fit determines. At given speeds a model becomes *curves*, which
-evaluate quickly. The fit knows nothing else of a bearing. `estimator.bearings.registry` lists the forms.
+A *form* is the part of the machine document that chooses the model of an element, with the model's data as its fields. It
+makes *models*: each gives some of the element's coefficients from parameters that the fit determines. At given speeds a model
+becomes *curves*, which evaluate quickly. The fit knows nothing else of a bearing. `estimator.bearings.registry` lists the
+forms.
 """
 
 import math
@@ -19,10 +20,16 @@ from estimator.arrays import Floats
 class ModelParameter:
     """One real number that a fit determines, and what is believed of it before any measurement.
 
-    name: such as `bearing.B1.kxx` or `bearing.B1.kxx@1500rpm`. quantity, unit: what it is, and its SI unit. positive: by
-    nature, so that the logarithm of value over `expected` is fitted; else the value in units of `scale`. expected: best guess
-    [SI]. scale: the magnitude expected of it [SI], positive. spread: prior standard deviation of the fitted number.
-    coefficient: name of the coefficient whose value it is, everywhere or at a knot; None of what is none.
+    Attributes:
+        name: Name, such as `bearing.B1.kxx` or `bearing.B1.kxx@1500rpm`.
+        quantity: Physical quantity.
+        unit: SI unit.
+        positive: Whether it is positive by nature, so that the logarithm of value over `expected` is fitted; else the value in
+            units of `scale`.
+        expected: Best guess [unit].
+        scale: Magnitude expected of it, positive [unit].
+        spread: Prior standard deviation of the fitted number [-].
+        coefficient: Name of the coefficient whose value it is, everywhere or at a knot; None for any other parameter.
     """
 
     name: str
@@ -36,29 +43,53 @@ class ModelParameter:
 
     @property
     def centre(self) -> float:
-        """Mean of the prior on the fitted number."""
+        """Return the mean of the prior on the fitted number [-]."""
         return 0.0 if self.positive else self.expected / self.scale
 
     @property
     def origin(self) -> float:
-        """Value [SI] where the fitted number is zero; of a positive one its logarithm."""
+        """Return the value where the fitted number is zero [unit], of a positive parameter its logarithm."""
         return math.log(self.expected) if self.positive else 0.0
 
     @property
     def step(self) -> float:
-        """How far the value [SI], of a positive one its logarithm, changes with the fitted number."""
+        """Return the change of the value with the fitted number [unit], of a positive parameter of its logarithm [-]."""
         return 1.0 if self.positive else self.scale
 
     def value(self, fitted: Floats) -> Floats:
-        """Return the values [SI] that belong to fitted numbers."""
+        """Convert fitted numbers to values.
+
+        Args:
+            fitted: Fitted numbers (...), of any shape [-].
+
+        Returns:
+            Values (...) [unit].
+        """
         return np.asarray(self.expected * np.exp(fitted) if self.positive else self.scale * fitted)
 
     def slope(self, fitted: Floats) -> Floats:
-        """Return the derivatives of the values [SI] by the fitted numbers."""
+        """Compute the derivatives of the values by the fitted numbers.
+
+        Args:
+            fitted: Fitted numbers (...), of any shape [-].
+
+        Returns:
+            Derivatives (...) [unit].
+        """
         return self.value(fitted) if self.positive else np.full(fitted.shape, self.scale)
 
     def fitted(self, value: float) -> float:
-        """Return the fitted number of a value [SI]. Raises ValueError where a positive one is not."""
+        """Convert a value to the fitted number.
+
+        Args:
+            value: The value [unit].
+
+        Returns:
+            The fitted number [-].
+
+        Raises:
+            ValueError: The parameter is positive by nature and the value is not.
+        """
         if self.positive and value <= 0.0:
             raise ValueError(f"{self.name} is {value:g}: it must be positive")
         return math.log(value / self.expected) if self.positive else value / self.scale
@@ -68,7 +99,11 @@ class ModelParameter:
 class OwnParameter:
     """A kind of parameter that a form's models have beside coefficients, such as a clearance.
 
-    name: last part of the parameters' names. quantity, unit, positive: as of `ModelParameter`.
+    Attributes:
+        name: Last part of the parameters' names.
+        quantity: Physical quantity.
+        unit: SI unit.
+        positive: Whether it is positive by nature, as of `ModelParameter`.
     """
 
     name: str
@@ -78,54 +113,104 @@ class OwnParameter:
 
 
 class CoefficientCurves(Protocol):
-    """C coefficients at S speeds as functions of a model's P parameters, which come as fitted numbers (P,)."""
+    """C coefficients at S speeds as functions of a model's P parameters."""
 
     def values(self, fitted: Floats) -> Floats:
-        """Return the coefficients (S, C) [SI]."""
+        """Compute the coefficients.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Coefficients (S, C) [SI].
+        """
 
     def derivatives(self, fitted: Floats, block: slice) -> Floats:
-        """Return their derivatives (s, C, P) by the fitted numbers, at some of the speeds."""
+        """Compute the derivatives of the coefficients by the fitted numbers, at some of the speeds.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (s, C, P) [SI].
+        """
 
 
 class CoefficientModel(Protocol):
-    """Gives C coefficients of an element from P parameters of its own."""
+    """Model that gives C coefficients of an element from P parameters of its own."""
 
     @property
     def coefficients(self) -> tuple[str, ...]:
-        """Names of the C coefficients, such as `bearing.B1.kxx`."""
+        """Return the names of the C coefficients, such as `bearing.B1.kxx`."""
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """The P parameters."""
+        """Return the P parameters."""
 
     @property
     def constant(self) -> bool:
-        """Whether the one coefficient is the one parameter at every speed; the fit evaluates all such ones together."""
+        """Return whether the one coefficient is the one parameter at every speed; the fit evaluates all such ones together."""
 
     def at(self, speed: Floats) -> CoefficientCurves:
-        """Return the curves at spin speeds (S,) [rad/s, without sign]."""
+        """Return the curves at some speeds.
+
+        Args:
+            speed: Spin speeds (S,), without sign [rad/s].
+
+        Returns:
+            The curves.
+        """
 
     def level(self, fitted: Floats) -> Floats:
-        """Return the parameters (P,) whose coefficients have, at every speed, the values that belong to fitted numbers (C,).
+        """Solve for the parameters whose coefficients are constant over speed.
 
-        Raises ValueError where the model has none.
+        Args:
+            fitted: Fitted numbers (C,) of the constant coefficients [-].
+
+        Returns:
+            Fitted numbers (P,) of the parameters [-].
+
+        Raises:
+            ValueError: The model's coefficients cannot have these values at every speed.
         """
 
 
 class BearingForm(Protocol):
-    """What a machine document says of how an element's coefficients follow from a model."""
+    """Part of a machine document that chooses the model of an element's coefficients."""
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]]
 
     @property
     def coefficients(self) -> tuple[str, ...] | None:
-        """Terms of the element that the document names as the model's, such as `kxx`; None where it names none."""
+        """Return the terms of the element that the document names as the model's, such as `kxx`; None where it names none."""
 
     def governs(self, term: str) -> bool:
-        """Return whether a term of the element, such as `kxx`, is the model's; if not, it is constant."""
+        """Return whether a term of the element is the model's; if not, it is constant.
+
+        Args:
+            term: The term, such as `kxx`.
+
+        Returns:
+            Whether it is.
+        """
 
     def parameter_count(self, terms: Sequence[str]) -> int:
-        """Return the number of parameters that give these terms of the element, all of which are the model's."""
+        """Return the number of parameters that give some terms of the element.
+
+        Args:
+            terms: The terms, all of which are the model's.
+
+        Returns:
+            The number.
+        """
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
-        """Return the models that give these coefficients of one element; each comes as if it were a constant parameter."""
+        """Return the models that give some coefficients of one element.
+
+        Args:
+            coefficients: The coefficients, each as if it were a constant parameter.
+
+        Returns:
+            The models.
+        """

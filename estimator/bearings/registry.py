@@ -1,4 +1,4 @@
-"""The bearing models there are: a new one is its module and its form's name here.
+"""Registry of bearing models: a new one is its module and its form's name here.
 
 A form is a `Part` with a literal field `form` and the methods of `BearingForm`.
 """
@@ -15,14 +15,14 @@ FORMS = (SpeedDependence,)
 """Forms of `speed_dependence` in a machine document."""
 
 CONSTANT = Constant()
-"""The form where a document gives none."""
+"""Form of an element whose document gives none."""
 
 OWN_PARAMETERS: dict[str, OwnParameter] = {one.name: one for form in FORMS for one in form.own_parameters}
 """Kinds of parameters that the models have beside coefficients, by the last part of their names."""
 
 _CLASSES = {name: form for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
 FORM_NAMES = tuple(_CLASSES)
-"""What `form` may be."""
+"""Values that `form` may have."""
 _UNKNOWN = "unknown_form"
 
 
@@ -49,7 +49,14 @@ else:
 
 
 def place_of(error: Any) -> tuple[int | str, ...]:
-    """Return the place in a document of one of pydantic's errors, without a form's class, which is no field of it."""
+    """Return the place in a document of one of pydantic's errors, without a form's class, which is no field of it.
+
+    Args:
+        error: The error as pydantic lists it.
+
+    Returns:
+        Names and indices from the document down.
+    """
     location = tuple(error["loc"])
     classes = {form.__name__ for form in FORMS}
     behind = zip(location, ("", *location), strict=False)

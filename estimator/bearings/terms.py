@@ -1,4 +1,4 @@
-"""Terms that the coefficients of bearings, seals and couplings are: what each is called and between which axes it acts."""
+"""Terms of the coefficients of bearings, seals and couplings: their names and the axes between which they act."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -6,15 +6,20 @@ from typing import Literal
 from estimator.quantities import ORDER, Quantity
 
 Axis = Literal["x", "y", "phix", "phiy"]
-"""A displacement along x or y, or a slope about x or y."""
+"""Axis of a term: a displacement along x or y, or a slope about x or y."""
 
 
 @dataclass(frozen=True)
 class Term:
     """One term: the force or moment along an axis per motion along another.
 
-    reciprocal: the same coefficient also gives the force along the motion's axis per motion along the force's. beside: names
-    of the two direct terms by which a cross-coupled term is measured; of a direct term, its own.
+    Attributes:
+        name: Name of the term.
+        quantity: Physical quantity.
+        force: Axis of the force or moment.
+        motion: Axis of the motion.
+        beside: Names of the two direct terms by which a cross-coupled term is measured; of a direct term, its own.
+        reciprocal: Whether the same coefficient also gives the force along the motion's axis per motion along the force's.
     """
 
     name: str
@@ -26,17 +31,17 @@ class Term:
 
     @property
     def direct(self) -> bool:
-        """Whether the term is positive by nature; its logarithm is fitted, compared and averaged then."""
+        """Return whether the term is positive by nature; its logarithm is fitted, compared and averaged then."""
         return self.force == self.motion
 
     @property
     def order(self) -> int:
-        """Power of jω with which it acts."""
+        """Return the power of jω with which the term acts."""
         return ORDER.get(self.quantity, 0)
 
     @property
     def axes(self) -> tuple[tuple[Axis, Axis], ...]:
-        """Pairs of axes, of the force and of the motion, between which it acts."""
+        """Return the pairs of axes, of the force and of the motion, between which the term acts."""
         own = (self.force, self.motion)
         return (own, own[::-1]) if self.reciprocal else (own,)
 
@@ -76,4 +81,4 @@ SEAL = (
 """Terms of a seal that are identified only where the document gives them."""
 
 TERMS = {one.name: one for one in (*LATERAL, *ANGULAR, *COUPLING, *SEAL)}
-"""All of them by name."""
+"""Every term by name."""

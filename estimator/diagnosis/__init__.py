@@ -1,3 +1,3 @@
-"""What happened to a machine: kinds of findings, hypotheses, their evidence over windows of runs, the size of a change. It
+"""Diagnosis of a machine: kinds of findings, hypotheses, their evidence over windows of runs, the size of a change. It
 imports `trends`, `rotor`, `fit` and `machine`; the service's monitoring makes findings and alerts of its causes.
 """

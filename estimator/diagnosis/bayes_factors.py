@@ -1,11 +1,11 @@
-"""What has happened to a machine since its baseline: the hypotheses that explain its newest runs best, and the runners-up.
+"""Diagnosis of a machine since its baseline: the hypotheses that explain its newest runs best, and the runners-up.
 
-The runs of the baseline are observations of one machine that varies from run to run, those of the window of newest runs of
-one that may besides have varied with the season (`healthy_variation`), and changed. Each hypothesis adds changes of an
-expected size; its evidence is the logarithm of the factor by which the window is more probable with it than without (Kass
-and Raftery, J. Am. Stat. Assoc. 90 (1995) 773, doi:10.1080/01621459.1995.10476572), in closed form, as everything is
-Gaussian. What explains most is taken first; more is added as long as the evidence for it is strong, so that an unbalance and
-a misalignment are both named.
+The runs of the baseline are observations of one machine that varies from run to run, those of the window of newest runs of one
+that may besides have varied with the season (`healthy_variation`), and changed. Each hypothesis adds changes of an expected
+size; its evidence is the logarithm of the factor by which the window is more probable with it than without (Kass and Raftery,
+J. Am. Stat. Assoc. 90 (1995) 773, doi:10.1080/01621459.1995.10476572), in closed form, as everything is Gaussian. The
+strongest is taken first; more is added as long as the evidence for it is strong, so that an unbalance and a misalignment are
+both named.
 """
 
 import math
@@ -25,30 +25,38 @@ from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
 
 STRONG = 4.0
-"""Evidence from which on something is said to have happened: a factor of 55, in runs that each speak for it."""
+"""Evidence from which on a cause is reported [-]: a factor of 55, in runs that each speak for it."""
 BESIDE = 0.05
-"""A further cause needs this part of the strongest one's evidence as well: what explains much is never quite exact."""
+"""Part of the strongest cause's evidence that a further cause needs as well [-]: a large cause is never explained quite
+exactly.
+"""
 BESIDE_LINEAR = 6.0
-"""Most evidence that a cause which enters the response linearly asks of a further one: however large it is, what stands for
-months must not hide a misalignment."""
+"""Most evidence that a cause which enters the response linearly asks of a further one [-]: however large it is, a cause that
+stands for months must not hide a misalignment.
+"""
 MOST_CAUSES = 4
-"""More causes at once are not told apart."""
+"""Most causes at once that are told apart."""
 LARGEST_STEPS = 10
-"""Causes are added and taken back at most so often."""
+"""Most steps in which causes are added and taken back."""
 RUNNERS_UP = 3
-"""As many are named."""
+"""Number of runners-up that are named."""
 GAIN_TOLERANCE = 0.05
-"""Standard deviation of what is believed of a channel's gain before the baseline …"""
+"""Standard deviation of a channel's gain as believed before the baseline [-]."""
 RUN_OUT_TOLERANCE = 0.5
-"""… and of its run-out, in units of its median amplitude."""
+"""Standard deviation of a channel's run-out as believed before the baseline, in units of its median amplitude [-]."""
 OPEN = 1e-6
-"""Precision, in units of the healthy variation, of what is believed of everything else before the baseline: nothing."""
+"""Precision of everything else as believed before the baseline, in units of the healthy variation [-]: nothing."""
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """causes: strongest first. runners_up: per cause what else would explain it, best first. evidence: by kind and element, of
-    everything that was considered, beside the other causes."""
+    """Causes of the changes in a window of runs.
+
+    Attributes:
+        causes: The causes, the strongest first.
+        runners_up: Per cause the other causes that would explain it, the best first.
+        evidence: Evidence [-] by kind and element of everything that was considered, beside the other causes.
+    """
 
     causes: tuple[Cause, ...]
     runners_up: tuple[tuple[Cause, ...], ...]
@@ -57,10 +65,15 @@ class Diagnosis:
 
 @dataclass(frozen=True)
 class Reference:
-    """A machine's baseline: what its runs say together, in units of the run-to-run variation.
+    """Baseline of a machine, from all of its runs together, in units of the run-to-run variation.
 
-    origin: (N,) point from which everything is counted. unit: (N,) run-to-run standard deviations. centre: (N,) the baseline's
-    mean. doubt: (N, N) how far the healthy machine may be from it: the mean's own error and the slow variation.
+    Attributes:
+        names: Names of the N quantities.
+        origin: Point (N,) from which everything is counted [SI, logarithms of direct terms].
+        unit: Run-to-run standard deviations (N,) [SI, 1 for logarithms].
+        centre: Mean of the baseline (N,) [-].
+        doubt: Covariance (N, N) of the healthy machine around it: the mean's own error and the slow variation [-].
+        hypotheses: Everything that can have happened.
     """
 
     names: tuple[str, ...]
@@ -72,7 +85,14 @@ class Reference:
     _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
     def spoken(self, one: Observation) -> tuple[Floats, Floats]:
-        """What a run says of the quantities around which it varies: precision (N, N) and pull (N,) away from the mean."""
+        """Return the likelihood of the quantities around which a run varies.
+
+        Args:
+            one: Observation of the run.
+
+        Returns:
+            Precision (N, N) [-] and pull (N,) away from the mean [-].
+        """
         if one not in self._spoken:
             seen, drawn = _through_variation(one, self.origin, self.unit)
             self._spoken[one] = seen, drawn - seen @ self.centre
@@ -80,12 +100,23 @@ class Reference:
 
     @property
     def mean(self) -> Floats:
-        """The baseline's mean (N,), logarithms or SI."""
+        """Return the baseline's mean (N,) [SI, logarithms of direct terms]."""
         return np.asarray(self.origin + self.unit * self.centre)
 
 
 def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
-    """The baseline of some observations of a healthy machine. Raises ValueError for none or for unlike ones."""
+    """Build the baseline from observations of a healthy machine.
+
+    Args:
+        machine: The machine.
+        baseline: Its observations.
+
+    Returns:
+        The baseline.
+
+    Raises:
+        ValueError: There are no observations, or they are of different quantities.
+    """
     if not baseline:
         raise ValueError("a baseline needs at least one identification")
     names = baseline[0].names
@@ -108,9 +139,17 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
 
 
 def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
-    """What has happened between the baseline and some runs, all of them after it.
+    """Diagnose what has happened between the baseline and some runs, all of them after it (Kass and Raftery 1995).
 
-    Raises ValueError for no run, or one of other quantities.
+    Args:
+        baseline: The baseline.
+        window: Observations of the runs.
+
+    Returns:
+        The diagnosis.
+
+    Raises:
+        ValueError: There is no run, or one of other quantities.
     """
     if not window or any(one.names != baseline.names for one in window):
         raise ValueError("the identifications are not of the baseline's quantities")
@@ -130,7 +169,7 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
 
 
 def _chosen(deviation: "Deviation") -> list[Hypothesis]:
-    """The hypotheses that explain a deviation, added one by one while there is strong evidence for one more."""
+    """Choose the hypotheses that explain a deviation, one by one while there is strong evidence for one more."""
     chosen: list[Hypothesis] = []
     least = STRONG
     for _ in range(LARGEST_STEPS):
@@ -153,21 +192,26 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
 
 
 def _asked_beside(one: Hypothesis, evidence: float) -> float:
-    """Evidence that a further cause needs beside one with so much."""
+    """Return the evidence that a further cause needs beside one with so much."""
     return min(BESIDE * evidence, BESIDE_LINEAR if one.linear else math.inf)
 
 
 def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
-    """Whether a cause moves nothing but what another one moves as well, such as a bearing beside a misaligned coupling."""
+    """Check whether a cause moves nothing but what another one moves as well, such as a bearing beside a misaligned
+    coupling."""
     return bool(one.elements) and any(one.elements < other.elements for other in of)
 
 
 @dataclass(frozen=True)
 class Deviation:
-    """How the runs of a window lie to the baseline, in units of the run-to-run variation.
+    """Deviation of the runs of a window from the baseline, in units of the run-to-run variation.
 
-    precision (N, N), pull (N,): of the likelihood of a change. runs: of each run by itself the precision of the quantities
-    around which it varies and its pull away from the baseline's mean.
+    Attributes:
+        baseline: The baseline.
+        precision: Precision (N, N) of the likelihood of a change [-].
+        pull: Pull (N,) of the likelihood of a change [-].
+        runs: Of each run by itself the precision (N, N) of the quantities around which it varies and its pull (N,) away from
+            the baseline's mean [-].
     """
 
     baseline: Reference
@@ -178,7 +222,15 @@ class Deviation:
 
     @classmethod
     def of(cls, baseline: Reference, window: Sequence[Observation]) -> "Deviation":
-        """From the baseline and some observations."""
+        """Compute the deviation of some observations from the baseline.
+
+        Args:
+            baseline: The baseline.
+            window: The observations.
+
+        Returns:
+            The deviation.
+        """
         runs = [baseline.spoken(one) for one in window]
         precision = np.sum([seen for seen, _ in runs], axis=0)
         pull = np.sum([drawn for _, drawn in runs], axis=0)
@@ -186,7 +238,14 @@ class Deviation:
         return cls(baseline, _symmetric(kept @ precision), kept @ pull, tuple(runs))
 
     def given(self, causes: Sequence[Hypothesis]) -> "Deviation":
-        """With some causes allowed for."""
+        """Return the deviation with some causes allowed for.
+
+        Args:
+            causes: The causes.
+
+        Returns:
+            The deviation that is left.
+        """
         if not causes:
             return self
         columns = np.concatenate([self._best(one) for one in causes], axis=1) / self.baseline.unit[:, None]
@@ -199,12 +258,28 @@ class Deviation:
         return Deviation(self.baseline, precision, pull, runs)
 
     def evidence(self, one: Hypothesis) -> float:
-        """Log of the factor by which a hypothesis makes the window more probable, its variants as probable as each other."""
+        """Compute the logarithm of the factor by which a hypothesis makes the window more probable.
+
+        All of its variants are equally probable before.
+
+        Args:
+            one: The hypothesis.
+
+        Returns:
+            Evidence [-].
+        """
         found = self._by_variant(one)
         return float(np.logaddexp.reduce(found) - np.log(len(found)))
 
     def cause(self, one: Hypothesis) -> Cause:
-        """The hypothesis with the changes that it has most probably made."""
+        """Return the hypothesis with the changes that it has most probably made.
+
+        Args:
+            one: The hypothesis.
+
+        Returns:
+            The cause.
+        """
         columns = self._best(one)
         mean, spread = self._posterior(columns)
         change = columns @ mean
@@ -252,7 +327,16 @@ class Deviation:
 
 
 def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
-    """Logarithm of the factor by which a cause's change makes a run by itself more probable."""
+    """Compute the logarithm of the factor by which a cause's change makes a run by itself more probable.
+
+    Args:
+        baseline: The baseline.
+        cause: The cause.
+        one: Observation of the run.
+
+    Returns:
+        Logarithm of the factor [-].
+    """
     white = np.zeros(len(baseline.names))
     white[[baseline.names.index(name) for name in cause.names]] = cause.change
     white /= baseline.unit
@@ -261,7 +345,7 @@ def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
 
 
 def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:
-    """Precision (N, N) and pull (N,), in units of the variation, that a run gives of what its quantities vary around."""
+    """Compute precision (N, N) and pull (N,), in units of the variation, of the point around which a run's quantities vary."""
     information = one.information * np.outer(unit, unit)
     pull = unit * (one.gradient + one.information @ (one.reference - origin))
     reach = np.linalg.inv(np.eye(len(origin)) + information)
@@ -273,7 +357,7 @@ def _symmetric(matrix: Floats) -> Floats:
 
 
 def _believed(name: str, baseline: Sequence[Observation]) -> float:
-    """Precision of what is believed of a channel's error before the baseline; 0 for everything else."""
+    """Return the precision of a channel's error as believed before the baseline; 0 for everything else."""
     parts = name.split(".")
     if parts[0] != "probe":
         return 0.0

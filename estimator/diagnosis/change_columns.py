@@ -13,15 +13,16 @@ from estimator.machine.document import Machine
 from estimator.rotor.parameters import Coefficient, Unknowns
 
 RISE = 0.15
-"""Size expected of the common change of an element's stiffnesses, of logarithms."""
+"""Expected common change of an element's stiffnesses, of logarithms [-]."""
 COEFFICIENT_SPREAD = 0.05
-"""Standard deviation by which a coefficient of a changed element differs from the others' common change."""
+"""Standard deviation by which a coefficient of a changed element differs from the others' common change [-]."""
 DAMPING_SPREAD = 0.15
-"""The same of a damping."""
+"""Standard deviation by which a damping of a changed element differs from the others' common change [-]."""
 RUN_OUT = 0.3
-"""Change expected of a run-out, each part, in units of the channel's median amplitude."""
+"""Expected change of a run-out, each part, in units of the channel's median amplitude [-]."""
 
 Term = Literal["stiffness", "damping"]
+"""Kind of the terms that change together."""
 
 
 class ChangeColumns:
@@ -30,7 +31,7 @@ class ChangeColumns:
     def __init__(
         self, machine: Machine, unknowns: Unknowns, names: Sequence[str], *, typical: Floats, amplitude: Mapping[str, float]
     ) -> None:
-        """Take what is known of the healthy machine.
+        """Take the values of the healthy machine.
 
         names: (N,) of the quantities; typical: (N,) their values; amplitude: median by channel [m].
         """
@@ -42,22 +43,50 @@ class ChangeColumns:
         self._coefficients = {one.name: one for one in unknowns.coefficients}
 
     def knows(self, name: str) -> bool:
-        """Return whether a complex quantity is among the diagnosis's."""
+        """Return whether a complex quantity is among the diagnosis's.
+
+        Args:
+            name: Name of the quantity.
+
+        Returns:
+            Whether it is.
+        """
         return f"{name}.real" in self.names
 
     def changes(self, element: str) -> bool:
-        """Return whether an element has any coefficient that the document neither fixes nor ties to another element's."""
+        """Return whether an element has any coefficient that the document neither fixes nor ties to another element's.
+
+        Args:
+            element: Name of the element.
+
+        Returns:
+            Whether it has.
+        """
         return next(self._of(element), None) is not None
 
     def growth(self, element: str) -> Floats:
-        """Return (N,) the change of all coefficients of an element when they grow in proportion, as logarithms or in SI."""
+        """Return the change of all coefficients of an element when they grow in proportion.
+
+        Args:
+            element: Name of the element.
+
+        Returns:
+            Change (N,) [SI, logarithms of direct terms].
+        """
         found = np.zeros(len(self.names))
         for place, one in self._of(element):
             found[place] = 1.0 if one.direct else self._typical[place]
         return found
 
     def single_coefficients(self, element: str) -> list[Floats]:
-        """Return (N,) columns, one for the change of each coefficient of an element by itself."""
+        """Return a column for the change of each coefficient of an element by itself.
+
+        Args:
+            element: Name of the element.
+
+        Returns:
+            Columns (N,), one per coefficient [SI, logarithms of direct terms].
+        """
         columns = []
         for place, one in self._of(element):
             size = DAMPING_SPREAD if "damping" in one.quantity else COEFFICIENT_SPREAD
@@ -65,13 +94,28 @@ class ChangeColumns:
         return columns
 
     def direct_terms(self, element: str, term: Term) -> Floats:
-        """Return (N,) ones at the direct terms of an element that are stiffnesses, or dampings."""
+        """Return ones at the direct terms of an element that are stiffnesses, or dampings.
+
+        Args:
+            element: Name of the element.
+            term: Kind of the terms.
+
+        Returns:
+            Column (N,) [-].
+        """
         found = np.zeros(len(self.names))
         found[[place for place, one in self._of(element) if one.direct and term in one.quantity]] = 1.0
         return found
 
     def element_variants(self, element: str) -> tuple[Floats, ...]:
-        """Return the ways in which one element changes: as a whole, by stiffness and damping, by each coefficient."""
+        """Return the ways in which one element changes: as a whole, by stiffness and damping, by each coefficient.
+
+        Args:
+            element: Name of the element.
+
+        Returns:
+            Columns (N, r) of each way [SI, logarithms of direct terms].
+        """
         whole = [RISE * self.growth(element)]
         terms: tuple[Term, ...] = ("stiffness", "damping")
         parts = [RISE * part for term in terms if (part := self.direct_terms(element, term)).any()]
@@ -79,18 +123,40 @@ class ChangeColumns:
         return tuple(np.column_stack(columns) for columns in (whole, parts, freest) if columns)
 
     def complex_pair(self, name: str, size: float) -> Floats:
-        """Return (N, 2) columns that change the real and the imaginary part of a complex quantity by a size."""
+        """Return columns that change the real and the imaginary part of a complex quantity.
+
+        Args:
+            name: Name of the quantity.
+            size: Size of the change [SI].
+
+        Returns:
+            Columns (N, 2) [SI].
+        """
         columns = np.zeros((len(self.names), 2))
         for column, part in enumerate(("real", "imaginary")):
             columns[self.names.index(f"{name}.{part}"), column] = size
         return columns
 
     def run_out_pair(self, probe: str) -> Floats:
-        """Return (N, 2) columns that change both parts of a probe's run-out."""
+        """Return columns that change both parts of a probe's run-out.
+
+        Args:
+            probe: Id of the probe.
+
+        Returns:
+            Columns (N, 2) [m].
+        """
         return self.complex_pair(f"probe.{probe}.run_out", RUN_OUT * self._amplitude[probe])
 
     def magnitude(self, name: str) -> float:
-        """Return the magnitude of a complex quantity while the machine is healthy."""
+        """Return the magnitude of a complex quantity while the machine is healthy.
+
+        Args:
+            name: Name of the quantity.
+
+        Returns:
+            Magnitude [SI].
+        """
         return float(np.hypot(*(self._typical[self.names.index(f"{name}.{part}")] for part in ("real", "imaginary"))))
 
     def _of(self, element: str) -> Iterator[tuple[int, Coefficient]]:

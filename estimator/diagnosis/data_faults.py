@@ -1,4 +1,4 @@
-"""What is wrong with the data of some runs, not with the machine: lost channels, outliers, a model that fits no more."""
+"""Faults of the data of some runs, not of the machine: lost channels, outliers, a model that fits no more."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -10,29 +10,41 @@ from estimator.diagnosis.observation import Observation
 from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
 
 LOST = 0.1
-"""A channel is lost when less than this part of the samples has a phasor of it …"""
+"""Part of the samples with a phasor of a channel below which the channel is lost [-]."""
 PRESENT = 0.5
-"""… and was there when more than this part had."""
+"""Part of the baseline's samples with a phasor of a channel above which it was present [-]."""
 MANY_OUTLIERS = 0.02
-"""Part of the phasors left out as outliers from which on they are worth a word."""
+"""Part of the phasors left out as outliers from which on they are reported [-]."""
 REFUSED = 1.0
-"""Least evidence of a run that no fit explains, whose χ² need not be what it was refused for."""
+"""Least evidence of a run that no fit explains, whose χ² need not be the reason of the refusal [-]."""
 MOSTLY_LEFT_OUT = 0.3
-"""A channel of which more than this part was left out does not count there: it is a cause by itself."""
+"""Part of a channel's phasors above which those left out do not count [-]: the channel is a cause by itself."""
 
 
 @dataclass(frozen=True)
 class DataFault:
-    """Fault of the data of some runs. agreement: per run ln of the factor by which it makes the run more probable."""
+    """Fault of the data of some runs.
+
+    Attributes:
+        element: Name of the element.
+        agreement: Per run the logarithm of the factor by which the fault makes the run more probable [-].
+    """
 
     element: str
     agreement: tuple[float, ...]
 
 
 def lost_channels(baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
-    """Yield a fault for each channel that the baseline had and no run of the window has.
+    """Find the channels that the baseline had and no run of the window has.
 
-    Evidence: of the number of phasors that are missing, if each had been there as often as in the baseline.
+    The evidence is of the number of phasors that are missing, if each had been there as often as in the baseline.
+
+    Args:
+        baseline: Observations of the baseline.
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault for each lost channel.
     """
     for channel in window[-1].phasors:
         before = float(np.mean([_part(one, channel) for one in baseline]))
@@ -43,20 +55,43 @@ def lost_channels(baseline: Sequence[Observation], window: Sequence[Observation]
 
 
 def many_outliers(_baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
-    """Yield a fault where outliers are spread over the channels in each run. Evidence: against half of MANY_OUTLIERS."""
+    """Find outliers that are spread over the channels in each run; the evidence is against half of MANY_OUTLIERS.
+
+    Args:
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault where there are.
+    """
     shares = [_outlying(one) for one in window]
     if all(left_out > MANY_OUTLIERS * count for left_out, count in shares):
         yield DataFault("machine", tuple(_surprise(*share) for share in shares))
 
 
 def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> Iterator[DataFault]:
-    """Yield a fault where no fit explains any of the runs, with the errors of these channels allowed for."""
+    """Find out whether no fit explains any of the runs, with the errors of some channels allowed for.
+
+    Args:
+        window: Observations of the newest runs.
+        faulty_channels: Ids of the channels whose errors are allowed for.
+
+    Yields:
+        A fault where none does.
+    """
     if not any(fits(one, faulty_channels) for one in window):
         yield DataFault("machine", tuple(max(REFUSED, 0.5 * (one.chi_square - one.degrees_of_freedom)) for one in window))
 
 
 def fits(one: Observation, channels: frozenset[str]) -> bool:
-    """Whether an identification was accepted, or would be with these channels' errors allowed for."""
+    """Check whether an identification was accepted, or would be with the errors of some channels allowed for.
+
+    Args:
+        one: Observation of the run.
+        channels: Ids of the channels.
+
+    Returns:
+        Whether it was or would be.
+    """
     if one.accepted:
         return True
     others = {channel: count for channel, count in one.outliers.items() if channel not in channels}
@@ -69,7 +104,7 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
 
 
 def _explained(one: Observation, channels: frozenset[str]) -> float:
-    """By how much χ² falls when these channels' gains and run-outs are fitted along."""
+    """Compute the fall of χ² when the gains and run-outs of these channels are fitted along."""
     left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
     known = np.diag(one.information) > 0.0  # of a channel without phasors nothing is
     free = known & np.array([_channel(name) in channels - left_out for name in one.names])
@@ -95,7 +130,7 @@ def _part(one: Observation, channel: str) -> float:
 
 
 def _outlying(one: Observation) -> tuple[int, int]:
-    """Outliers and phasors of the channels that were not mostly left out."""
+    """Count outliers and phasors of the channels that were not mostly left out."""
     counts = [(one.outliers.get(channel, 0), _usable(one, channel)) for channel in one.phasors]
     kept = [(left_out, usable) for left_out, usable in counts if left_out <= MOSTLY_LEFT_OUT * usable]
     return sum(left_out for left_out, _ in kept), sum(usable for _, usable in kept)

@@ -1,4 +1,4 @@
-"""Parts of a kind of finding: where it can lie, what it changes, how it shows in the data, and how large it is."""
+"""Parts of a kind of finding: its elements, the changes it makes, its signs in the data, and its size."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,10 +17,13 @@ Place = Literal["machine", "channels", "data"]
 
 @dataclass(frozen=True, eq=False)
 class ExpectedChange:
-    """Change of the quantities of a diagnosis that one finding at one element makes.
+    """Change of the N quantities of a diagnosis that one finding at one element makes.
 
-    element: such as `coupling.C1`. variants: each (N, r) columns of the size expected, from simple to free. moves: elements
-    whose coefficients it changes. rising: (q, N) functionals of the change that must be positive; None for none.
+    Attributes:
+        element: Name of the element, such as `coupling.C1`.
+        variants: Columns (N, r) of the size expected, from simple to free [SI, logarithms of direct terms].
+        moves: Names of the elements whose coefficients it changes.
+        rising: Functionals (q, N) of the change that must be positive [-]; None for none.
     """
 
     element: str
@@ -33,10 +36,16 @@ class ExpectedChange:
 class Cause:
     """Something that has happened.
 
-    evidence: log of the factor by which it makes the runs more probable, beside the other causes. names: of the quantities
-    that it moves; change: by how much, logarithms or SI; covariance: of the change. distance: of the change, in standard
-    deviations. agreement: per run of the window the logarithm of the factor by which the change makes this run by itself
-    more probable.
+    Attributes:
+        kind: Kind of the finding.
+        element: Name of the element.
+        evidence: Logarithm of the factor by which it makes the runs more probable, beside the other causes [-].
+        names: Names of the k quantities that it moves.
+        change: Change (k,) of these [SI, logarithms of direct terms].
+        covariance: Covariance (k, k) of the change [SI²].
+        distance: Size of the change in standard deviations [-].
+        agreement: Per run of the window the logarithm of the factor by which the change makes this run by itself more probable
+            [-].
     """
 
     kind: str
@@ -50,7 +59,7 @@ class Cause:
 
     @property
     def error(self) -> Floats:
-        """Standard errors of the change."""
+        """Return the standard errors (k,) of the change [SI, logarithms of direct terms]."""
         return np.sqrt(np.diag(self.covariance))
 
 
@@ -58,8 +67,10 @@ class Cause:
 class ChangeSize:
     """Size of a cause in the units that people reckon in.
 
-    per_cent: of the element's values in the baseline; None where the cause has no size. quantities: the parts of the size, by
-    name with the unit at its end, such as `stiffness_per_cent`, `magnitude_g_mm`, `angle_deg`.
+    Attributes:
+        per_cent: Change in per cent of the element's values in the baseline [%]; None where the cause has no size.
+        quantities: Parts of the size by name with the unit at its end, such as `stiffness_per_cent`, `magnitude_g_mm`,
+            `angle_deg` [unit of the name].
     """
 
     per_cent: float | None
@@ -68,7 +79,12 @@ class ChangeSize:
 
 @dataclass(frozen=True)
 class BaselineValues:
-    """Values of a machine in its baseline. quantities: mean by name, logarithms or SI; amplitudes: by channel [m]."""
+    """Values of a machine in its baseline.
+
+    Attributes:
+        quantities: Mean of each quantity by name [SI, logarithms of direct terms].
+        amplitudes: Median amplitude by channel [m].
+    """
 
     quantities: Mapping[str, float]
     amplitudes: Mapping[str, float]
@@ -76,14 +92,21 @@ class BaselineValues:
 
 @dataclass(frozen=True)
 class FindingKind:
-    """Declaration of one kind of finding. Raises ValueError where a part is missing.
+    """Declaration of one kind of finding.
 
-    kind: its name. elements: kinds of elements at which it can lie. place: what is at fault: the machine's coefficients and
-    forces, the measuring channels, or the data and their model. changes: gives the changes that it can make, one hypothesis
-    each. data_fault: finds it in the phasors of the baseline and of a window of runs. fit_fault: finds it in the fits of a
-    window, beside the channels that the diagnosis calls faulty. size: how large a cause is; needed beside `changes`. form:
-    which form of it the data tell. linear: whether it enters the response linearly, so that it explains what it causes
-    exactly.
+    Attributes:
+        kind: Its name.
+        elements: Kinds of elements at which it can lie.
+        place: Place of the fault: the machine's coefficients and forces, the measuring channels, or the data and their model.
+        changes: Function that yields the changes that it can make, one hypothesis each.
+        data_fault: Function that finds it in the phasors of the baseline and of a window of runs.
+        fit_fault: Function that finds it in the fits of a window, beside the channels that the diagnosis calls faulty.
+        size: Function that returns the size of a cause; needed beside `changes`.
+        form: Function that returns the form of a cause, as far as the data tell.
+        linear: Whether it enters the response linearly, so that it explains its effect exactly.
+
+    Raises:
+        ValueError: A part of the declaration is missing.
     """
 
     kind: str
@@ -105,6 +128,13 @@ class FindingKind:
             raise ValueError(f"finding kind '{self.kind}' has changes and no size: nobody could say how large they are")
 
     def require_element(self, element: str) -> None:
-        """Raise ValueError for an element at which the finding cannot lie."""
+        """Check that the finding can lie at an element.
+
+        Args:
+            element: Name of the element.
+
+        Raises:
+            ValueError: It cannot.
+        """
         if element.split(".", 1)[0] not in self.elements:
             raise ValueError(f"finding kind '{self.kind}' is declared for {', '.join(self.elements)}, not for '{element}'")

@@ -1,11 +1,11 @@
-"""The kinds of findings of a diagnosis, each declared once: `FINDING_KINDS`.
+"""Kinds of findings of a diagnosis, each declared once: `FINDING_KINDS`.
 
-To add one, write its changes (or its fault of the data) and its size here and declare it; `service/monitoring/finding_rules.py` has its
-sentence and limits.
+To add one, write its changes (or its fault of the data) and its size here and declare it;
+`service/monitoring/finding_rules.py` has its sentence and limits.
 
 The signs of misalignment are the thesis's (§5.7-5.8): direct and cross-coupled coefficients of the coupling and of the
 bearings beside it grow together. A bearing or a coupling that changes alone is no misalignment; an unbalance moves no
-coefficient; an error of a channel moves all that this channel is seen by, in proportions that the fit itself can tell.
+coefficient; an error of a channel moves everything that this channel measures, in proportions that the fit itself can tell.
 """
 
 import math
@@ -22,13 +22,13 @@ from estimator.machine.parameter_description import describe
 from estimator.trends.deviations import element_of
 
 UNEVEN = 0.04
-"""By how much one element of a misaligned train may rise more than another, of logarithms."""
+"""Difference by which one element of a misaligned train may rise more than another, of logarithms [-]."""
 UNBALANCE = 0.5
-"""Change expected of an unbalance, in units of the machine's median one."""
+"""Expected change of an unbalance, in units of the machine's median one [-]."""
 GAIN = 0.15
-"""Change expected of a gain, each part."""
+"""Expected change of a gain, each part [-]."""
 FORM_SIGNIFICANCE = 2.0
-"""Standard errors by which a coupling's lateral and angular stiffness must have risen differently to tell the form."""
+"""Standard errors by which a coupling's lateral and angular stiffness must have risen differently to tell the form [-]."""
 
 
 # --- misalignment, a coupling or a bearing by itself -------------------------------------------------------------------------
@@ -99,10 +99,16 @@ def _growths(cause: Cause) -> Mapping[str, tuple[float, float]]:
 
 
 def misalignment_form(cause: Cause) -> str | None:
-    """Return `parallel`, `angular` or `combined`, as far as a coupling's lateral and angular stiffness tell them apart.
+    """Return the form of a misalignment, as far as a coupling's lateral and angular stiffness tell it.
 
-    A parallel offset bends the coupling's elements sideways, an angular one tilts them (thesis §5.7): what has risen clearly
-    more says which it is. None where the data do not tell.
+    A parallel offset bends the coupling's elements sideways, an angular one tilts them (thesis §5.7): the stiffness that has
+    clearly risen more decides.
+
+    Args:
+        cause: The misalignment.
+
+    Returns:
+        `parallel`, `angular` or `combined`; None where the data do not tell.
     """
     own = [said.quantity if (said := describe(name)).element == cause.element else None for name in cause.names]
     lateral = _mean_of([term in ("kxx", "kyy") for term in own])
@@ -216,7 +222,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind("misfit", ("machine",), "data", fit_fault=misfit),
     FindingKind("outliers", ("machine",), "data", data_fault=many_outliers),
 )
-"""In the order in which they are named to people."""
+"""Kinds of findings in the order in which they are named to people."""
 
 
 def _by_kind(declared: Sequence[FindingKind]) -> Mapping[str, FindingKind]:
@@ -230,5 +236,15 @@ _BY_KIND = _by_kind(FINDING_KINDS)
 
 
 def finding_kind(kind: str) -> FindingKind:
-    """Return the declaration of a kind of finding. Raises KeyError where there is none."""
+    """Return the declaration of a kind of finding.
+
+    Args:
+        kind: Name of the kind.
+
+    Returns:
+        The declaration.
+
+    Raises:
+        KeyError: There is none.
+    """
     return _BY_KIND[kind]

@@ -17,9 +17,14 @@ from estimator.rotor.parameters import Unknowns
 class Hypothesis:
     """One thing that can have happened.
 
-    element: such as `coupling.C1`, `bearing.B2`, `disc.D1`, `shaft.motor`, `probe.B1L`. variants: each (N, r) changes that it
-    makes, of the size expected of them, from simple to free. rising: functionals (q, N) of the change that must be positive.
-    elements: all whose coefficients it moves. linear: whether it enters the response linearly.
+    Attributes:
+        kind: Kind of the finding.
+        element: Name of the element, such as `coupling.C1`, `bearing.B2`, `disc.D1`, `shaft.motor`, `probe.B1L`.
+        variants: Changes (N, r) that it makes, of the size expected of them, from simple to free [SI, logarithms of direct
+            terms].
+        rising: Functionals (q, N) of the change that must be positive [-].
+        elements: Names of all elements whose coefficients it moves.
+        linear: Whether it enters the response linearly.
     """
 
     kind: str
@@ -33,9 +38,17 @@ class Hypothesis:
 def hypotheses(
     machine: Machine, unknowns: Unknowns, names: Sequence[str], *, typical: Floats, amplitude: Mapping[str, float]
 ) -> tuple[Hypothesis, ...]:
-    """Return everything that a diagnosis of this machine chooses from.
+    """List everything that a diagnosis of a machine chooses from.
 
-    typical: (N,) the quantities that `names` lists while the machine is healthy. amplitude: of each channel then [m].
+    Args:
+        machine: The machine.
+        unknowns: Its unknowns.
+        names: Names of the N quantities.
+        typical: Values (N,) of the quantities while the machine is healthy [SI, logarithms of direct terms].
+        amplitude: Median amplitude by channel then [m].
+
+    Returns:
+        The hypotheses.
     """
     columns = ChangeColumns(machine, unknowns, names, typical=typical, amplitude=amplitude)
     return tuple(

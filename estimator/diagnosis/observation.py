@@ -1,4 +1,4 @@
-"""What one identification says about a machine's parameters and about errors of its channels: a Gaussian likelihood.
+"""Observation: the likelihood of a machine's parameters and of errors of its channels that one identification gives.
 
 log L(z) = gradientᵀ (z - reference) - ½ (z - reference)ᵀ information (z - reference), over the fit's coordinates and the
 errors of its channels together. Directions that the data leave open have next to no information, so nothing needs to be left
@@ -20,12 +20,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """names: (N,) of the quantities z: logarithms of direct terms and scale factors, everything else in SI.
+    """Gaussian likelihood of N quantities z from one fit.
 
-    coordinates: how many of them are the fit's own, the others are errors of channels. reference (N,), gradient (N,),
-    information (N, N): the likelihood, see above. accepted, chi_square, degrees_of_freedom: of
-    the fit, from so many samples. phasors: how many of each channel were used, outliers: how many were left out,
-    amplitude: their median [m].
+    Attributes:
+        names: Names of the quantities z.
+        coordinates: Number of them that are the fit's own; the others are errors of channels.
+        reference: Reference point (N,) of the likelihood [SI, logarithms of direct terms and scale factors].
+        gradient: Gradient (N,) of log L there [1/unit].
+        information: Information (N, N) [1/unit²].
+        accepted: Whether the fit was accepted.
+        chi_square: χ² of the fit [-].
+        degrees_of_freedom: Its degrees of freedom.
+        samples: Number of samples.
+        phasors: Number of phasors used, by channel.
+        outliers: Number of phasors left out, by channel.
+        amplitude: Median amplitude of the used phasors, by channel [m].
     """
 
     names: tuple[str, ...]
@@ -43,12 +52,21 @@ class Observation:
 
     @property
     def point(self) -> Point:
-        """The fit's own estimates, with their covariance when the channels are as the document has them."""
+        """Return the fit's own estimates, with their covariance when the channels are as the document has them."""
         own = slice(self.coordinates)
         return Point(self.names[own], self.reference[own], inverse(self.information[own, own]))
 
     def at(self, point: Point) -> "Observation":
-        """The same with another estimate of the fit's own coordinates, such as one under other operating conditions."""
+        """Return the observation with another estimate of the fit's own coordinates.
+
+        Such an estimate is one under other operating conditions.
+
+        Args:
+            point: The other estimate.
+
+        Returns:
+            The observation.
+        """
         own, rest = slice(self.coordinates), slice(self.coordinates, None)
         before, across = self.information[own, own], self.information[own, rest]
         bias = np.linalg.solve(before, across)
@@ -60,9 +78,18 @@ class Observation:
 
 @dataclass(frozen=True, eq=False)
 class ObservedFit:
-    """The parts of an identification that say something of the machine, as `Identification` has them.
+    """Parts of an identification that concern the machine, as `Identification` has them.
 
-    effects: None where an older release identified, which says nothing of the channels.
+    Attributes:
+        coordinates: Names of the n coordinates.
+        point: Values (n,) [SI, logarithms of direct terms].
+        covariance: Covariance (n, n) [SI²].
+        effects: Effects of errors of channels; None where an older release identified, which states nothing of the channels.
+        accepted: Whether the fit was accepted.
+        chi_square: χ² of the fit [-].
+        degrees_of_freedom: Its degrees of freedom.
+        samples: Number of samples.
+        outliers: Number of phasors left out, by channel.
     """
 
     coordinates: tuple[str, ...]
@@ -77,7 +104,15 @@ class ObservedFit:
 
 
 def observed(identification: "Identification", channels: tuple[str, ...]) -> Observation:
-    """What an identification of a machine with these channels says."""
+    """Return the observation of an identification.
+
+    Args:
+        identification: The identification.
+        channels: Ids of the machine's channels.
+
+    Returns:
+        The observation.
+    """
     fit = ObservedFit(
         coordinates=identification.coordinates,
         point=identification.point,
@@ -93,7 +128,15 @@ def observed(identification: "Identification", channels: tuple[str, ...]) -> Obs
 
 
 def observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
-    """What a fit says of a machine with these channels; without effects nothing of the channels."""
+    """Build the observation of a fit.
+
+    Args:
+        fit: The fit; without effects the observation contains no errors of channels.
+        channels: Ids of the machine's channels.
+
+    Returns:
+        The observation.
+    """
     coordinates, effects = fit.coordinates, fit.effects
     own = inverse(fit.covariance)
     names, information, gradient = coordinates, own, np.zeros(len(coordinates))
@@ -124,7 +167,14 @@ def observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
 
 
 def inverse(covariance: Floats) -> Floats:
-    """Inverse of a covariance or an information matrix whose coordinates are of very different sizes."""
+    """Compute the inverse of a covariance or an information matrix whose coordinates are of very different sizes.
+
+    Args:
+        covariance: Matrix (n, n), symmetric and positive definite [unit²].
+
+    Returns:
+        Inverse (n, n) [1/unit²].
+    """
     size = np.sqrt(np.diag(covariance))
     inverse = np.linalg.inv(covariance / np.outer(size, size)) / np.outer(size, size)
     return np.asarray((inverse + inverse.T) / 2)

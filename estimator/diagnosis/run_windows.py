@@ -124,7 +124,7 @@ class Watch:
         return int(np.argmax(sums))
 
     def _shows_fault(self, one: Observation, kind: str, element: str) -> bool:
-        """Whether the data of a single run have this fault: one that comes and goes has not gone."""
+        """Check whether the data of a single run have this fault: one that comes and goes has not gone."""
         declared = finding_kind(kind)
         declared.require_element(element)
         faults = () if declared.data_fault is None else declared.data_fault(self.baseline, [one])
@@ -152,7 +152,7 @@ class Watch:
         return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
 
     def _data_causes(self, window: Sequence[Observation], channels: frozenset[str]) -> Iterator[Cause]:
-        """Yield what is wrong with the data of a window, where these channels are known to be faulty."""
+        """Yield the faults of a window's data, where these channels are known to be faulty."""
         for kind in FINDING_KINDS:
             for fault in () if kind.data_fault is None else kind.data_fault(self.baseline, window):
                 yield _data_cause(kind, fault)
@@ -161,7 +161,14 @@ class Watch:
 
 
 def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
-    """Return the channels of which a diagnosis says that something is wrong with them."""
+    """Return the channels that a diagnosis calls faulty.
+
+    Args:
+        diagnosis: The diagnosis.
+
+    Returns:
+        Ids of the channels.
+    """
     names = (name for cause in diagnosis.causes if _lies_in_channels(cause) for name in cause.names)
     return frozenset(name.split(".")[1] for name in names)
 

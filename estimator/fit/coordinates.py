@@ -27,9 +27,14 @@ UNBALANCE_SPREAD = 1000.0
 
 @dataclass(frozen=True)
 class PlacedModel:
-    """A model whose coefficients follow the speed, with its P parameters at the coordinates from `first` on.
+    """A model whose coefficients follow the speed, with its P parameters among the coordinates.
 
-    coefficients: (c,) which of the K; columns: (c,) which of the model's own each of them is. curves: at the train's speeds.
+    Attributes:
+        model: The model.
+        coefficients: Indices of its c coefficients among the K.
+        columns: Index of each among the model's own coefficients.
+        first: Index of its first coordinate.
+        curves: Its curves at the train's speeds.
     """
 
     model: CoefficientModel
@@ -40,19 +45,41 @@ class PlacedModel:
 
     @cached_property
     def places(self) -> range:
-        """Coordinates of the parameters."""
+        """Return the coordinates of the parameters."""
         return range(self.first, self.first + len(self.model.parameters))
 
     def own(self, theta: Floats) -> Floats:
-        """Parameters (P,) among all coordinates."""
+        """Return the parameters among all coordinates.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Fitted numbers (P,) [-].
+        """
         return theta[self.first : self.places.stop]
 
     def values(self, theta: Floats) -> Floats:
-        """Coefficients (S, c) [SI]."""
+        """Compute the coefficients.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Coefficients (S, c) [SI].
+        """
         return self.curves.values(self.own(theta))[:, self.columns]
 
     def derivatives(self, theta: Floats, block: slice) -> Floats:
-        """Derivatives (s, c, P) of the coefficients by the coordinates, at some of the speeds."""
+        """Compute the derivatives of the coefficients by the coordinates, at some of the speeds.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (s, c, P) [SI].
+        """
         return self.curves.derivatives(self.own(theta), block)[:, self.columns]
 
 
@@ -60,13 +87,28 @@ class PlacedModel:
 class Coordinates:
     """Map between physical parameters and fit coordinates θ (n,).
 
-    names: of the coordinates. centre, spread: mean and standard deviation of the prior on θ. origin, unit: origin + unit·θ
-    is the value in SI, of positive ones its logarithm. Of the coefficients (K,): logarithmic, True for direct terms;
-    expected, scale in SI; place, the coordinate of each constant one, -1 where it is fixed; models, of those that follow the
-    speed. parameters: of all models, which are the first coordinates.
-    Of the excitations (E,): excitation_place, -1 where fixed; excitation_scale; held, the value of those that are fixed.
-    scale_place (F,), gain_place and run_out_place (m,): coordinate of each, -1 where it is taken as exact. quantities: (K,)
-    what each coefficient is; guessed: (K,) True for direct terms whose expected value no document gave.
+    The train has K coefficients, E excitations and m channels.
+
+    Attributes:
+        names: Names of the n coordinates.
+        centre: Mean (n,) of the prior on θ [-].
+        spread: Standard deviation (n,) of the prior on θ [-].
+        origin: Offset (n,) [SI, logarithms of positive ones]: origin + unit·θ is the physical value.
+        unit: Unit (n,) of θ [SI, 1 for logarithms].
+        logarithmic: True for direct terms (K,).
+        expected: Expected value of each coefficient (K,) [SI].
+        scale: Scale of each coefficient (K,) [SI].
+        place: Coordinate of each constant coefficient (K,); -1 where it is fixed or follows the speed.
+        models: Models of the coefficients that follow the speed.
+        parameters: Parameters of all models, which are the first coordinates.
+        excitation_place: First coordinate of each excitation (E,); -1 where it is fixed.
+        excitation_scale: Scale of each excitation (E,) [SI].
+        held: Value of each fixed excitation (E,), 0 for the others [SI].
+        scale_place: Coordinate of each scale factor (F,).
+        gain_place: First coordinate of each channel's gain (m,); -1 where it is taken as exact.
+        run_out_place: First coordinate of each channel's run-out (m,); -1 where it is taken as exact.
+        quantities: Physical quantity of each of the K coefficients.
+        guessed: True for direct terms whose expected value no document gave (K,).
     """
 
     names: tuple[str, ...]
@@ -135,12 +177,26 @@ class Coordinates:
         return (point - self.origin) / self.unit
 
     def at_speeds(self, speed: Floats) -> "Coordinates":
-        """The same coordinates at other speeds (S,) [rad/s, without sign]."""
+        """Return the same coordinates at other speeds.
+
+        Args:
+            speed: Speeds (S,), without sign [rad/s].
+
+        Returns:
+            The coordinates.
+        """
         curves = {one.first: one.model.at(speed) for one in self.models}
         return replace(self, models=tuple(replace(one, curves=curves[one.first]) for one in self.models))
 
     def places(self, coefficient: int) -> range:
-        """Coordinates of a coefficient: one, or those of the model that gives it, or none where it is fixed."""
+        """Return the coordinates of a coefficient.
+
+        Args:
+            coefficient: Index of the coefficient.
+
+        Returns:
+            Indices of its coordinates: one, or those of the model that gives it, or none where it is fixed.
+        """
         for one in self.models:
             if coefficient in one.coefficients:
                 return one.places
@@ -148,7 +204,14 @@ class Coordinates:
         return range(place, place + 1) if place >= 0 else range(0)
 
     def coefficients(self, theta: Floats) -> Floats:
-        """Physical coefficients [SI]: (K,), or (S, K) when one of them follows the speed."""
+        """Compute the physical coefficients.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Coefficients (K,), or (S, K) when one of them follows the speed [SI].
+        """
         fixed = np.where(self.logarithmic, 0.0, self.expected / self.scale)
         at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
         exponent = np.where(self.logarithmic, at, 0.0)
@@ -188,17 +251,39 @@ class Coordinates:
         return np.exp(theta[self.scale_place])
 
     def gains(self, theta: Floats) -> Complexes:
-        """Gain (m,) of each channel [-]: measured over true."""
+        """Compute the gain of each channel: measured over true.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Gains (m,) [-].
+        """
         return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
 
     def run_outs(self, theta: Floats) -> Complexes:
-        """Run-out (m,) of each channel in rotation from +x to +y [m]."""
+        """Compute the run-out of each channel in rotation from +x to +y.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Run-outs (m,) [m].
+        """
         return _pairs(self.unit, theta, self.run_out_place)
 
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
-        """θ with the coordinates of coefficients (K,), constant over speed.
+        """Return θ with the coordinates of other coefficients, constant over speed.
 
-        Raises ValueError for a direct term <= 0, and for a model whose coefficients cannot be constant.
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            coefficients: Coefficients (K,) [SI].
+
+        Returns:
+            Fit coordinates θ (n,) [-].
+
+        Raises:
+            ValueError: A direct term is not positive, or a model's coefficients cannot be constant.
         """
         if np.any(coefficients[self.logarithmic] <= 0):
             raise ValueError("direct terms must be positive")
@@ -347,7 +432,10 @@ class _CoordinateBuilder:
 
 
 def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models: list[PlacedModel]) -> Iterator[PlacedModel]:
-    """Give tied coefficients the coordinates of those that they are tied to: a place, or the model from which both follow."""
+    """Yield models of tied coefficients, with the coordinates of those they are tied to.
+
+    Places of constant ones are filled in.
+    """
     index = {one.name: k for k, one in enumerate(coefficients)}
     for k, one in enumerate(coefficients):
         if one.tied_to is None:
@@ -360,7 +448,7 @@ def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models
 
 
 def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
-    """Complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
+    """Compute complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
     found = np.zeros(place.size, dtype=complex)
     first = place[place >= 0]
     found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])

@@ -68,7 +68,15 @@ class Estimate:
 
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
-    """Coordinates of coefficients whose standard error alone does not rule an estimate out."""
+    """List the coordinates of coefficients whose standard error alone does not rule an estimate out.
+
+    Args:
+        coordinates: Coordinates of the fit.
+        error: Standard errors (n,) of the coordinates [-].
+
+    Returns:
+        Indices of the coordinates.
+    """
     limits = [LARGEST_DIRECT_ERROR if one.positive else LARGEST_RELATIVE_ERROR for one in coordinates.parameters]
     return tuple(place for place, limit in enumerate(limits) if error[place] <= limit)
 
@@ -155,7 +163,7 @@ def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
 def _parameter(
     parameter: ModelParameter, common: Common, fitted: float, error: float, judged_by: float, reason: Reason
 ) -> Estimate:
-    """fitted, error: fitted number and its standard error."""
+    """Build the estimate of a model's parameter from its fitted number and the standard error of that."""
     spread = parameter.step * error
     if parameter.positive:
         if spread > LARGEST_DIRECT_ERROR:
@@ -215,7 +223,7 @@ def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, er
 
 
 def _positive(common: Common, value: float, error: float) -> Estimate:
-    """A direct term; `error` is of its logarithm, which makes the interval lopsided."""
+    """Build the estimate of a direct term; `error` is of its logarithm, which makes the interval lopsided."""
     lower, upper = (value * math.exp(sign * CONFIDENCE_95 * error) for sign in (-1, 1))
     return Estimate(*common, value, value * error, lower, upper)
 

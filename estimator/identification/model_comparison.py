@@ -124,7 +124,7 @@ def compare_misalignment(
 
 
 def _following(machine: Machine) -> list[str]:
-    """Names of the free coefficients that follow the speed."""
+    """List the names of the free coefficients that follow the speed."""
     coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
     models = (one for one in governing_models(coefficients) if not one.model.constant)
     return sorted(coefficients[k].name for one in models for k in one.coefficients)
@@ -195,7 +195,7 @@ def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine
 
 
 def _holdable(baseline: Identification, free: set[str]) -> list[str]:
-    """Names of constant coefficients, but for those of the free elements."""
+    """List the names of constant coefficients, but for those of the free elements."""
     said = {name: describe(name) for name in baseline.coordinates}
     return [name for name, one in said.items() if one.term is not None and one.knot is None and one.element not in free]
 

@@ -1,9 +1,10 @@
-"""How far a sweep drives the 1× phasors off their steady state, from the modes of a model and the measured speed.
+"""Effect of a sweep's rate on the 1× phasors: their deviation from the steady state, from a model's modes and the speed.
 
 Each mode k of the train, in the frame that turns with the shaft, obeys ẇ = (λ_k - jω) w + yᴴF with its eigenvalue λ_k, left
-vector y and the force F(ω, α) e^{jφ}. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w goes
-on ringing at the natural frequency while the 1× has moved on: the phasor beats. What the integrated w differs from the
-steady one by, seen at the probes through the mode's shape, is what a measured phasor must not be blamed on the machine for.
+vector y and the force F(ω, α) e^{jφ}. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w goes on
+ringing at the natural frequency while the 1× has moved on: the phasor beats. The difference of the integrated w from the
+steady one, seen at the probes through the mode's shape, is the part of a measured phasor that must not be blamed on the
+machine.
 """
 
 from collections.abc import Callable
@@ -25,21 +26,23 @@ from estimator.rotor.system_matrices import SystemMatrices, system_matrices_over
 from estimator.updated_model.model import UpdatedModel
 
 STEP_ANGLE = 0.02
-"""Largest α h² of a step [rad]: how far the speed turns the phasor within the step beyond its mean."""
+"""Largest α h² of a step [rad]: the angle by which the speed turns the phasor within the step beyond its mean."""
 LARGEST_STEPS = 20_000
 """Most steps of a whole run."""
 HIGHEST_MODE = 1.5
-"""Modes up to this part of the highest speed take part; those above follow without delay."""
+"""Highest frequency of the modes that take part, as a multiple of the highest speed [-]; those above follow without delay."""
 SPIN_STEP = 1e-3
-"""Relative change of the spin speed by which eigenvalues are differentiated."""
+"""Relative change of the spin speed by which eigenvalues are differentiated [-]."""
 
 
 @dataclass(frozen=True)
 class SweepTransient:
-    """Measured minus steady-state phasors (S, m) [m] that a model predicts for a sweep.
+    """Measured minus steady-state phasors that a model predicts for a sweep.
 
-    instant: of phasors that are taken at an instant. averaged: of phasors that are means over the time from halfway after the
-    sample before to halfway to the next, as the blocks of a tracking filter are.
+    Attributes:
+        instant: Deviations (S, m) of phasors that are taken at an instant [m].
+        averaged: Deviations (S, m) of phasors that are means over the time from halfway after the sample before to halfway to
+            the next, as the blocks of a tracking filter are [m].
     """
 
     instant: Complexes
@@ -47,11 +50,19 @@ class SweepTransient:
 
 
 def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: Complexes | None = None) -> SweepTransient:
-    """What the model predicts for a sweep in its machine's sense of rotation.
+    """Predict the deviations of phasors from the steady state for a sweep in the machine's sense of rotation.
 
-    time: (S,) [s], ascending. speed: (S,) [rad/s], as measured. added: (P,) known unbalances beside the model's own [kg m],
-    such as a trial weight. Before the first sample the speed is taken to have changed
-    slowly. Modes that the model has undamped or growing are left out: they have no steady state to deviate from.
+    Before the first sample the speed is taken to have changed slowly. Modes that the model has undamped or growing are left
+    out: they have no steady state to deviate from.
+
+    Args:
+        model: The updated model.
+        time: Times (S,), ascending [s].
+        speed: Speeds (S,), as measured [rad/s].
+        added: Known unbalances (P,) beside the model's own, such as a trial weight [kg m]; None for none.
+
+    Returns:
+        Deviations at S samples and m probes.
     """
     law = SpeedLaw.measured(time, speed)
     grid, place = _grid(law, time)
@@ -82,7 +93,8 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
-    """Instants fine enough to follow the phase, and where the samples are among them, with an instant halfway between two."""
+    """Choose instants fine enough to follow the phase, with one halfway between two samples, and find the samples
+    among them."""
     step = np.sqrt(STEP_ANGLE / max(float(np.max(np.abs(law.acceleration(time)))), 1e-12))
     step = max(step, (time[-1] - time[0]) / LARGEST_STEPS)
     pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
@@ -99,7 +111,7 @@ def _eigenvalue_drift(
     spin: float,
     direction: int,
 ) -> Complexes:
-    """dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
+    """Compute dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
     found = np.empty(eigenvalue.size, dtype=complex)
     other = spin * (1.0 + SPIN_STEP)
     here, there = matrices(spin), matrices(other)

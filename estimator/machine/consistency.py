@@ -19,31 +19,31 @@ class Train(Elements, Protocol):
 
     @property
     def materials(self) -> Mapping[str, Material]:
-        """Materials by id."""
+        """Return the materials by id."""
 
     @property
     def shafts(self) -> Sequence[Shaft]:
-        """Shafts in the document's order."""
+        """Return the shafts in the document's order."""
 
     @property
     def discs(self) -> Sequence[Disc]:
-        """Discs in the document's order."""
+        """Return the discs in the document's order."""
 
     @property
     def conditions(self) -> Sequence[Condition]:
-        """Operating conditions in the document's order."""
+        """Return the operating conditions in the document's order."""
 
     @property
     def speed_range(self) -> SpeedRange:
-        """Speeds at which samples are taken seriously."""
+        """Return the speeds at which samples are taken seriously."""
 
     @property
     def operation(self) -> Operation:
-        """How the machine is run."""
+        """Return the operation of the machine."""
 
     @property
     def parameters(self) -> Sequence[ParameterRule]:
-        """Rules of parameters, later ones above earlier ones."""
+        """Return the rules of parameters, later ones above earlier ones."""
 
 
 def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitErrorDetails:
@@ -53,7 +53,14 @@ def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitE
 
 
 def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
-    """Yield every contradiction between the parts and rules of a train, with its place in the document."""
+    """Find every contradiction between the parts and rules of a train.
+
+    Args:
+        train: The train.
+
+    Yields:
+        The contradictions with their places in the document.
+    """
     yield from _material_problems(train)
     yield from _duplicate_problems(train)
     yield from _station_problems(train)
@@ -120,7 +127,7 @@ def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _ring_problems(train: Train) -> Iterator[InitErrorDetails]:
-    """A train has two ends: following its couplings from driver to driven must not come back."""
+    """Find couplings that join the shafts to a ring: from driver to driven a train must not come back."""
     behind = {coupling.driver: coupling.driven for coupling in train.couplings}
     for i, coupling in enumerate(train.couplings):
         shaft: str | None = coupling.driven
@@ -143,19 +150,27 @@ def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:
-    """Those of the names that a rule's pattern fits."""
+    """List those of the names that a rule's pattern fits."""
     fits = re.compile(translate(pattern)).match
     return [name for name in names if fits(name)]
 
 
 def rules_in_force(train: Train, names: Iterable[str]) -> dict[str, int]:
-    """Place of the last rule whose pattern fits each name; names that none fits are left out."""
+    """Find the last rule whose pattern fits each name.
+
+    Args:
+        train: The train with its rules.
+        names: Names of parameters.
+
+    Returns:
+        Index of the rule by name; names that none fits are left out.
+    """
     fitting = _fitting(train, names)
     return {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
 
 
 def _fitting(train: Train, names: Iterable[str]) -> dict[str, list[str]]:
-    """By pattern of a rule the names that it fits."""
+    """List the names that each rule's pattern fits."""
     return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in train.parameters}}
 
 
@@ -185,7 +200,7 @@ def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:
-    """tied: by name of a tied parameter, the rule that ties it."""
+    """Find parameters that cannot be tied as a rule says; tied: by name of a tied parameter, the rule that ties it."""
     for name, i in tied.items():
         target = train.parameters[i].tied_to
         leader = f"{target}.{describe(name).quantity}"

@@ -60,20 +60,43 @@ class Machine(Part):
         return self
 
     def describes_the_same_as(self, other: Machine) -> bool:
-        """Whether identifications under both documents can be compared: only name and rules of the service differ.
+        """Check whether identifications under both documents can be compared: only name and rules of the service differ.
 
         Operating conditions may come and go, but not change their unit.
+
+        Args:
+            other: The other document.
+
+        Returns:
+            Whether they can.
         """
         units, others = ({condition.name: condition.unit for condition in one.conditions} for one in (self, other))
         return all(unit == others.get(name, unit) for name, unit in units.items()) and self.is_the_same_train_as(other)
 
     def is_the_same_train_as(self, other: Machine) -> bool:
-        """Whether both documents differ in name, operating conditions and rules of the service only."""
+        """Check whether both documents differ in name, operating conditions and rules of the service only.
+
+        Args:
+            other: The other document.
+
+        Returns:
+            Whether they do.
+        """
         said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
         return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:
-        """The shaft of that id. Raises KeyError."""
+        """Return the shaft of an id.
+
+        Args:
+            shaft_id: Id of the shaft.
+
+        Returns:
+            The shaft.
+
+        Raises:
+            KeyError: There is no shaft of that id.
+        """
         for shaft in self.shafts:
             if shaft.id == shaft_id:
                 return shaft
@@ -81,22 +104,26 @@ class Machine(Part):
 
     @property
     def direction(self) -> int:
-        """+1 when the train turns from +x to +y, else -1."""
+        """Return +1 when the train turns from +x to +y, else -1."""
         return 1 if self.rotation == "positive" else -1
 
     @property
     def condition_names(self) -> tuple[str, ...]:
-        """Names of the operating conditions in the document's order."""
+        """Return the names of the operating conditions in the document's order."""
         return tuple(condition.name for condition in self.conditions)
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Channel ids in the document's order."""
+        """Return the channel ids in the document's order."""
         return tuple(probe.id for probe in self.probes)
 
 
 class DocumentError(Invalid):
-    """A machine document is wrong. `problems` holds (field, what is wrong and what would be right) pairs."""
+    """Raised when a machine document is wrong.
+
+    Attributes:
+        problems: Pairs of a field, and what is wrong with it and what would be right.
+    """
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         self.problems = problems
@@ -104,19 +131,26 @@ class DocumentError(Invalid):
 
     @property
     def detail(self) -> str:
-        """Return what is wrong as a whole; `field_errors` has the rest."""
+        """State that the document is wrong as a whole; `field_errors` has the rest."""
         return "the machine document is wrong"
 
     @property
     def field_errors(self) -> Sequence[tuple[str, str]]:
-        """Name each wrong field of the document."""
+        """Return each wrong field of the document with its message."""
         return self.problems
 
 
 def parse_machine(document: Any) -> Machine:
-    """The machine that a decoded YAML or JSON document describes.
+    """Read the machine that a decoded YAML or JSON document describes.
 
-    Raises DocumentError, which names every wrong field.
+    Args:
+        document: The decoded document.
+
+    Returns:
+        The machine.
+
+    Raises:
+        DocumentError: The document is wrong; the error names every wrong field.
     """
     try:
         return Machine.model_validate(document)
@@ -125,7 +159,14 @@ def parse_machine(document: Any) -> Machine:
 
 
 def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
-    """(field, message) pairs of pydantic's errors, without those that only follow from another inside the same field."""
+    """List pydantic's errors, without those that only follow from another inside the same field.
+
+    Args:
+        errors: Errors as pydantic lists them.
+
+    Returns:
+        Pairs of a field and a message.
+    """
     places = [tuple(item["loc"]) for item in errors]
 
     def follows(item: Any) -> bool:
@@ -136,6 +177,13 @@ def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
 
 
 def field_path(location: tuple[int | str, ...]) -> str:
-    """`bearings[1].shaft` from ("bearings", 1, "shaft"); the document itself is called `document`."""
+    """Convert a location to a path: `bearings[1].shaft` from ("bearings", 1, "shaft").
+
+    Args:
+        location: Names and indices from the document down.
+
+    Returns:
+        The path; `document` for the document itself.
+    """
     path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return path.removeprefix(".") or "document"

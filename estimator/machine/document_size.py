@@ -1,13 +1,13 @@
-"""What a machine document costs to compute with, and how much of that is taken: asked wherever a document enters.
+"""Cost of computing with a machine document, and its bounds: checked wherever a document enters.
 
 A document that is stored already is read whatever its size, so that nothing is lost where a bound changes.
 
 The cost model. A fit of S samples keeps the shafts' dynamic stiffness at the r plane degrees of freedom at which parts sit,
 for either sense of whirl: 2 · 16 S r² bytes; and of a block of 256 samples the derivatives of m probes by n real unknowns and
-K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)². One evaluation takes some
-S (4 n² m + 16/3 (2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while both stay within the
-bounds below for 500 samples; of a large one, samples are thinned out to as many as do. How many of them a fit takes depends
-on the data: a worker's own limits of time and memory hold beside these bounds.
+K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)². One evaluation takes some S (4 n² m + 16/3
+(2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while both stay within the bounds below for 500
+samples; of a large one, samples are thinned out to as many as do. How many of them a fit takes depends on the data: a worker's
+own limits of time and memory hold beside these bounds.
 """
 
 import math
@@ -22,30 +22,44 @@ from estimator.machine.parts import Bearing, Probe, Seal
 from estimator.units import rpm_to_rad_per_s
 
 LARGEST_SECTIONS = 400
-"""Shaft sections of a train."""
+"""Most shaft sections of a train."""
 LARGEST_ELEMENTS = 600
-"""Shaft elements of a train."""
+"""Most shaft elements of a train."""
 LARGEST_UNKNOWNS = 1200
-"""Real numbers that an identification of a train looks for."""
+"""Most real unknowns of a train's identification."""
 LARGEST_PLACES = 100
-"""Plane degrees of freedom at which bearings, seals, couplings and probes sit."""
+"""Most plane degrees of freedom at which bearings, seals, couplings and probes sit."""
 LARGEST_MODES = 60
-"""Bending modes of the shafts in a plane up to `MODES_UP_TO` times the highest speed, where there are many elements."""
+"""Most bending modes of the shafts in a plane up to `MODES_UP_TO` times the highest speed, where there are many elements."""
 MODES_UP_TO = 2.5
+"""Multiple of the highest speed up to which bending modes are counted [-]."""
 FEW_ELEMENTS = 50
-"""Of so few elements all modes are cheap."""
+"""Number of elements up to which all modes are cheap."""
 FEWEST_SAMPLES = 500
-"""Samples that a fit of a train must manage."""
+"""Least number of samples that a fit of a train must manage."""
 MEMORY = 1.5e9
-"""What a fit may hold [bytes], beside the programs themselves."""
+"""Most memory of a fit, beside the programs themselves [bytes]."""
 OPERATIONS = 1e11
-"""Of one evaluation: some seconds; more where E and density are unknowns, as the shafts are eliminated anew then."""
+"""Most operations of one evaluation: some seconds; more where E and density are unknowns, as the shafts are eliminated anew
+then.
+"""
 BLOCK = 256
+"""Number of samples whose derivatives are held at a time."""
 
 
 @dataclass(frozen=True)
 class DocumentSize:
-    """Counts of a train. modes: as `LARGEST_MODES`, about. coefficients: of bearings, seals and couplings."""
+    """Counts of a train.
+
+    Attributes:
+        sections: Number of shaft sections.
+        elements: Number of shaft elements.
+        modes: Number of bending modes as in `LARGEST_MODES`, about.
+        coefficients: Number of coefficients of bearings, seals and couplings.
+        unknowns: Number of real unknowns.
+        probes: Number of probes.
+        places: Number of plane degrees of freedom at which parts sit.
+    """
 
     sections: int
     elements: int
@@ -57,7 +71,7 @@ class DocumentSize:
 
     @property
     def samples(self) -> int:
-        """Most samples of one fit; fewer than FEWEST_SAMPLES where the document is too large."""
+        """Return the most samples of one fit; fewer than FEWEST_SAMPLES where the document is too large."""
         n, m, k, r = self.unknowns, self.probes, self.coefficients, self.places
         held = 48 * BLOCK * m * (n + k) + 64 * BLOCK * (2 * r) ** 2
         by_memory = (MEMORY - held) / (32 * r**2)
@@ -66,12 +80,32 @@ class DocumentSize:
 
 
 def accepted_machine(document: Any) -> Machine:
-    """The machine that a decoded document describes, where that is not too large. Raises DocumentError."""
+    """Read the machine that a decoded document describes, where that is not too large.
+
+    Args:
+        document: The decoded document.
+
+    Returns:
+        The machine.
+
+    Raises:
+        DocumentError: The document is wrong or too large.
+    """
     return accepted(parse_machine(document))
 
 
 def accepted(machine: Machine) -> Machine:
-    """The machine, where its document is not too large. Raises DocumentError, which names what is and what would be right."""
+    """Return the machine, where its document is not too large.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The same machine.
+
+    Raises:
+        DocumentError: The document is too large; the error names what is and what would be right.
+    """
     sections = _sections(machine)
     if sections > LARGEST_SECTIONS:  # nothing else is counted then
         raise DocumentError(
@@ -84,7 +118,14 @@ def accepted(machine: Machine) -> Machine:
 
 
 def document_size(machine: Machine) -> DocumentSize:
-    """Counts of a machine, without assembling it."""
+    """Count the parts of a machine without assembling it.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The counts.
+    """
     return DocumentSize(
         sections=_sections(machine),
         elements=sum(element_count(machine, shaft) for shaft in machine.shafts),
@@ -135,7 +176,10 @@ def _sections(machine: Machine) -> int:
 
 
 def _modes(machine: Machine) -> int:
-    """From the length of bending waves at that frequency, ω = c κ k² with κ the radius of gyration."""
+    """Estimate the number of bending modes from the length of waves at that frequency.
+
+    ω = c κ k² with κ the radius of gyration.
+    """
     highest = MODES_UP_TO * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     half_waves = 0.0
     for section in (section for shaft in machine.shafts for section in shaft.sections):
@@ -147,7 +191,7 @@ def _modes(machine: Machine) -> int:
 
 
 def _unknowns(machine: Machine) -> int:
-    """Real unknowns as if nothing were held fixed or tied."""
+    """Count the real unknowns as if nothing were held fixed or tied."""
     count = 2 * len(machine.discs)
     for kind in ELEMENTS:
         for part in getattr(machine, kind):
@@ -162,7 +206,7 @@ def _unknowns(machine: Machine) -> int:
 
 
 def _places(machine: Machine) -> int:
-    """Plane degrees of freedom: of a bearing, seal or probe the displacement, of a coupling both of either end."""
+    """Count plane degrees of freedom: of a bearing, seal or probe the displacement, of a coupling both of either end."""
     lengths = {shaft.id: shaft.length for shaft in machine.shafts}
     parts: list[Bearing | Seal | Probe] = [*machine.bearings, *machine.seals, *machine.probes]
     sitting = {(part.shaft, round(part.station, 9), "displacement") for part in parts}

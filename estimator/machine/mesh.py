@@ -1,4 +1,4 @@
-"""Mesh of a train's shafts: where their nodes are, and how many elements lie between them."""
+"""Mesh of a train's shafts: the stations of their nodes and the number of elements between them."""
 
 import numpy as np
 
@@ -7,10 +7,19 @@ from estimator.machine.document import Machine
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Disc, Probe, Seal, Shaft
 
 DEFAULT_ELEMENTS_PER_SHAFT = 12
+"""Number of elements whose length is the longest one allowed, where the document gives no element length."""
 
 
 def node_stations(machine: Machine, shaft: Shaft) -> Floats:
-    """Stations [m] of a shaft's nodes: section ends, every part's place, and enough between for the element length."""
+    """Place the nodes of a shaft: section ends, every part's place, and enough between for the element length.
+
+    Args:
+        machine: The machine.
+        shaft: One of its shafts.
+
+    Returns:
+        Stations of the nodes (n,), ascending [m].
+    """
     fixed, counts = _spans(machine, shaft)
     pieces = [np.array(fixed[:1])]
     for start, stop, count in zip(fixed[:-1], fixed[1:], counts, strict=True):
@@ -19,12 +28,20 @@ def node_stations(machine: Machine, shaft: Shaft) -> Floats:
 
 
 def element_count(machine: Machine, shaft: Shaft) -> int:
-    """Number of a shaft's elements, without making them."""
+    """Count a shaft's elements without making them.
+
+    Args:
+        machine: The machine.
+        shaft: One of its shafts.
+
+    Returns:
+        Number of elements.
+    """
     return sum(_spans(machine, shaft)[1])
 
 
 def _spans(machine: Machine, shaft: Shaft) -> tuple[list[float], list[int]]:
-    """Stations [m] at which a node must be, and the number of elements from each to the next."""
+    """Compute the stations [m] at which a node must be, and the number of elements from each to the next."""
     ends = np.concatenate([[0.0], np.cumsum([section.length for section in shaft.sections])])
     parts: list[Disc | Bearing | Seal | Probe] = [*machine.discs, *machine.bearings, *machine.seals, *machine.probes]
     places = [part.station for part in parts if part.shaft == shaft.id]

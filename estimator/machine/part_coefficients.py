@@ -1,4 +1,4 @@
-"""Coefficients and unbalances of a document's parts by name, and the values that the document gives them."""
+"""Coefficients and unbalances of a document's parts by name, with the values that the document gives them."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -7,7 +7,7 @@ from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Term
 from estimator.machine.parts import Bearing, Coupling, Disc, Seal
 
 ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
-"""Lists of the document whose parts have coefficients, and what their parameters' names begin with."""
+"""Lists of the document whose parts have coefficients, and the beginning of their parameters' names."""
 
 
 class Elements(Protocol):
@@ -15,19 +15,26 @@ class Elements(Protocol):
 
     @property
     def bearings(self) -> Sequence[Bearing]:
-        """Bearings in the document's order."""
+        """Return the bearings in the document's order."""
 
     @property
     def couplings(self) -> Sequence[Coupling]:
-        """Couplings in the document's order."""
+        """Return the couplings in the document's order."""
 
     @property
     def seals(self) -> Sequence[Seal]:
-        """Seals in the document's order."""
+        """Return the seals in the document's order."""
 
 
 def coefficient_values(train: Elements) -> dict[str, float | None]:
-    """Return the nominal value by name, such as `bearing.B1.kxx`, of every coefficient that is identified."""
+    """Return the nominal value of every coefficient that is identified.
+
+    Args:
+        train: Parts with coefficients.
+
+    Returns:
+        Nominal value by name, such as `bearing.B1.kxx` [SI]; None where the document gives none.
+    """
     return {
         f"{kind}.{part.id}.{name}": getattr(part, name)
         for place, kind in ELEMENTS.items()
@@ -37,17 +44,38 @@ def coefficient_values(train: Elements) -> dict[str, float | None]:
 
 
 def coefficient_names(part: Bearing | Coupling | Seal) -> tuple[str, ...]:
-    """Return the names of the coefficients that are identified of a part, such as `kxx`."""
+    """Return the names of the coefficients that are identified of a part.
+
+    Args:
+        part: The part.
+
+    Returns:
+        Names, such as `kxx`.
+    """
     return tuple(term.name for term in coefficient_terms(part))
 
 
 def coefficient_terms(part: Bearing | Coupling | Seal) -> tuple[Term, ...]:
-    """Return the terms that are identified of a part: those of its kind, and optional ones that its document gives."""
+    """Return the terms that are identified of a part: those of its kind, and optional ones that its document gives.
+
+    Args:
+        part: The part.
+
+    Returns:
+        The terms.
+    """
     always = LATERAL + (ANGULAR if isinstance(part, Coupling) else ())
     optional = COUPLING if isinstance(part, Coupling) else SEAL if isinstance(part, Seal) else ()
     return always + tuple(term for term in optional if getattr(part, term.name) is not None)
 
 
 def planes(discs: Sequence[Disc]) -> dict[str, float | None]:
-    """Return the nominal magnitude by name, such as `disc.D1.unbalance`, of every residual unbalance."""
+    """Return the nominal magnitude of every residual unbalance.
+
+    Args:
+        discs: The discs.
+
+    Returns:
+        Magnitude by name, such as `disc.D1.unbalance` [kg m]; None where the document gives none.
+    """
     return {f"disc.{d.id}.unbalance": None if d.unbalance is None else d.unbalance.magnitude for d in discs}

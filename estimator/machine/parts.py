@@ -14,7 +14,7 @@ from estimator.bearings.registry import DeclaredForm
 from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread
 
 STATION_TOLERANCE = 1e-9
-"""Two stations closer than this [m] are the same place."""
+"""Largest distance of two stations that are the same place [m]."""
 
 
 class Material(Part):
@@ -56,7 +56,7 @@ class Shaft(Part):
 
     @property
     def length(self) -> float:
-        """Length of the whole shaft [m]."""
+        """Return the length of the whole shaft [m]."""
         return math.fsum(section.length for section in self.sections)
 
 

@@ -1,4 +1,4 @@
-"""Rules of the machine document: how the machine runs, how samples become runs, what a fit may do and what it expects."""
+"""Rules of the machine document: operation of the machine, collection of runs, and what a fit may do and expects."""
 
 from typing import Annotated, Literal, Self
 
@@ -33,7 +33,7 @@ class SpeedRange(Part):
 
 
 class Operation(Part):
-    """How the machine is run, as far as its runs cannot be told from the speed alone."""
+    """Operation of the machine, as far as its runs cannot be told from the speed alone."""
 
     stopped_below_rpm: Positive | None = Field(
         default=None, description="below this it stands still [r/min]; by default 1 % of maximum_rpm"
@@ -71,7 +71,7 @@ class RollingCollection(Part):
 
 
 class Collection(Part):
-    """How samples become runs."""
+    """Collection of samples into runs."""
 
     runs: Literal["sweeps", "rolling", "both"] = Field(
         default="sweeps", description="run-ups and run-downs, collections over speed bins, or both"
@@ -89,7 +89,7 @@ class Collection(Part):
 
 
 class QualityRules(Part):
-    """Which points of a run an identification leaves out, beside those that no fit should use."""
+    """Points of a run that an identification leaves out, beside those that no fit should use."""
 
     sweep_rate: bool = Field(default=True, description="those at which the sweep was too fast for the steady state")
     half_power: bool = Field(default=False, description="those within the half-power points of a resonance, as in thesis §2.3")
@@ -105,7 +105,7 @@ class QualityRules(Part):
 
 
 class Noise(Part):
-    """What a phasor's measurement error is expected to be: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
+    """Expected measurement error of a phasor: rms of the complex error, sqrt((relative·|X|)² + floor²)."""
 
     relative: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="part of the amplitude [-]")
     floor: NotNegative = Field(default=1e-7, description="0-to-peak [m]")
@@ -115,7 +115,7 @@ class Noise(Part):
 
 
 class ParameterRule(Part):
-    """What an identification may do with some parameters. Later rules win over earlier ones."""
+    """Rule on some parameters of an identification. Later rules win over earlier ones."""
 
     names: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
         description="a parameter's name or a pattern, such as coupling.C1.k_phi*"

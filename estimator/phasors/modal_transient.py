@@ -1,7 +1,7 @@
-"""One mode under a force that follows the speed of a sweep: its steady part, and what it deviates from it by.
+"""Transient of one mode under a force that follows the speed of a sweep: its steady part, and its deviation from it.
 
-A mode obeys ẇ = (λ - jω) w + force in the frame that turns with the shaft, with its eigenvalue λ; at constant speed
-w = force / (jω - λ). It is integrated step by step, exactly however far it turns within a step.
+A mode obeys ẇ = (λ - jω) w + force in the frame that turns with the shaft, with its eigenvalue λ; at constant speed w = force
+/ (jω - λ). It is integrated step by step, exactly however far it turns within a step.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,15 @@ from estimator.phasors.speed_law import SpeedLaw
 
 @dataclass(frozen=True)
 class Sweep:
-    """A speed law on a grid (n,) of instants: speed, acceleration, and what time [s] and angle [rad] each step takes."""
+    """A speed law on a grid of instants.
+
+    Attributes:
+        grid: Instants (n,), ascending [s].
+        speed: Speeds (n,) [rad/s].
+        acceleration: Accelerations (n,) [rad/s²].
+        step: Time of each step (n - 1,) [s].
+        turned: Angle of each step (n - 1,) [rad].
+    """
 
     grid: Floats
     speed: Floats
@@ -26,13 +34,28 @@ class Sweep:
 
     @classmethod
     def along(cls, law: SpeedLaw, grid: Floats) -> "Sweep":
-        """Return the law on a grid of instants (n,) [s], ascending."""
+        """Compute speed and acceleration of a law on a grid of instants.
+
+        Args:
+            law: The speed law.
+            grid: Instants (n,), ascending [s].
+
+        Returns:
+            The sweep.
+        """
         return cls(grid, law.speed(grid), law.acceleration(grid), np.diff(grid), np.diff(law.angle(grid)))
 
 
 @dataclass(frozen=True)
 class ModalCourse:
-    """A modal coordinate on the grid (n,): steady part, deviation from it, and the integral of both up to each instant."""
+    """A modal coordinate on a grid.
+
+    Attributes:
+        grid: Instants (n,) [s].
+        rest: Steady part (n,) [unit of the coordinate].
+        deviation: Deviation from the steady part (n,) [unit of the coordinate].
+        integral: Integral of both up to each instant (n,) [unit of the coordinate times s].
+    """
 
     grid: Floats
     rest: Complexes
@@ -40,16 +63,32 @@ class ModalCourse:
     integral: Complexes
 
     def mean(self, place: NDArray[np.intp]) -> Complexes:
-        """Mean of the coordinate around each of the instants (S,), half way to their neighbours."""
+        """Compute the mean of the coordinate around some instants, half way to their neighbours.
+
+        Args:
+            place: Indices of the S instants (S,).
+
+        Returns:
+            Means (S,) [unit of the coordinate].
+        """
         half = (place[1:] + place[:-1]) // 2
         edges = np.concatenate([place[:1], half, place[-1:]])
         return np.asarray(np.diff(self.integral[edges]) / np.diff(self.grid[edges]))
 
 
 def modal_course(sweep: Sweep, eigenvalue: Complexes, force: Complexes, steady: Complexes) -> ModalCourse:
-    """A modal coordinate for the modal force (n,) and that of a steady speed.
+    """Integrate a modal coordinate.
 
     Its deviation d obeys ḋ = (λ - jω) d - ẇ_steady + (force - steady force); within a step λ - jω is its mean.
+
+    Args:
+        sweep: The sweep.
+        eigenvalue: Eigenvalue λ at each instant (n,) [rad/s].
+        force: Modal force (n,) [unit of the coordinate per s].
+        steady: Modal force of a steady speed (n,) [unit of the coordinate per s].
+
+    Returns:
+        The course of the coordinate.
     """
     exponent, step = eigenvalue - 1j * sweep.speed, sweep.step
     rest = -steady / exponent
@@ -69,9 +108,15 @@ def modal_course(sweep: Sweep, eigenvalue: Complexes, force: Complexes, steady: 
 
 
 def modal_deviation(law: SpeedLaw, time: Floats, eigenvalue: complex) -> Complexes:
-    """What a single mode λ under unbalance deviates from its steady state by (n,), per unit of modal force over ω².
+    """Compute the deviation of a single mode under unbalance from its steady state, per unit of modal force over ω².
 
-    time: (n,) [s], dense enough to follow the phase.
+    Args:
+        law: The speed law.
+        time: Instants (n,), dense enough to follow the phase [s].
+        eigenvalue: Eigenvalue λ of the mode [rad/s].
+
+    Returns:
+        Deviations (n,) [rad/s].
     """
     sweep = Sweep.along(law, time)
     steady = (sweep.speed**2).astype(np.complex128)

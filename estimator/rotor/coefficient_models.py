@@ -1,4 +1,4 @@
-"""Which bearing model gives which coefficients of a train, and what is believed of a coefficient before any measurement."""
+"""Bearing models of a train's coefficients, and what is believed of a coefficient before any measurement."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,23 +8,35 @@ from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.rotor.parameters import Coefficient
 
 KNOWN_SPREAD = log(10.0)
-"""Prior standard deviation of the logarithm of a direct term whose nominal value the document gives: a factor of 10."""
+"""Prior standard deviation of the logarithm of a direct term whose nominal value the document gives [-]: a factor of 10."""
 UNKNOWN_SPREAD = log(1000.0)
-"""The same where the document gives none."""
+"""Prior standard deviation of the logarithm of a direct term whose nominal value no document gives [-]: a factor of 1000."""
 CROSS_SPREAD = 10.0
-"""Prior standard deviation of a cross-coupled term in units of its element's direct terms."""
+"""Prior standard deviation of a cross-coupled term in units of its element's direct terms [-]."""
 
 
 @dataclass(frozen=True)
 class GoverningModel:
-    """A model, and which (C,) of a train's coefficients it gives."""
+    """A model with the coefficients of a train that it gives.
+
+    Attributes:
+        model: The model.
+        coefficients: Indices of its C coefficients.
+    """
 
     model: CoefficientModel
     coefficients: tuple[int, ...]
 
 
 def governing_models(coefficients: Sequence[Coefficient]) -> tuple[GoverningModel, ...]:
-    """Return the models of all coefficients that are neither fixed nor tied, in the order of the first that each gives."""
+    """Return the models of all coefficients that are neither fixed nor tied.
+
+    Args:
+        coefficients: The train's coefficients.
+
+    Returns:
+        The models, in the order of the first coefficient that each gives.
+    """
     groups: dict[tuple[str, int], list[Coefficient]] = {}
     for one in coefficients:
         if not one.fixed and one.tied_to is None:
@@ -39,7 +51,14 @@ def governing_models(coefficients: Sequence[Coefficient]) -> tuple[GoverningMode
 
 
 def believed(coefficient: Coefficient) -> ModelParameter:
-    """Return a coefficient as a parameter of its own, with the prior on it."""
+    """Return a coefficient as a parameter of its own, with the prior on it.
+
+    Args:
+        coefficient: The coefficient.
+
+    Returns:
+        The parameter.
+    """
     return ModelParameter(
         name=coefficient.name,
         quantity=coefficient.quantity,

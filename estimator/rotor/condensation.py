@@ -27,13 +27,18 @@ BLOCK = 256
 class CondensedTrain:
     """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
 
-    speed: (S,) spin speed [rad/s], positive. direction: (S,) +1 or -1.
-    shafts: dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
-    left, right: (n, T) vectors a, b of each term; owner: (T,) the coefficient that a term belongs to, ascending.
-    output: (m, n) displacement at each probe, along its angle.
-    unknowns: names and expectations of coefficients and excitations. channels: the m channel ids.
-    gain_spread, run_out_spread: (m,) how far a channel's gain [-] and run-out [m] may be off; empty: not at all.
-    scale_factors: the F factors of E and ρ that are not known exactly.
+    Attributes:
+        speed: Spin speeds (S,) [rad/s], positive.
+        direction: Sense of rotation (S,), +1 or -1 [-].
+        shafts: Dynamic stiffness of shafts and discs and the forces on them, at the retained degrees of freedom.
+        left: Vectors a (n, T), one per term [-].
+        right: Vectors b (n, T), one per term [-].
+        output: Displacement (m, n) at each probe, along its angle [-].
+        unknowns: Names and expectations of coefficients and excitations.
+        channels: Ids of the m channels.
+        gain_spread: Standard deviation (m,) of each channel's gain [-]; empty where gains are exact.
+        run_out_spread: Standard deviation (m,) of each channel's run-out [m]; empty where run-outs are exact.
+        scale_factors: The F factors of E and ρ that are not known exactly.
     """
 
     speed: Floats
@@ -50,12 +55,12 @@ class CondensedTrain:
 
     @property
     def scale_names(self) -> tuple[str, ...]:
-        """Names of the scale factors."""
+        """Return the names of the scale factors."""
         return tuple(one.name for one in self.scale_factors)
 
     @property
     def scale_spread(self) -> Floats:
-        """(F,) how far each may be off, relative rms [-]."""
+        """Return the relative rms spread (F,) of each scale factor [-]."""
         return np.array([one.spread for one in self.scale_factors])
 
     @property

@@ -28,17 +28,17 @@ from estimator.rotor.scaled_rotor import ScaledRotor
 Numbers = NDArray[np.float64] | NDArray[np.complex128]
 
 BLOCK = 256
-"""Speeds eliminated at a time."""
+"""Number of speeds eliminated at a time."""
 FEWEST_BANDED = 100
-"""Plane degrees of freedom above which those eliminated are taken as a banded system."""
+"""Number of plane degrees of freedom above which those eliminated are taken as a banded system."""
 BANDS = 3
-"""Of A on either side of its diagonal: (displacement, slope) of one node and the next."""
+"""Number of bands of A on either side of its diagonal: (displacement, slope) of one node and the next."""
 LARGEST_TRANSFER = 1e8
-"""Largest motion of an eliminated degree of freedom per motion of a retained one: beyond it eight digits are lost."""
+"""Largest motion of an eliminated degree of freedom per motion of a retained one [-]: beyond it eight digits are lost."""
 
 
 class SingularCondensation(ValueError):
-    """A speed falls on a natural frequency of the part that is eliminated."""
+    """Raised when a speed falls on a natural frequency of the part that is eliminated."""
 
 
 @dataclass(frozen=True)
@@ -54,27 +54,47 @@ class _Side:
     force: Numbers
 
     def pick(self, which: slice) -> "_Side":
-        """The same at some of the speeds."""
+        """Return this side at some of the speeds."""
         return _Side(self.transfer[which], self.response[which], self.stiffness[which], self.force[which])
 
 
 @dataclass(frozen=True)
 class GivenShafts:
-    """Shafts of which the dynamic stiffness (S, n, n) and the forces on them (S, n, 2E) are given."""
+    """Shafts whose dynamic stiffness and forces are given.
+
+    Attributes:
+        stiffness: Dynamic stiffness (S, n, n) [N/m, N, N m].
+        forces: Forces (S, n, 2E) per real and imaginary part of each excitation [N, N m per unit].
+    """
 
     stiffness: Complexes
     forces: Complexes
 
     def known(self) -> Complexes:
-        """Dynamic stiffness (S, n, n), to be changed as one likes."""
+        """Return a copy of the dynamic stiffness, to be changed as one likes.
+
+        Returns:
+            Dynamic stiffness (S, n, n) [N/m, N, N m].
+        """
         return self.stiffness.copy()
 
     def force(self) -> Complexes:
-        """Force (S, n, 2E) per real and imaginary part of each excitation."""
+        """Return the forces per real and imaginary part of each excitation.
+
+        Returns:
+            Forces (S, n, 2E) [N, N m per unit].
+        """
         return self.forces
 
     def pick(self, which: slice) -> "GivenShafts":
-        """The same at some of the speeds."""
+        """Return these shafts at some of the speeds.
+
+        Args:
+            which: The speeds to keep.
+
+        Returns:
+            The shafts at these speeds.
+        """
         return GivenShafts(self.stiffness[which], self.forces[which])
 
 
@@ -82,8 +102,17 @@ class GivenShafts:
 class WhirlElimination:
     """The eliminated part of a train at S speeds, for given scale factors of E and ρ.
 
-    retained: (r,) plane degrees of freedom that stay. acting: (2r, E) forces that act on retained degrees of freedom.
-    factors: scale factor by name, 1 where none is given. reusable: keeps what derivatives by scale factors need.
+    Attributes:
+        rotor: The rotor.
+        retained: Plane degrees of freedom that stay (r,).
+        acting: Forces (2r, E) that act on retained degrees of freedom [N, N m per unit].
+        excitations: The E excitations.
+        speed: Speeds (S,) [rad/s].
+        direction: Sense of rotation (S,), +1 or -1 [-].
+        reusable: Whether everything is kept that derivatives by scale factors need.
+        factors: Scale factor by name [-]; 1 where none is given.
+        forward: Forward whirl after elimination.
+        backward: Backward whirl after elimination.
     """
 
     rotor: Rotor
@@ -110,7 +139,24 @@ class WhirlElimination:
         reusable: bool,
         factors: dict[str, float] | None = None,
     ) -> "WhirlElimination":
-        """Eliminate. Raises SingularCondensation where a speed makes that impossible."""
+        """Eliminate the degrees of freedom that are not retained.
+
+        Args:
+            rotor: The rotor.
+            retained: Plane degrees of freedom that stay (r,).
+            acting: Forces (2r, E) that act on retained degrees of freedom [N, N m per unit].
+            excitations: The E excitations.
+            speed: Speeds (S,) [rad/s].
+            direction: Sense of rotation (S,), +1 or -1 [-].
+            reusable: Whether everything is kept that derivatives by scale factors need.
+            factors: Scale factor by name [-]; 1 where none is given.
+
+        Returns:
+            The eliminated part.
+
+        Raises:
+            SingularCondensation: A speed makes the elimination impossible.
+        """
         scales = factors or {}
         plan = _Plan(ScaledRotor(rotor, excitations, scales), retained)
         return cls(
@@ -127,7 +173,17 @@ class WhirlElimination:
         )
 
     def scaled(self, factors: dict[str, float]) -> "WhirlElimination":
-        """The same elimination for other scale factors."""
+        """Eliminate for other scale factors.
+
+        Args:
+            factors: Scale factor by name [-].
+
+        Returns:
+            The eliminated part.
+
+        Raises:
+            SingularCondensation: A speed makes the elimination impossible.
+        """
         return WhirlElimination.of(
             self.rotor,
             retained=self.retained,
@@ -140,7 +196,14 @@ class WhirlElimination:
         )
 
     def pick(self, which: slice) -> "WhirlElimination":
-        """The same at some of the speeds."""
+        """Return the eliminated part at some of the speeds.
+
+        Args:
+            which: The speeds to keep.
+
+        Returns:
+            The part at these speeds.
+        """
         return replace(
             self,
             speed=self.speed[which],
@@ -150,7 +213,11 @@ class WhirlElimination:
         )
 
     def known(self) -> Complexes:
-        """Dynamic stiffness (S, 2r, 2r) over the retained degrees of freedom: x-z plane, then y-z plane."""
+        """Assemble the dynamic stiffness over the retained degrees of freedom: x-z plane, then y-z plane.
+
+        Returns:
+            Dynamic stiffness (S, 2r, 2r) [N/m, N, N m].
+        """
         mean = (self.forward.stiffness + self.backward.stiffness) / 2
         across = 0.5j * self.direction[:, None, None] * (self.forward.stiffness - self.backward.stiffness)
         size = self.retained.size
@@ -160,7 +227,11 @@ class WhirlElimination:
         return whole
 
     def force(self) -> Complexes:
-        """Force (S, 2r, 2E) per real and imaginary part of each excitation: its mirror image against +x to +y."""
+        """Assemble the forces per real and imaginary part of each excitation: their mirror image against +x to +y.
+
+        Returns:
+            Forces (S, 2r, 2E) [N, N m per unit].
+        """
         size = self.retained.size
         along = np.concatenate([self.forward.force, -1j * self.direction[:, None, None] * self.forward.force], axis=1)
         along = along + self.acting
@@ -170,9 +241,15 @@ class WhirlElimination:
         return whole
 
     def scale_force(self, scale: ScaleFactor, displacement: Complexes, excitations: Complexes) -> Complexes:
-        """-(∂Z/∂ ln s) q + (∂F/∂ ln s) u, shape (S, 2r), for a scale factor s.
+        """Compute -(∂Z/∂ ln s) q + (∂F/∂ ln s) u for a scale factor s.
 
-        displacement: (S, 2r) of the retained degrees of freedom. excitations: (E,) or (S, E).
+        Args:
+            scale: The scale factor.
+            displacement: Motion q (S, 2r) of the retained degrees of freedom [m, rad].
+            excitations: Excitations u (E,) or (S, E) [SI].
+
+        Returns:
+            Forces (S, 2r) [N, N m].
         """
         size = self.retained.size
         turned = np.where(self.direction[:, None] > 0, excitations, np.conj(excitations))
@@ -186,14 +263,14 @@ class WhirlElimination:
 
 @dataclass(frozen=True)
 class _Plan:
-    """How the degrees of freedom of a scaled rotor are split into retained and eliminated ones, and these eliminated."""
+    """Division of a scaled rotor's degrees of freedom into retained and eliminated ones, and the elimination of these."""
 
     scaled: ScaledRotor
     retained: NDArray[np.intp]
 
     @cached_property
     def eliminated(self) -> NDArray[np.intp]:
-        """(e,) plane degrees of freedom that go."""
+        """Return the plane degrees of freedom that go (e,)."""
         return np.setdiff1d(np.arange(self.scaled.rotor.plane_size), self.retained)
 
     @cached_property
@@ -209,7 +286,7 @@ class _Plan:
 
     @property
     def banded(self) -> bool:
-        """Whether so many degrees of freedom go that their bands pay."""
+        """Return whether so many degrees of freedom go that their bands pay."""
         return self.eliminated.size > FEWEST_BANDED
 
     def side(self, speed: Floats, *, whirl: int, keep: bool) -> _Side:
@@ -260,7 +337,10 @@ class _Plan:
         return _Side(np.empty((speed.size, 0, outer.size)), np.empty((speed.size, 0, forced)), stiffness, force)
 
     def _motion(self, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int) -> Complexes:
-        """Motion (S, e) of what was eliminated under that of what is retained (S, r) and excitations (S, E)."""
+        """Compute the motion (S, e) of the eliminated degrees of freedom.
+
+        It follows that of the retained ones (S, r) and excitations (S, E).
+        """
         if not self.banded:
             moved = -(side.transfer @ retained[:, :, None])[:, :, 0]
             return moved + (side.response @ excitations[:, :, None])[:, :, 0] if whirl > 0 else moved
@@ -274,7 +354,8 @@ class _Plan:
         return moved
 
     def _carried(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
-        """What forces (S, e) on what was eliminated come to at what is retained (S, r), turned around."""
+        """Compute the forces at the retained degrees of freedom (S, r) of forces (S, e) on the eliminated ones, turned
+        around."""
         if not self.banded:
             return np.asarray((side.transfer.swapaxes(1, 2) @ force[:, :, None])[:, :, 0])
         system = self._system(whirl)
@@ -289,7 +370,8 @@ class _Plan:
     def scale_force(
         self, scale: ScaleFactor, side: _Side, speed: Floats, retained: Complexes, excitations: Complexes, *, whirl: int
     ) -> Complexes:
-        """-(∂A/∂ ln s) q + (∂F/∂ ln s) u condensed to the retained degrees of freedom of one sense of whirl, (S, r)."""
+        """Compute -(∂A/∂ ln s) q + (∂F/∂ ln s) u condensed to the retained degrees of freedom of one sense of whirl,
+        (S, r)."""
         whole = np.zeros((speed.size, self.scaled.rotor.plane_size), dtype=complex)
         excitations = np.broadcast_to(excitations, (speed.size, len(self.scaled.excitations)))
         whole[:, self.retained] = retained
@@ -302,7 +384,7 @@ class _Plan:
 
 
 class _BandedSystem:
-    """A = stiffness - ω² inertia + jω damping of one sense of whirl, with what is eliminated as bands."""
+    """A = stiffness - ω² inertia + jω damping of one sense of whirl, with the eliminated part as bands."""
 
     def __init__(self, matrices: tuple[Floats, Floats, Floats], inner: NDArray[np.intp], outer: NDArray[np.intp]) -> None:
         whole = matrices if np.any(matrices[2]) else matrices[:2]
@@ -312,15 +394,15 @@ class _BandedSystem:
         self._kept = [matrix[np.ix_(outer, outer)] for matrix in whole]
 
     def across(self, speed: float) -> Numbers:
-        """Part (e, r) of A at a speed [rad/s]."""
+        """Return the part (e, r) of A at a speed [rad/s]."""
         return _at(self._across, speed)
 
     def kept(self, speed: float) -> Numbers:
-        """Part (r, r) of A at a speed [rad/s]."""
+        """Return the part (r, r) of A at a speed [rad/s]."""
         return _at(self._kept, speed)
 
     def solved(self, inside: Numbers, speed: float, scale: Floats | None = None) -> Numbers:
-        """A⁻¹ times columns (e, n) at a speed; scale: as in `_solve`. Raises SingularCondensation."""
+        """Solve for A⁻¹ times columns (e, n) at a speed; scale: as in `_solve`. Raises SingularCondensation."""
         try:
             found: Any = scipy.linalg.solve_banded((BANDS, BANDS), _at(self._bands, speed), inside, check_finite=False)
         except np.linalg.LinAlgError:
@@ -333,7 +415,7 @@ class _BandedSystem:
 
 
 def _bands(matrix: Floats) -> Floats:
-    """Diagonals (2 BANDS + 1, e) of a matrix, from the uppermost, as LAPACK wants them."""
+    """Return the diagonals (2 BANDS + 1, e) of a matrix, from the uppermost, as LAPACK wants them."""
     bands = np.zeros((2 * BANDS + 1, len(matrix)))
     for above in range(-BANDS, BANDS + 1):
         diagonal = np.diagonal(matrix, above)
@@ -342,13 +424,13 @@ def _bands(matrix: Floats) -> Floats:
 
 
 def _at(parts: list[Floats], speed: float) -> Numbers:
-    """Stiffness - ω² inertia + jω damping."""
+    """Compute stiffness - ω² inertia + jω damping."""
     real = parts[0] - speed**2 * parts[1]
     return real + 1j * speed * parts[2] if len(parts) > 2 else real
 
 
 def _solve(own: Numbers, inside: Numbers, speed: Floats, scale: Floats) -> Numbers:
-    """A⁻¹ times the columns of `inside`, of which the first belong to retained degrees of freedom; scale: (e, r)."""
+    """Solve for A⁻¹ times the columns of `inside`, of which the first belong to retained degrees of freedom; scale: (e, r)."""
     try:
         solved = np.asarray(np.linalg.solve(own, inside))
     except np.linalg.LinAlgError:

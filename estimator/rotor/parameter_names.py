@@ -1,6 +1,6 @@
-"""What the parameters of a machine and the quantities derived from them are called, and their SI units, by the document alone.
+"""Names and SI units of a machine's parameters and of the quantities derived from them, by the document alone.
 
-So that what was never identified can be told from what the machine has not.
+With these a parameter that was never identified can be told from one that the machine does not have.
 """
 
 import re
@@ -14,14 +14,23 @@ from estimator.rotor.coefficient_models import governing_models
 from estimator.rotor.parameters import Coefficient, scale_factors, unknowns
 
 NUMBER = re.compile(r"[1-9][0-9]{0,2}")
-"""Of a critical speed: how many there are says the model, not the document."""
+"""Pattern of the number of a critical speed; how many there are is known from the model, not from the document."""
 PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
+"""Pattern of two numbers of critical speeds."""
 PLACES = {".N": ".1", ".M-N": ".1-2"}
-"""What stands in names of derived quantities for the number of a critical speed, or of two; the first that can be there."""
+"""Placeholder for the number of a critical speed, or of two, in names of derived quantities, and the first number it
+can be."""
 
 
 def parameter_units(machine: Machine) -> dict[str, str]:
-    """SI unit by name, such as `bearing.B1.kxx`, of every parameter that an identification of a machine can have."""
+    """Return the SI unit of every parameter that an identification of a machine can have.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        SI unit by name, such as `bearing.B1.kxx`.
+    """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
     found = _coefficient_units(unknown.coefficients)
@@ -36,9 +45,14 @@ def parameter_units(machine: Machine) -> dict[str, str]:
 
 
 def change_unit(name: str, units: Mapping[str, str]) -> str | None:
-    """SI unit in which a diagnosis tells the change of a parameter or of a vector's component; 1: a logarithm or a part.
+    """Return the SI unit in which a diagnosis states the change of a parameter or of a vector's component.
 
-    name: such as `bearing.B1.kxy` or `disc.D1.unbalance.real`; units: see `parameter_units`. None for a name not among them.
+    Args:
+        name: Name, such as `bearing.B1.kxy` or `disc.D1.unbalance.real`.
+        units: SI units by name, as of `parameter_units`.
+
+    Returns:
+        The unit, 1 for a logarithm or a part; None for a name not among them.
     """
     said = describe(name)
     if said.positive:
@@ -49,7 +63,14 @@ def change_unit(name: str, units: Mapping[str, str]) -> str | None:
 
 
 def derived_units(machine: Machine) -> dict[str, str]:
-    """SI unit by name of every quantity that can be derived; N, and M below it, stand for numbers of critical speeds."""
+    """Return the SI unit of every quantity that can be derived.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        SI unit by name; N, and M below it, stand for numbers of critical speeds.
+    """
     found = {"critical_speed.N": "rad/s", "damping_ratio.N": "1", "splitting.M-N": "1"}
     for coupling in machine.couplings:
         found |= {f"coupling.{coupling.id}.misalignment_force": "N", f"coupling.{coupling.id}.misalignment_moment": "N m"}
@@ -59,18 +80,40 @@ def derived_units(machine: Machine) -> dict[str, str]:
 
 
 def derived_unit(machine: Machine, name: str) -> str | None:
-    """SI unit of a quantity that can be derived, such as `critical_speed.1`; None for any other name."""
+    """Return the SI unit of a quantity that can be derived.
+
+    Args:
+        machine: The machine.
+        name: Name, such as `critical_speed.1`.
+
+    Returns:
+        The unit; None for any other name.
+    """
     return None if name.endswith(tuple(PLACES)) else derived_units(machine).get(without_number(name))
 
 
 def in_words(name: str) -> str:
-    """A name of `derived_units` with the first numbers that it can have in the place of N or M-N: `critical_speed.1 …`."""
+    """Replace N or M-N in a name of `derived_units` by the first numbers that it can have: `critical_speed.1 …`.
+
+    Args:
+        name: The name.
+
+    Returns:
+        The name with numbers.
+    """
     stem, dot, place = name.rpartition(".")
     return f"{stem}{PLACES[dot + place]} …" if dot + place in PLACES else name
 
 
 def without_number(name: str) -> str:
-    """A name with N or M-N where it has the number of a critical speed, or of two, the lower one first."""
+    """Replace the number of a critical speed in a name by N, or two, the lower one first, by M-N.
+
+    Args:
+        name: The name.
+
+    Returns:
+        The name as in `derived_units`.
+    """
     stem, _, number = name.rpartition(".")
     pair = PAIR.fullmatch(number)
     if pair and int(pair[1]) < int(pair[2]):
@@ -79,7 +122,7 @@ def without_number(name: str) -> str:
 
 
 def _coefficient_units(coefficients: Sequence[Coefficient]) -> dict[str, str]:
-    """SI unit by name: of the parameters of the bearing models, and of each coefficient that is fixed or tied."""
+    """Return the SI unit by name: of the parameters of the bearing models, and of each coefficient that is fixed or tied."""
     models = {min(one.coefficients): one.model for one in governing_models(coefficients)}
     found: dict[str, str] = {}
     for k, one in enumerate(coefficients):

@@ -1,4 +1,4 @@
-"""The unknowns of a train: what each is called, where it acts, what is believed of it before any measurement.
+"""Unknowns of a train: their names, the places where they act, and what is believed of them before any measurement.
 
 A coefficient p adds (jω)ⁿ p Σ a bᵀ to the dynamic stiffness, with n = 0 for a stiffness, 1 for a damping, 2 for an inertia and
 a, b vectors over the degrees of freedom: `kxy` of a bearing has a at x and b at y. An excitation is complex and enters the
@@ -26,20 +26,27 @@ from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
 from estimator.units import rpm_to_rad_per_s
 
 _DOF: dict[Axis, int] = {"x": 0, "y": 1, "phix": 2, "phiy": 3}
-"""Degree of freedom of a node that each axis is."""
+"""Degree of freedom of a node along each axis."""
 
 Vector = dict[int, float]
-"""A sparse vector over the degrees of freedom of the rotor."""
+"""Sparse vector over the degrees of freedom of the rotor."""
 
 
 @dataclass(frozen=True)
 class Coefficient:
     """One real stiffness, damping or inertia coefficient.
 
-    pairs: the vectors (a, b), each {degree of freedom: sign}; only what couples translation and rotation has two.
-    nominal: the document's value, or None. scale: the magnitude expected of it, in its own unit, always positive. fixed: kept
-    at the nominal value. tied_to: name of the coefficient whose value it takes. spread: how far from the nominal value, where
-    the document says so: of the logarithm, or in its own unit. form: that of the bearing model which gives it.
+    Attributes:
+        name: Name, such as `bearing.B1.kxx`.
+        element: Name of the element, such as `bearing.B1`.
+        term: The term that it is.
+        pairs: Vectors (a, b), each {degree of freedom: sign}; only a coupling of translation and rotation has two pairs.
+        nominal: The document's value [unit]; None where it gives none.
+        scale: Magnitude expected of it, always positive [unit].
+        fixed: Whether it is kept at the nominal value.
+        tied_to: Name of the coefficient whose value it takes.
+        spread: Standard deviation from the nominal value, where the document states it: of the logarithm [-], or [unit].
+        form: Form of the bearing model that gives it.
     """
 
     name: str
@@ -55,37 +62,40 @@ class Coefficient:
 
     @property
     def quantity(self) -> Quantity:
-        """Quantity that it is."""
+        """Return the physical quantity."""
         return self.term.quantity
 
     @property
     def direct(self) -> bool:
-        """Whether it is positive by nature, so that its logarithm is fitted."""
+        """Return whether it is positive by nature, so that its logarithm is fitted."""
         return self.term.direct
 
     @property
     def unit(self) -> str:
-        """SI unit."""
+        """Return the SI unit."""
         return UNITS[self.quantity]
 
     @property
     def order(self) -> int:
-        """Power of jω with which it acts."""
+        """Return the power of jω with which it acts."""
         return self.term.order
 
     @property
     def left(self) -> Vector:
-        """The first pair's a."""
+        """Return the first pair's a."""
         return self.pairs[0][0]
 
     @property
     def right(self) -> Vector:
-        """The first pair's b."""
+        """Return the first pair's b."""
         return self.pairs[0][1]
 
     @property
     def expected(self) -> float:
-        """Best guess before any measurement: the nominal value; else the scale, or zero for a cross-coupled term."""
+        """Return the best guess before any measurement [unit].
+
+        It is the nominal value; else the scale, or zero for a cross-coupled term.
+        """
         if self.nominal is not None:
             return self.nominal
         return self.scale if self.direct else 0.0
@@ -95,10 +105,20 @@ class Coefficient:
 class Excitation:
     """One complex unknown of the force: magnitude·e^{j angle}, the angle counted from the keyphasor mark from +x to +y.
 
-    speed_power: the force goes with this power of ω. shape: over (displacement, slope) per node, of what turns with the
-    shaft; of a bow the deflection [m/m], else the force. stiffened: the force is the shafts' stiffness times the shape.
-    acting: for what acts along one degree of freedom only, the vector over all of them. spread: rms expected of its distance
-    from the nominal value, or from zero, None where the data themselves give its size. node: of an unbalance.
+    Attributes:
+        name: Name, such as `disc.D1.unbalance`.
+        element: Name of the element, such as `disc.D1`.
+        quantity: Physical quantity.
+        nominal: The document's value [unit]; None where it gives none.
+        speed_power: Power of ω with which the force goes.
+        shape: Shape (N/2,) over (displacement, slope) per node of an excitation that turns with the shaft: of a bow the
+            deflection [m/m], else the force [-].
+        stiffened: Whether the force is the shafts' stiffness times the shape.
+        acting: Vector over all degrees of freedom, of an excitation along one degree of freedom only.
+        spread: Expected rms distance from the nominal value, or from zero [unit]; None where the data themselves give its
+            size.
+        fixed: Whether it is kept at the nominal value.
+        node: Number of the node, of an unbalance.
     """
 
     name: str
@@ -115,13 +135,19 @@ class Excitation:
 
     @property
     def unit(self) -> str:
-        """SI unit."""
+        """Return the SI unit."""
         return UNITS[self.quantity]
 
 
 @dataclass(frozen=True)
 class ScaleFactor:
-    """A factor on a property of a material, known up to a relative spread (rms) [-]."""
+    """A factor on a property of a material that is not known exactly.
+
+    Attributes:
+        material: Id of the material.
+        what: The property.
+        spread: Relative rms spread [-].
+    """
 
     material: str
     what: Literal["young_modulus", "density"]
@@ -129,36 +155,49 @@ class ScaleFactor:
 
     @property
     def element(self) -> str:
-        """Name of the material, such as `material.steel`."""
+        """Return the name of the material, such as `material.steel`."""
         return f"material.{self.material}"
 
     @property
     def name(self) -> str:
-        """Name of the factor, such as `material.steel.density`."""
+        """Return the name of the factor, such as `material.steel.density`."""
         return f"{self.element}.{self.what}"
 
 
 @dataclass(frozen=True)
 class Unknowns:
-    """Everything in the model of a train that an identification determines: coefficients, then excitations."""
+    """Everything in the model of a train that an identification determines.
+
+    Attributes:
+        coefficients: The K coefficients.
+        excitations: The E excitations, the residual unbalances first.
+    """
 
     coefficients: tuple[Coefficient, ...]
     excitations: tuple[Excitation, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all of them."""
+        """Return the names of all coefficients, then of all excitations."""
         return tuple([item.name for item in self.coefficients] + [item.name for item in self.excitations])
 
     @property
     def unbalances(self) -> tuple[Excitation, ...]:
-        """The residual unbalances, which are the first excitations."""
+        """Return the residual unbalances, which are the first excitations."""
         return tuple(item for item in self.excitations if item.quantity == "unbalance")
 
 
 @remembered
 def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
-    """All coefficients and excitations of a machine, in the document's order."""
+    """List all coefficients and excitations of a machine (thesis Eq. 3.7, 3.9), in the document's order.
+
+    Args:
+        machine: The machine.
+        rotor: Its assembled rotor.
+
+    Returns:
+        The unknowns.
+    """
     coefficients: list[Coefficient] = []
     to_ground: list[Bearing | Seal] = [*machine.bearings, *machine.seals]
     for part in to_ground:
@@ -173,7 +212,15 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
 
 
 def scale_factors(machine: Machine, rotor: Rotor) -> tuple[ScaleFactor, ...]:
-    """All factors of E and ρ of a machine's materials that are not known exactly."""
+    """List the factors of E and ρ of a machine's materials that are not known exactly.
+
+    Args:
+        machine: The machine.
+        rotor: Its assembled rotor.
+
+    Returns:
+        The F factors.
+    """
     found: list[ScaleFactor] = []
     for name in rotor.materials:
         material = machine.materials[name]
@@ -185,7 +232,15 @@ def scale_factors(machine: Machine, rotor: Rotor) -> tuple[ScaleFactor, ...]:
 
 
 def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
-    """The sparse vectors as columns of a (size, count) matrix."""
+    """Convert sparse vectors to the columns of a matrix.
+
+    Args:
+        vectors: The sparse vectors.
+        size: Number of rows.
+
+    Returns:
+        Matrix (size, count) [-].
+    """
     matrix = np.zeros((size, len(vectors)))
     for column, vector in enumerate(vectors):
         for row, value in vector.items():
@@ -221,7 +276,8 @@ def _coupling(machine: Machine, rotor: Rotor, coupling: Coupling) -> list[Coeffi
 
 
 def _coupling_scale(coupling: Coupling, term: Term, value: float, stiff: float, shaft: Shaft) -> float:
-    """Magnitude to expect of a term of a coupling that its document gives; stiff: of its angular stiffness [N m/rad]."""
+    """Return the magnitude expected of a coupling's term that its document gives; stiff: of its angular stiffness [N
+    m/rad]."""
     if term.direct:
         return value
     if term.quantity == "angular stiffness":
@@ -263,7 +319,7 @@ def _complex(magnitude: float, angle_deg: float) -> complex:
 
 
 def _bows(machine: Machine, rotor: Rotor) -> list[Excitation]:
-    """A half sine over each shaft's length, measured at its middle."""
+    """Build a half sine over each shaft's length, measured at its middle."""
     found = []
     for shaft in machine.shafts:
         if shaft.bow_spread == 0.0:
@@ -297,7 +353,7 @@ def _loads(machine: Machine, rotor: Rotor) -> list[Excitation]:
 
 
 def _ruled(coefficient: Coefficient, rules: tuple[ParameterRule, ...]) -> Coefficient:
-    """The coefficient with the last rule that names it."""
+    """Return the coefficient with the last rule that names it."""
     name = coefficient.name
     for rule in reversed(rules):
         if fnmatchcase(name, rule.names):
@@ -308,7 +364,7 @@ def _ruled(coefficient: Coefficient, rules: tuple[ParameterRule, ...]) -> Coeffi
 
 
 def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
-    """Tied coefficients expect what the one expects whose value they take."""
+    """Return the coefficients, tied ones with the expectations of those whose value they take."""
     by_name = {one.name: one for one in coefficients}
 
     def led(one: Coefficient) -> Coefficient:
@@ -321,7 +377,7 @@ def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
 
 
 def _held(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
-    """The unbalance with the last rule that names it."""
+    """Return the unbalance with the last rule that names it."""
     for rule in reversed(rules):
         if fnmatchcase(unbalance.name, rule.names):
             spread = None if rule.spread is None else rule.spread * abs(unbalance.nominal or 0.0)
@@ -330,7 +386,7 @@ def _held(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation
 
 
 def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[str, float]:
-    """Magnitudes to expect, from the nominal direct terms where known, else from the shaft's own stiffness and mass."""
+    """Estimate magnitudes from the nominal direct terms where known, else from the shaft's own stiffness and mass."""
     stiffness = 48 * _bending_stiffness(machine, shaft) / shaft.length**3
     known_k = [value for value in (part.kxx, part.kyy) if value is not None]
     k = float(np.mean(known_k)) if known_k else stiffness
@@ -346,7 +402,7 @@ def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[s
 
 
 def _bending_stiffness(machine: Machine, shaft: Shaft) -> float:
-    """Length-weighted mean of EI [N m²]."""
+    """Compute the length-weighted mean of EI [N m²]."""
     total = math.fsum(
         section.length
         * machine.materials[section.material].young_modulus

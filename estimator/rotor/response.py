@@ -10,11 +10,19 @@ from estimator.rotor.elimination import WhirlElimination
 
 
 def response(train: CondensedTrain, *, coefficients: Floats, excitations: Complexes) -> Complexes:
-    """Steady-state 1× displacement phasors at the probes, (S, m) complex 0-to-peak [m].
+    """Compute the steady-state 1× displacement phasors at the probes.
 
-    coefficients: (K,), or (S, K) where they follow the speed, in the order and SI units of `train.unknowns.coefficients`.
-    excitations: (E,), or (S, E) where they differ from sample to sample, as `train.unknowns.excitations`: unbalances first.
     Source: thesis Eq. 3.23 with the sign of the gyroscopic term of rotation from +x to +y.
+
+    Args:
+        train: The condensed train.
+        coefficients: Coefficients (K,), or (S, K) where they follow the speed, in the order of `train.unknowns.coefficients`
+            [SI].
+        excitations: Excitations (E,), or (S, E) where they differ from sample to sample, in the order of
+            `train.unknowns.excitations` [SI].
+
+    Returns:
+        Phasors (S, m), 0-to-peak [m].
     """
     whole = np.empty((train.speed.size, len(train.output)), dtype=complex)
     for block in train.blocks():
@@ -27,10 +35,13 @@ def response(train: CondensedTrain, *, coefficients: Floats, excitations: Comple
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """Phasors (S, m) [m] and their derivatives.
+    """Phasors of m outputs at S speeds and their derivatives.
 
-    by_coefficient: (K, S, m), each by the coefficient's value at that very speed. by_excitation: (2E, S, m), by real and
-    imaginary part. by_scale: (F, S, m), by the logarithm of each scale factor.
+    Attributes:
+        phasor: Phasors (S, m) [m].
+        by_coefficient: Derivatives (K, S, m) by each coefficient's value at that very speed [m per SI unit].
+        by_excitation: Derivatives (2E, S, m) by real and imaginary part of each excitation [m per SI unit].
+        by_scale: Derivatives (F, S, m) by the logarithm of each scale factor [m].
     """
 
     phasor: Complexes
@@ -40,15 +51,23 @@ class Sensitivity:
 
     @property
     def by_parameter(self) -> Complexes:
-        """Derivatives by coefficients, then by the parts of the excitations, (S, m, K + 2E)."""
+        """Return the derivatives (S, m, K + 2E) by coefficients, then by the parts of the excitations [m per SI unit]."""
         return np.moveaxis(np.concatenate([self.by_coefficient, self.by_excitation]), 0, -1)
 
 
 def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Complexes) -> Sensitivity:
-    """Response and derivatives at coefficients (K,) or (S, K) and excitations (E,) or (S, E).
+    """Compute the response and its derivatives.
 
     From Z q = F: ∂q/∂p = -Z⁻¹ (∂Z/∂p) q with ∂Z/∂p = (jω)ⁿ Σ a bᵀ, and q is linear in the excitations. A response to no
     excitation has no derivative by the coefficients.
+
+    Args:
+        train: The condensed train.
+        coefficients: Coefficients (K,) or (S, K) [SI].
+        excitations: Excitations (E,) or (S, E) [SI].
+
+    Returns:
+        Phasors and derivatives.
     """
     stiffness = train.dynamic_stiffness(coefficients)
     receptance = np.linalg.solve(stiffness.swapaxes(1, 2), train.output.T).swapaxes(1, 2)  # (S, m, n)
@@ -74,7 +93,7 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
 
 
 def _summed(by_term: Complexes, train: CondensedTrain) -> Complexes:
-    """Terms of one coefficient added up."""
+    """Sum the terms of each coefficient."""
     if len(by_term) == len(train.unknowns.coefficients):
         return by_term
     first = np.searchsorted(train.owner, np.arange(len(train.unknowns.coefficients)))

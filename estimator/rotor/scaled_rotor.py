@@ -1,4 +1,4 @@
-"""A rotor whose materials' E and ρ are multiplied by factors: its matrices in one plane, its forces, and their derivatives."""
+"""Rotor whose materials' E and ρ are multiplied by factors: its matrices in one plane, its forces, and their derivatives."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,9 +13,12 @@ from estimator.rotor.parameters import Excitation, ScaleFactor
 
 @dataclass(frozen=True)
 class ScaledRotor:
-    """The plane matrices of a rotor, and the forces of what turns with it, for given scale factors of E and ρ.
+    """A rotor with its excitations, for given scale factors of E and ρ.
 
-    factors: scale factor by name, 1 where none is given.
+    Attributes:
+        rotor: The rotor.
+        excitations: The E excitations.
+        factors: Scale factor by name [-]; 1 where none is given.
     """
 
     rotor: Rotor
@@ -23,16 +26,32 @@ class ScaledRotor:
     factors: dict[str, float]
 
     def factor(self, material: str, what: str) -> float:
-        """Scale factor of a material's `young_modulus` or `density`."""
+        """Return the scale factor of a material's property.
+
+        Args:
+            material: Id of the material.
+            what: `young_modulus` or `density`.
+
+        Returns:
+            The factor [-].
+        """
         return self.factors.get(f"material.{material}.{what}", 1.0)
 
     @cached_property
     def length(self) -> float:
-        """A length [m] that makes slopes comparable with displacements."""
+        """Return a length that makes slopes comparable with displacements [m]."""
         return max(float(stations[-1]) for stations in self.rotor.stations.values())
 
     def matrices(self, whirl: int) -> tuple[Floats, Floats, Floats]:
-        """Plane stiffness, inertia and damping (N/2, N/2) so that A = stiffness - ω² inertia + jω damping."""
+        """Assemble the plane matrices of one sense of whirl, so that A = stiffness - ω² inertia + jω damping.
+
+        Args:
+            whirl: +1 for forward whirl, -1 for backward.
+
+        Returns:
+            Stiffness (N/2, N/2) [N/m, N, N m], inertia (N/2, N/2) [kg, kg m, kg m²] and damping (N/2, N/2) [N s/m, N s, N m
+            s].
+        """
         alpha, beta = self.rotor.rayleigh
         stiffness = self.rotor.discs.stiffness.copy()
         inertia = self.rotor.discs.mass - whirl * self.rotor.discs.gyroscopic
@@ -47,7 +66,7 @@ class ScaledRotor:
 
     @cached_property
     def _shapes(self) -> tuple[Floats | None, ...]:
-        """Of each excitation, the force (N/2,) per its power of ω, of what turns with the shaft."""
+        """Compute the force (N/2,) of each excitation that turns with the shaft, per its power of ω."""
 
         def force(item: Excitation) -> Floats | None:
             if item.shape is None or not item.stiffened:
@@ -59,7 +78,14 @@ class ScaledRotor:
         return tuple(force(item) for item in self.excitations)
 
     def shapes(self, speed: Floats) -> Floats:
-        """Force shapes (S, N/2, E) of what turns with the shaft."""
+        """Compute the force shapes of the excitations that turn with the shaft.
+
+        Args:
+            speed: Speeds (S,) [rad/s].
+
+        Returns:
+            Forces (S, N/2, E) per unit of each excitation [N, N m].
+        """
         whole = np.zeros((speed.size, self.rotor.plane_size, len(self.excitations)))
         for column, (item, shape) in enumerate(zip(self.excitations, self._shapes, strict=True)):
             if shape is not None:
@@ -67,12 +93,28 @@ class ScaledRotor:
         return whole
 
     def transfer_unit(self, inner: NDArray[np.intp], outer: NDArray[np.intp]) -> Floats:
-        """Factors (e, r) that turn transfers between displacements and slopes into numbers without dimension."""
+        """Return the factors that turn transfers between displacements and slopes into numbers without dimension.
+
+        Args:
+            inner: Plane degrees of freedom (e,) that move.
+            outer: Plane degrees of freedom (r,) that move them.
+
+        Returns:
+            Factors (e, r) [-, m, 1/m].
+        """
         unit = np.where(np.arange(self.rotor.plane_size) % 2 == 0, 1.0, self.length)
         return np.asarray(unit[inner][:, None] / unit[outer])
 
     def stiffness_force(self, scale: ScaleFactor, excitations: Complexes) -> Complexes:
-        """(∂F/∂ ln s) u (S, N/2) of the excitations (S, E) that a shaft's stiffness carries, such as a bow."""
+        """Compute (∂F/∂ ln s) u of the excitations that a shaft's stiffness carries, such as a bow.
+
+        Args:
+            scale: The scale factor s.
+            excitations: Excitations u (S, E) [SI].
+
+        Returns:
+            Forces (S, N/2) [N, N m].
+        """
         part = self.rotor.materials[scale.material]
         whole = np.zeros((len(excitations), self.rotor.plane_size), dtype=complex)
         if scale.what != "young_modulus":
@@ -84,7 +126,17 @@ class ScaledRotor:
         return whole
 
     def stiffness_rate(self, scale: ScaleFactor, speed: Floats, motion: Complexes, whirl: int) -> Complexes:
-        """(∂A/∂ ln s) q (S, N/2) of a motion q (S, N/2)."""
+        """Compute (∂A/∂ ln s) q of a motion q.
+
+        Args:
+            scale: The scale factor s.
+            speed: Speeds (S,) [rad/s].
+            motion: Motion q (S, N/2) [m, rad].
+            whirl: +1 for forward whirl, -1 for backward.
+
+        Returns:
+            Forces (S, N/2) [N, N m].
+        """
         part = self.rotor.materials[scale.material]
         alpha, beta = self.rotor.rayleigh
         omega = speed[:, None]

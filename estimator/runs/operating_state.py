@@ -1,7 +1,7 @@
 """Operating state of a machine: stopped, in slow roll, running up, at speed, running down, tripped; and since when.
 
-A pure state machine on top of `estimator.runs.segmentation`: `advance` takes the state so far and one sample and returns the next
-state and the events. The state is plain data, stored with the samples, so that a restart goes on exactly.
+A pure state machine on top of `estimator.runs.segmentation`: `advance` takes the state so far and one sample and returns the
+next state and the events. The state is plain data, stored with the samples, so that a restart goes on exactly.
 
 A trip is a run-down from the upper half of the speed range whose deceleration over its first tenth of that range is beyond
 what the machine's document calls controlled. Without such a number it is compared with the machine's own earlier run-downs

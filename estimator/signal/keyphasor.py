@@ -1,4 +1,4 @@
-"""From a keyphasor's waveform to the angle of the shaft: edges, the turns between them, missing and double pulses.
+"""Angle of the shaft from a keyphasor's waveform: edges, the turns between them, missing and double pulses.
 
 The angle counts from the edge: it is a multiple of 2π at each edge of a once-per-turn mark. Between edges it is a monotone
 piecewise cubic that follows constant acceleration exactly.
@@ -19,55 +19,62 @@ from estimator.arrays import Floats
 Edge = Literal["rising", "falling"]
 
 LEVEL_QUANTILE = 0.002
-"""Part of the samples beyond the first guess at each of the two levels: rarer spikes do not move it, pulses of half a percent
-of a turn are still seen."""
+"""Part of the samples beyond the first guess at each of the two levels [-]: rarer spikes do not move it, pulses of half a
+percent of a turn are still seen.
+"""
 FLANK = 0.125
-"""Samples farther from both levels than this part of the distance between them lie on a flank."""
+"""Part of the distance between both levels within which samples belong to a level [-]; those farther from both lie on
+a flank."""
 HYSTERESIS = 0.4
-"""Hysteresis chosen from the signal, part of the distance between its two levels."""
+"""Hysteresis chosen from the signal, as a part of the distance between its two levels [-]."""
 FEWEST_PULSES = 4
-"""Fewer have no intervals to compare."""
+"""Least number of pulses: fewer have no intervals to compare."""
 NEIGHBOURS = 9
-"""Intervals whose median is the local interval. It follows speeds that change by up to a tenth or so in a turn."""
+"""Number of intervals whose median is the local interval; it follows speeds that change by up to a tenth or so in a turn."""
 TOLERANCE = 0.2
-"""How far an edge may lie from where it is due, part of the local interval."""
+"""Largest distance of an edge from its due time, as a part of the local interval [-]."""
 MISSING_IN_A_ROW = 2
-"""So many missing pulses are bridged; more are a gap."""
+"""Most missing pulses in a row that are bridged; more are a gap."""
 EXTRA_IN_A_ROW = 2
-"""So many pulses too many between two due ones are dropped; more are a gap."""
+"""Most pulses too many between two due ones that are dropped; more are a gap."""
 LARGEST_JITTER = 0.05
-"""Random error of the edges [part of the interval] above which they are not those of a turning shaft."""
+"""Largest random error of the edges, as a part of the interval [-]; larger ones are not those of a turning shaft."""
 MOST_MARKS = 8
-"""Marks on a shaft up to which undeclared ones are looked for."""
+"""Most marks on a shaft for which undeclared ones are searched."""
 UNEVEN_MARKS = 0.02
-"""Unevenness of the intervals over a turn [part of the turn] from which on it shows several marks, …"""
+"""Least unevenness of the intervals over a turn, as a part of the turn, that shows several marks [-]."""
 UNEVEN_OVER_SPREAD = 5.0
-"""… if it is so many times the spread from turn to turn."""
+"""Least unevenness of the intervals over the spread from turn to turn that shows several marks [-]."""
 LARGEST_UNKNOWN_PART = 0.1
-"""Samples of the keyphasor that are no numbers: more leave nothing to be said. Pulses that fall on them are missing ones."""
+"""Largest part of the keyphasor's samples that may be no numbers [-]; pulses that fall on them are missing ones."""
 LARGEST_REPAIRED_PART = 0.2
-"""Pulses missing or too many, and gaps, beside the good pulses: more are no keyphasor."""
+"""Largest number of repaired pulses and gaps over that of good pulses [-]; more are no keyphasor."""
 
 
 class KeyphasorError(ValueError):
-    """The keyphasor gives no angle, for the reason in words."""
+    """Raised when the keyphasor gives no angle, for the reason in words."""
 
 
 class NoPulses(KeyphasorError):
-    """The waveform has no pulses, or too few to compare the intervals between them."""
+    """Raised when the waveform has no pulses, or too few to compare the intervals between them."""
 
 
 class InconsistentIntervals(KeyphasorError):
-    """The intervals between the pulses are not those of a turning shaft."""
+    """Raised when the intervals between the pulses are not those of a turning shaft."""
 
 
 class SeveralPulses(KeyphasorError):
-    """The intervals repeat as those of several marks on the shaft do, where one was declared."""
+    """Raised when the intervals repeat as those of several marks on the shaft do, where one was declared."""
 
 
 @dataclass(frozen=True)
 class Threshold:
-    """A level and a hysteresis around it, in the unit of the waveform."""
+    """A level and a hysteresis around it.
+
+    Attributes:
+        level: Level [unit of the waveform].
+        hysteresis: Width of the hysteresis [unit of the waveform].
+    """
 
     level: float
     hysteresis: float
@@ -75,7 +82,12 @@ class Threshold:
 
 @dataclass(frozen=True)
 class Repair:
-    """A pulse that was missing, with the time when it was due [s], or one too many, which was dropped."""
+    """A pulse that was missing and bridged, or one too many and dropped.
+
+    Attributes:
+        kind: Kind of the repair.
+        time: Time when the missing pulse was due, or of the dropped one [s].
+    """
 
     kind: Literal["missing", "extra"]
     time: float
@@ -83,7 +95,13 @@ class Repair:
 
 @dataclass(frozen=True)
 class Gap:
-    """A stretch from `start` to `end` [s] in which the angle is not known, for a reason in words."""
+    """A stretch in which the angle is not known.
+
+    Attributes:
+        start: Beginning [s].
+        end: End [s].
+        reason: Reason in words.
+    """
 
     start: float
     end: float
@@ -92,11 +110,14 @@ class Gap:
 
 @dataclass(frozen=True)
 class ShaftAngle:
-    """The angle of the shaft over time.
+    """Angle of the shaft over time.
 
-    edge_time: (E,) instants of the edges that were kept [s]. edge_angle: (E,) angle at each [rad]; how many turns a gap took
-    is a guess in it. jitter: rms error of an edge, estimated from the edges themselves, as an angle [rad]. repairs: pulses
-    bridged or dropped, in order of time. gaps: stretches without an angle.
+    Attributes:
+        edge_time: Instants (E,) of the edges that were kept [s].
+        edge_angle: Angle (E,) at each edge [rad]; the number of turns in a gap is a guess in it.
+        jitter: Rms error of an edge, estimated from the edges themselves, as an angle [rad].
+        repairs: Pulses bridged or dropped, in order of time.
+        gaps: Stretches without an angle.
     """
 
     edge_time: Floats
@@ -107,17 +128,31 @@ class ShaftAngle:
 
     @property
     def pieces(self) -> tuple[tuple[float, float], ...]:
-        """Stretches [s] from first to last edge without a gap."""
+        """Return the stretches from first to last edge without a gap [s]."""
         begins = [float(self.edge_time[0]), *(gap.end for gap in self.gaps)]
         ends = [*(gap.start for gap in self.gaps), float(self.edge_time[-1])]
         return tuple((begin, end) for begin, end in zip(begins, ends, strict=True) if end > begin)
 
     def at(self, time: Floats) -> Floats:
-        """Angle [rad] at instants [s], any shape; not a number before the first edge, behind the last and in gaps."""
+        """Compute the angle at some instants.
+
+        Args:
+            time: Instants (...), of any shape [s].
+
+        Returns:
+            Angles (...) [rad]; NaN before the first edge, behind the last and in gaps.
+        """
         return np.where(self._known(time), self._curve(time), math.nan)
 
     def speed(self, time: Floats) -> Floats:
-        """Speed [rad/s] at instants [s], as `at`. One turn's value, as noisy as the edges are."""
+        """Compute the speed at some instants: one turn's value, as noisy as the edges are.
+
+        Args:
+            time: Instants (...), of any shape [s].
+
+        Returns:
+            Speeds (...) [rad/s]; NaN before the first edge, behind the last and in gaps.
+        """
         return np.where(self._known(time), self._curve(time, 1), math.nan)
 
     def _known(self, time: Floats) -> NDArray[np.bool_]:
@@ -136,7 +171,17 @@ class ShaftAngle:
 
 
 def threshold_of(signal: Floats) -> Threshold:
-    """Halfway between the two levels of a pulse waveform (N,). Raises NoPulses where it has but one level."""
+    """Choose the threshold halfway between the two levels of a pulse waveform.
+
+    Args:
+        signal: Waveform (N,) [any unit].
+
+    Returns:
+        The threshold [unit of the waveform].
+
+    Raises:
+        NoPulses: The waveform has but one level.
+    """
     signal = signal[np.isfinite(signal)]
     low, high = (float(level) for level in np.quantile(signal, (LEVEL_QUANTILE, 1.0 - LEVEL_QUANTILE)))
     if not high > low:
@@ -149,10 +194,20 @@ def threshold_of(signal: Floats) -> Threshold:
 
 
 def edges(signal: Floats, *, sampling_rate: float, threshold: Threshold, edge: Edge = "rising", start: float = 0.0) -> Floats:
-    """Instants [s] at which a waveform (N,) crosses the threshold's level, interpolated linearly between two samples.
+    """Find the instants at which a waveform crosses the threshold's level, interpolated linearly between two samples.
 
-    A rising edge counts when the signal has been below level - hysteresis/2 before and goes above level + hysteresis/2
-    behind it; a falling edge is the mirror image. sampling_rate: [Hz]. start: instant of the first sample [s].
+    A rising edge counts when the signal has been below level - hysteresis/2 before and goes above level + hysteresis/2 behind
+    it; a falling edge is the mirror image.
+
+    Args:
+        signal: Waveform (N,) [any unit].
+        sampling_rate: Sampling rate [Hz].
+        threshold: The threshold.
+        edge: Kind of the edge.
+        start: Instant of the first sample [s].
+
+    Returns:
+        Instants (P,) [s].
     """
     sign = 1.0 if edge == "rising" else -1.0
     height = sign * (np.asarray(signal, dtype=float) - threshold.level)
@@ -169,14 +224,22 @@ def edges(signal: Floats, *, sampling_rate: float, threshold: Threshold, edge: E
 
 
 def _crossing(height: Floats, below: NDArray[np.intp]) -> Floats:
-    """Where a straight line from sample `below` to the next one passes zero, in samples; not a number beside a gap."""
+    """Interpolate where a straight line from sample `below` to the next one passes zero, in samples; NaN beside a gap."""
     return np.asarray(below + height[below] / (height[below] - height[below + 1]))
 
 
 def monotone_slopes(time: Floats, angle: Floats) -> Floats:
-    """Slope (E,) at each knot: that of the parabola through it and its neighbours, limited so that the cubic is monotone.
+    """Compute the slope at each knot of a monotone cubic through all knots.
 
-    The limit of three times the smaller neighbouring slope is that of Fritsch and Carlson (1980, doi:10.1137/0717021).
+    It is that of the parabola through the knot and its neighbours, limited so that the cubic is monotone; the limit of three
+    times the smaller neighbouring slope is that of Fritsch and Carlson (1980, doi:10.1137/0717021).
+
+    Args:
+        time: Instants of the knots (E,) [s].
+        angle: Angles at the knots (E,) [rad].
+
+    Returns:
+        Slopes (E,) [rad/s].
     """
     secant = np.diff(angle) / np.diff(time)
     if secant.size == 1:
@@ -191,17 +254,25 @@ def monotone_slopes(time: Floats, angle: Floats) -> Floats:
 
 
 def shaft_angle(times: Floats, *, pulses_per_turn: int = 1) -> ShaftAngle:
-    """The angle from the instants of all edges (P,) [s], rising; missing and double pulses repaired or declared.
+    """Compute the angle of the shaft from the instants of all edges, missing and double pulses repaired or declared.
 
-    pulses_per_turn: evenly spaced marks; the first good edge is taken as angle zero, so that with more than one the phase is
-    known up to a multiple of 2π / pulses_per_turn only, and nothing behind a gap is used. A turn with twice the marks
-    declared cannot be told from twice the speed.
+    With more than one mark the phase is known up to a multiple of 2π / pulses_per_turn only, as the first good edge is taken
+    as angle zero, and nothing behind a gap is used. A turn with twice the marks declared cannot be told from twice the speed.
+    Near standstill, where the speed changes by more than a tenth in a turn, a longer turn may pass for a missing pulse.
 
-    Raises NoPulses for fewer than four edges; SeveralPulses for an uneven pattern that repeats every few edges where one mark
-    is declared; InconsistentIntervals when no two intervals in a row agree, fewer than four
-    edges are good, repairs and gaps are more than a fifth of them, gaps take more than half of the time, or the edges
-    scatter by more than 5 % of the interval. Near standstill, where the speed changes by more than a tenth in a turn, a
-    longer turn may pass for a missing pulse.
+    Args:
+        times: Instants of the edges (P,), ascending [s].
+        pulses_per_turn: Number of evenly spaced marks.
+
+    Returns:
+        The angle.
+
+    Raises:
+        ValueError: pulses_per_turn is below 1.
+        NoPulses: There are fewer than four edges.
+        SeveralPulses: An uneven pattern repeats every few edges where one mark is declared.
+        InconsistentIntervals: No two intervals in a row agree, fewer than four edges are good, repairs and gaps are more than
+            a fifth of them, gaps take more than half of the time, or the edges scatter by more than 5 % of the interval.
     """
     if pulses_per_turn < 1:
         raise ValueError(f"pulses_per_turn is {pulses_per_turn}: it must be 1 or more")
@@ -245,7 +316,7 @@ class _GoodEdges:
 
 
 def _good_edges(times: Floats, local: Floats, anchors: NDArray[np.intp], *, may_leave_gaps: bool) -> _GoodEdges:
-    """Go from edge to edge, from the first anchor on; local: (P-1,) interval expected at each edge [s]."""
+    """Follow the edges from the first anchor on; local: (P-1,) interval expected at each edge [s]."""
     at = int(anchors[0])
     found = _GoodEdges([at], [0], [], [])
     while at < times.size - 1:
@@ -271,7 +342,14 @@ def _good_edges(times: Floats, local: Floats, anchors: NDArray[np.intp], *, may_
 
 
 def repeated_pattern(interval: Floats) -> int | None:
-    """After how many intervals (P,) an uneven pattern repeats, turn after turn; None where it does not."""
+    """Find the number of intervals after which an uneven pattern repeats, turn after turn.
+
+    Args:
+        interval: Intervals (P,) [s].
+
+    Returns:
+        The number; None where no pattern repeats.
+    """
     for marks in range(2, min(MOST_MARKS, interval.size // FEWEST_PULSES) + 1):
         # Over a whole turn about an interval the pattern averages out, and a steady change of speed, too.
         window = np.ones(marks) if marks % 2 else np.concatenate([[0.5], np.ones(marks - 1), [0.5]])
@@ -296,10 +374,24 @@ def read_keyphasor(
     pulses_per_turn: int = 1,
     threshold: Threshold | None = None,
 ) -> ShaftAngle:
-    """The angle of the shaft from a keyphasor's waveform (N,); arguments as in `edges` and `shaft_angle`, errors too.
+    """Compute the angle of the shaft from a keyphasor's waveform.
 
-    threshold: chosen from the signal unless given. An edge steeper than a sample is known to half a sample only: a keyphasor
-    wants the fastest sampling of all channels. Raises KeyphasorError when more than a tenth of the samples are not finite.
+    An edge steeper than a sample is known to half a sample only: a keyphasor wants the fastest sampling of all channels.
+
+    Args:
+        signal: Waveform (N,) [any unit].
+        sampling_rate: Sampling rate [Hz].
+        start: Instant of the first sample [s].
+        edge: Kind of the edge.
+        pulses_per_turn: Number of evenly spaced marks.
+        threshold: The threshold; None to choose it from the signal.
+
+    Returns:
+        The angle.
+
+    Raises:
+        NoPulses: The waveform has no samples or no pulses, see `threshold_of` and `shaft_angle`.
+        KeyphasorError: More than a tenth of the samples are not finite, or the edges give no angle, see `shaft_angle`.
     """
     if not signal.size:
         raise NoPulses("the keyphasor has no samples")
@@ -312,7 +404,7 @@ def read_keyphasor(
 
 
 def _next_edge(times: Floats, at: int, local: float) -> tuple[int, int] | None:
-    """Index of the edge that follows edge `at`, and by how many intervals; None where none lies near enough to a due time."""
+    """Find the index of the edge that follows edge `at`, and by how many intervals; None where none lies near a due time."""
     ahead = (times[at + 1 : at + 2 + EXTRA_IN_A_ROW] - times[at]) / local
     for count in range(1, MISSING_IN_A_ROW + 2):
         away = np.abs(ahead - count)
@@ -323,7 +415,7 @@ def _next_edge(times: Floats, at: int, local: float) -> tuple[int, int] | None:
 
 
 def _scatter(time: Floats, number: NDArray[np.int_]) -> float:
-    """Rms error of an edge, part of the interval, from third divided differences of four in a row.
+    """Estimate the rms error of an edge, part of the interval, from third divided differences of four in a row.
 
     They vanish for constant acceleration; independent errors add in them to √20/6.
     """

@@ -59,7 +59,19 @@ def baseline_band(name: str, value: Floats, error: Floats) -> Band:
 
 
 def magnitude_band(name: str, value: Complexes, error: Complexes) -> Band:
-    """The same for the magnitude of an unbalance: value (n,) complex, error (n,) of its real and imaginary part."""
+    """Compute the band of an unbalance's magnitude from the estimates of n runs.
+
+    Args:
+        name: Name of the excitation.
+        value: Complex estimates (n,) in the excitation's unit [SI].
+        error: Standard errors (n,) of real and imaginary part in the excitation's unit [SI].
+
+    Returns:
+        Band of the magnitude in the excitation's unit [SI].
+
+    Raises:
+        ValueError: The baseline is empty.
+    """
     names = tuple(f"{name}.{part}" for part in COMPONENTS)
     points = [
         Point(names, np.array([v.real, v.imag]), np.diag([e.real**2, e.imag**2])) for v, e in zip(value, error, strict=True)

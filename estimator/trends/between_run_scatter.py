@@ -32,8 +32,11 @@ EXCITATION_SCATTER = 0.03
 [-].
 """
 LEAST_EXCITATION = 1.0 / 3.0
-"""Small unbalances take up what the model lacks: none is expected to repeat better than this part of the largest does."""
+"""Part of the largest excitation's magnitude that a smaller one's scatter is measured by at least [-]: small unbalances take
+up what the model lacks.
+"""
 GAIN = "gain"
+"""Quantity of a channel's gain in its parameters' names."""
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,7 @@ def _expected(name: str) -> float:
 
 
 def _beside(name: str, at: Mapping[str, float]) -> float:
-    """Geometric mean of the direct terms beside a cross-coupled one, as far as they are known; else its own magnitude."""
+    """Compute the geometric mean of the direct terms beside a cross-coupled one, as far as known; else its own magnitude."""
     said = describe(name)
     beside = () if said.term is None else tuple(map(said.of_term, said.term.beside))
     known = [at[one] for one in beside if one in at]

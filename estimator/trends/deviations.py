@@ -227,13 +227,27 @@ def comparable(baseline: Sequence[Point], now: Point) -> tuple[str, ...]:
 
 
 def parameter_of(coordinate: str) -> str:
-    """`disc.D1.unbalance` of `disc.D1.unbalance.real`."""
+    """Return the parameter of a coordinate: `disc.D1.unbalance` of `disc.D1.unbalance.real`.
+
+    Args:
+        coordinate: Name of the coordinate.
+
+    Returns:
+        Name of the parameter.
+    """
     said = describe(coordinate)
     return coordinate if said.component is None else said.whole
 
 
 def element_of(name: str) -> str:
-    """`bearing.B1` of `bearing.B1.kxx`."""
+    """Return the element of a parameter: `bearing.B1` of `bearing.B1.kxx`.
+
+    Args:
+        name: Name of the parameter or coordinate.
+
+    Returns:
+        Name of the element.
+    """
     return describe(name).element
 
 

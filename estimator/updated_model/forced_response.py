@@ -82,9 +82,15 @@ def forced_response(
 
 
 def coefficient_slopes(coordinates: Coordinates, theta: Floats, coefficients: Floats) -> dict[int, dict[int, Floats]]:
-    """Return per coefficient and coordinate the derivative (S,) of the one by the other's value, see `Coordinates.point`.
+    """Compute the derivatives of the coefficients by the coordinates, as values in SI or logarithms.
 
-    theta: (n,) fit coordinates. coefficients: (S, K) there [SI].
+    Args:
+        coordinates: Coordinates of the fit.
+        theta: Fit coordinates θ (n,) [-].
+        coefficients: Coefficients (S, K) [SI].
+
+    Returns:
+        By index of coefficient and of coordinate, the derivative (S,) of the one by the other [SI].
     """
     slopes: dict[int, dict[int, Floats]] = {}
     for k, logarithmic in enumerate(coordinates.logarithmic):

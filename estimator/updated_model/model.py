@@ -72,7 +72,14 @@ class UpdatedModel:
         return cls(exact, coordinates.names, coordinates.point(theta), covariance)
 
     def coordinates_at(self, speed: Floats) -> Coordinates:
-        """The map from coordinates to physical parameters at speeds (S,) [rad/s]."""
+        """Return the map from coordinates to physical parameters at some speeds.
+
+        Args:
+            speed: Speeds (S,) [rad/s].
+
+        Returns:
+            The map.
+        """
         return _coordinates(self.machine).at_speeds(np.asarray(speed, dtype=float))
 
     def coefficients(self, speed: float) -> Floats:
@@ -128,7 +135,7 @@ class UpdatedModel:
 
     @cached_property
     def matrices(self) -> Callable[[float], SystemMatrices]:
-        """What gives the matrices of the whole train over the coordinates of `basis` at a spin speed [rad/s, without sign]."""
+        """Return the function that gives the train's matrices over `basis` at a spin speed [rad/s, without sign]."""
         constant = not _coordinates(self.machine).models
         return system_matrices_over_speed(
             self.scaled_machine,
