@@ -1,4 +1,4 @@
 """The store of Rundown: tables, migrations and repositories, on SQLite by default and PostgreSQL by URL.
 
-It may import the data types of `estimator`, never `service`. Rows come from the service's ingest and workers and go to the API.
+It may import the data types of `estimator`, never `service`. Rows come from ingest and workers and go to the API.
 """

@@ -1,4 +1,4 @@
-"""The house: which room may import which, that no file or room is in a circle, and that rooms stay small and say what they are.
+"""The house: which room may import which, that no file or room is in a circle, and that rooms are small and say what they are.
 
 A room is a folder of one of the packages. `ROOMS` is the picture in docs/developers.md: an arrow that is not in it fails
 here, and so does one that nobody goes any more.

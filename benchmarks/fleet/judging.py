@@ -86,7 +86,7 @@ def _is_true(history: History, one: Opened) -> bool:
 
 
 def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
-    """The alerts that the service has standing with its default limits: `service.monitoring.conclusions` without a database."""
+    """Return the alerts that the service has open with its default limits: its monitoring without a database."""
     machine, limits = history.machine, Limits()
     channels = tuple(probe.id for probe in machine.probes)
     observations = [observed(one, channels) for one in weeks]

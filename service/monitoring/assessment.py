@@ -1,4 +1,4 @@
-"""The context that an assessment of a machine's newest runs is made from, and the assessment: see `service.monitoring.assess`."""
+"""The context that an assessment of a machine's newest runs is made from, and the assessment that `assess.py` makes of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

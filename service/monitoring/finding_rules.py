@@ -1,6 +1,6 @@
 """The findings that people are told of, each declared once: the alert rule that speaks of it, its limits and its sentence.
 
-`FINDING_RULES` has one declaration for each of `estimator.diagnosis.finding_kinds.FINDING_KINDS`; the module is not imported without.
+`FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; the module cannot be imported without.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Limits that a person sets for a machine: when a finding is an alert, when it is a danger, and how patient both are.
 
-Whatever a document leaves out is as in the defaults, which `service.monitoring.finding_rules` declares; they are starting points.
+Whatever a document leaves out is as in the defaults, which `finding_rules.py` declares; they are starting points.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Run collection: new samples of a machine move its state on; runs begin and end. `service.runs.closing` gathers their samples."""
+"""Run collection: new samples of a machine move its state on; runs begin and end. `closing.py` gathers their samples."""
 
 import logging
 import threading

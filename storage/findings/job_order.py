@@ -16,7 +16,7 @@ better priorities is taken all the same, once in OVERDUE_SHARE jobs, so that not
 
 Turns are fair queueing (start times of virtual time): a job gets its `turn` when it is queued, the one behind its plant's
 newest job, but none before the turn that is being computed now. All of this stands in the rows, and taking the next jobs reads
-as many rows from an index as it takes. How many jobs a person may have waiting is bounded in `service.identification.job_quota`.
+as many rows from an index as it takes. The service bounds how many jobs a person may have waiting.
 """
 
 from collections.abc import Sequence

@@ -122,7 +122,7 @@ class EstimateRow(Base):
 
 
 class DerivedRow(Base):
-    """One quantity that follows from an identification, see `estimator.updated_model.derived_quantities`. Values are null for a `reason`."""
+    """One quantity derived from an identification. Values are null for a `reason`."""
 
     __tablename__ = "derived_quantities"
     __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)
