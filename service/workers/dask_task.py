@@ -12,7 +12,7 @@ from typing import TypedDict
 from service.configuration.release import VERSION
 from service.workers.process_pool import ProcessPool, failed
 
-TASK_FORM = 2
+TASK_FORM = 3
 """Counts changes of the tasks and their results within a release, their modules' names among them: they travel pickled."""
 RELEASE = f"{VERSION}, tasks of form {TASK_FORM}"
 """Of the code that makes tasks and opens them."""
