@@ -1,0 +1,42 @@
+"""A store of the release before the rooms: opened, answered from as that release answered, and gone on with."""
+
+import gzip
+import json
+from pathlib import Path
+from typing import Any
+
+from tests.end_to_end.processes import DATA, EXAMPLES, Service, process, until
+
+MACHINE = "thesis-chapter-3"
+AGE = frozenset({"age_s", "silent_s"})
+"""Fields that say how long ago something was."""
+
+
+def without_age(value: Any) -> Any:
+    """Return an answer without what depends on when it is asked for."""
+    if isinstance(value, dict):
+        return {name: without_age(one) for name, one in value.items() if name not in AGE}
+    return [without_age(one) for one in value] if isinstance(value, list) else value
+
+
+def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
+    (tmp_path / "rundown.db").write_bytes(gzip.decompress((DATA / "store-before-rooms.db.gz").read_bytes()))
+    before: dict[str, Any] = json.loads(gzip.decompress((DATA / "store-before-rooms.json.gz").read_bytes()))
+    service = Service(tmp_path)
+    with service.client, service.running():
+        identified = before[f"/machines/{MACHINE}/identifications"]
+        for path, answer in before.items():
+            now = service.client.get(path).json()
+            if path.endswith(("/runs", "/identifications")):
+                now = [one for one in now if one["id"] in {old["id"] for old in answer}]
+            if path not in ("/machines", f"/machines/{MACHINE}", f"/machines/{MACHINE}/deviations"):
+                assert without_age(now) == without_age(answer), path
+        # What comes now is numbered, collected and identified behind what was there.
+        truth = tmp_path / "truth.jsonl"
+        flags = ["--cycles", "1", "--samples", "40", "--rate", "120", "--seed", "5", "--truth", str(truth)]
+        with process(
+            tmp_path / "simulate.log", "simulate", f"{EXAMPLES / MACHINE}.yaml", *flags, "--connect", service.endpoint
+        ) as one:
+            assert one.wait(60) == 0
+        newest = f"/machines/{MACHINE}/identifications"
+        until(lambda: len(service.get(newest)) > len(identified), within_s=90, what="a new identification")
