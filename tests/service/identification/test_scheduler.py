@@ -374,9 +374,8 @@ def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_ot
     caplog: pytest.LogCaptureFixture,
     tmp_path: Path,
 ) -> None:
-    caplog.set_level(
-        "CRITICAL", logger="service.identification.result_filing"
-    )  # what it logs cannot be told to another process of tests
+    # What it logs, half a character, cannot be told to another process of tests.
+    caplog.set_level("CRITICAL", logger="service.identification")
     with database.transaction() as session:
         machines.create(session, train)
     for number in range(3):
