@@ -1,5 +1,4 @@
-"""Calibrations of a machine's channels. They also appear on the timeline, because a step in a trend may come from the probe.
-"""
+"""Calibrations of a machine's channels. The timeline shows them too: a step in a trend may come from the probe."""
 
 from datetime import datetime
 from typing import Annotated

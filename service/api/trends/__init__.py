@@ -1,2 +1,1 @@
-"""Parameter histories in columns, downsampled and in the requested units. It imports `conventions`, `cache` and `monitoring`.
-"""
+"""Parameter histories in columns, downsampled, in the requested units. It imports `conventions`, `cache` and `monitoring`."""
