@@ -19,7 +19,7 @@ NO_STORE = (b"cache-control", b"no-store")
 
 
 class SecurityHeaders:
-    """ASGI middleware, outermost but for HEAD requests."""
+    """ASGI middleware that adds missing headers to every answer, refusals by the guard included."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

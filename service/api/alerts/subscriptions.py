@@ -63,7 +63,7 @@ def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
     if said.secret_file is None and said.secret_env is None:
         return None
     who = principal(request)
-    if who.plants is not None:  # the service would sign messages to them with another plant's secret
+    if who.plants is not None:  # else the service would sign their messages with another plant's secret
         detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
         raise HTTPException(status.HTTP_403_FORBIDDEN, detail)
     return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
