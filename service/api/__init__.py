@@ -1,1 +1,1 @@
-"""The REST API. `application.py` joins its rooms and `openapi.py` describes it; nothing below imports these two."""
+"""The REST API: `application.py` joins its rooms, `openapi.py` describes it. Nothing below imports these two."""

@@ -81,7 +81,7 @@ def main(
         bool, typer.Option("--version", is_eager=True, callback=_say_version, help="which release this is")
     ] = False,
 ) -> None:
-    """Condition monitoring of coupled rotor trains."""
+    """Monitor the condition of coupled rotor trains."""
 
 
 @app.command()
