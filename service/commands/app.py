@@ -376,7 +376,7 @@ def compare(
     files: RunFiles,
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
 ) -> None:
-    """Compare later runs with a baseline: changed coefficients at a coupling, an equivalent load in it, or no change."""
+    """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
     described, _, healthy = _identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")

@@ -27,7 +27,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def read_machine(path: Path) -> Machine:
-    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field or an excess of size."""
+    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also for an oversized one."""
     try:
         return accepted_machine(read_yaml(path))
     except DocumentError as error:

@@ -23,7 +23,7 @@ class TextLines(logging.Formatter):
 
 
 class JsonLines(logging.Formatter):
-    """Formatter of a JSON object per record: at (RFC 3339, UTC), level, logger, message, thread, and exception."""
+    """Formatter of a JSON object per record: at (RFC 3339, UTC), level, logger, message, thread, exception."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the record as JSON in one line."""

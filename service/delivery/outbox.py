@@ -93,9 +93,7 @@ class Outbox:
         return done
 
     def _record_together(self, finished: Mapping[int, DeliveryOutcome]) -> list[int]:
-        """Store outcomes in one transaction. Raises DBAPIError, also for damage: SQLite writes nothing more in that
-        transaction.
-        """
+        """Store outcomes in one transaction. Raises DBAPIError, also for damage: SQLite writes nothing more in it then."""
         done = []
         with self._database.transaction() as session:
             for number, outcome in finished.items():

@@ -7,7 +7,7 @@ from typing import Any
 from service.delivery.channel import DeliveryOutcome
 
 DEADLINE_S = 30.0
-"""Time limit of an attempt [s], whatever it waits for: a name server, a free thread, a server that answers in drips."""
+"""Time limit of an attempt [s], whatever it waits for: a name server, a free thread, a server that sends byte by byte."""
 
 
 async def within_deadline(sending: Coroutine[Any, Any, DeliveryOutcome]) -> DeliveryOutcome:

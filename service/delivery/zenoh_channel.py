@@ -34,8 +34,9 @@ class PlantNetwork:
     session: zenoh.Session
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
-        """Publish an event, without confirmation: readers that must not miss one query the last state, or the events over
-        REST.
+        """Publish an event.
+
+        Nobody confirms it: readers that must not miss one query the last state, or the events over REST.
         """
         key = alert_key(message.plant, message.event)
         try:

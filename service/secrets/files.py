@@ -22,9 +22,7 @@ def read_secret(path: str) -> str:
 
 
 def read_keys(path: str) -> list[bytes]:
-    """Return the encryption keys of a file, base64 of 32 bytes a line. Raises ValueError, whose message never holds the
-    content.
-    """
+    """Return the encryption keys of a file, base64 of 32 bytes a line. Raises ValueError, which never holds the content."""
     require_private(path)
     try:
         lines = Path(path).read_text(encoding="ascii").split()

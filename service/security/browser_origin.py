@@ -51,9 +51,7 @@ def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 def refusal(
     who: Principal, method: str, headers: Mapping[bytes, bytes], *, public_url: str, with_token: bool = True
 ) -> str | None:
-    """Return the reason why a change is refused, or None. with_token: require the session's token, which login and logout
-    lack.
-    """
+    """Return the reason why a change is refused, or None. with_token: False for login and logout, which need no token."""
     if method in SAFE_METHODS or who.kind not in ("open", "session", "anonymous"):
         return None
     found = foreign(headers, public_url=public_url)

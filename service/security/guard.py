@@ -49,7 +49,7 @@ class Guard:
         public_url: str = "",
         names_checked: bool = False,
     ) -> None:
-        """Set the limits: `requests` per principal, `failures` per address that guesses a key or a token.
+        """Set the limits: `requests` per client, `failures` per address that guesses a key or a token.
 
         An ended session or missing credentials do not count as guesses: a page sends several requests before it goes to log
         in. names_checked: without authentication, accept only names of this machine itself.

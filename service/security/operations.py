@@ -35,9 +35,7 @@ class Operations:
     def __init__(
         self, app: FastAPI, *, public: Mapping[str, Requirement], scoped: frozenset[str], free: frozenset[str]
     ) -> None:
-        """Collect the operations. scoped, free: path parameters that belong to a plant, and those that do not. Raises
-        Undeclared.
-        """
+        """Collect the operations. scoped, free: path parameters with and without a plant. Raises Undeclared."""
         self._all = tuple(_operations(app, public, scoped, free))
 
     def __iter__(self) -> Iterator[ApiOperation]:

@@ -50,9 +50,7 @@ PAGES = 8
 
 @dataclass(frozen=True)
 class Told:
-    """An event with its serialised form, whose bytes all clients share to save memory. event: None where it cannot be
-    rendered.
-    """
+    """An event with its serialised bytes, which all clients share. event: None where it cannot be rendered."""
 
     number: int
     event: AlertEvent | None

@@ -18,9 +18,7 @@ _names: dict[str, dict[str, bool]] = {}
 
 
 async def reject_unknown_parameters(request: Request) -> None:
-    """Raise RequestValidationError for an unknown parameter, one that holds NUL, or one repeated where only the last would
-    count.
-    """
+    """Raise RequestValidationError for a parameter that is unknown, holds NUL, or is repeated although it is no list."""
     route = request.scope["route"]
     if not request.scope["query_string"] or not isinstance(route, APIRoute):
         return

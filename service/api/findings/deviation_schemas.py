@@ -86,7 +86,7 @@ class AheadOut(BaseModel):
 
 
 class DriftOut(BaseModel):
-    """A slow drift, in per cent as the deviations; for an element's distance in units of the distance."""
+    """A slow drift: in per cent, as deviations are; for an element's distance in units of the distance."""
 
     per_week: float
     lower: float = Field(description="of the 95 % interval")

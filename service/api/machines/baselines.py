@@ -16,8 +16,9 @@ router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER]
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
 def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> list[schemas.BaselineOut]:
-    """List baselines begun by a maintenance or a person, newest first. Before the first, the machine's first runs serve as
-    baseline.
+    """List baselines begun by a maintenance or a person, newest first.
+
+    Before the first, the machine's first runs serve as baseline.
     """
     machines.get(session, machine_id)
     rows = baselines.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)

@@ -53,9 +53,7 @@ def read_me(request: Request) -> Me:
 
 @router.get("/audit", operation_id="list_audit", dependencies=[ADMIN_OF_ALL])
 def list_audit(session: Reading, paging: ById) -> list[AuditEntry]:
-    """List changes with who made them, when, from where and the outcome, newest first. `rundown audit verify` checks the
-    hashes.
-    """
+    """List changes with author, time, address and outcome, newest first. `rundown audit verify` checks the hashes."""
     rows = audit.newest(session, limit=paging.wanted, after=paging.after)
     return [
         AuditEntry(

@@ -77,7 +77,7 @@ async def _health(request: Request) -> schemas.Health:
     who = principal(request)
     if who.kind != "anonymous" and who.plants is None:
         return whole
-    # Faults may name machines and files: anonymous clients see only whether a part works.
+    # Faults may name machines and files: anonymous clients and those of single plants see only whether each works.
     outline = {name: "ok" if state == "ok" else "not ok" for name, state in parts.items()}
     return whole.model_copy(
         update={"parts": outline, "jobs": {}, "database": "", "warnings": []} | ({} if who.known else {"version": ""})
