@@ -1,4 +1,4 @@
-"""A typed client of the REST API: its answers are the models that the service answers with.
+"""A typed client of the REST API: it returns the same models that the service answers with.
 
 with Rundown("http://localhost:8080") as rundown:
     for alert in rundown.alerts(only_open=True):
@@ -34,14 +34,14 @@ M = TypeVar("M", bound=BaseModel)
 
 PREFIX = "/api/v1"
 TRIES = 3
-"""So often a request that got no answer is sent, under one Idempotency-Key."""
+"""Attempts of a request that got no answer, all under one Idempotency-Key."""
 PAUSE_S = 0.5
 PASSING = {429, 502, 503, 504}
-"""Answers of a service, or of a proxy before it, that is not well for the moment."""
+"""Statuses of temporary failures, of the service or of a proxy in front of it."""
 
 
 class Refused(Exception):
-    """The service refused; `problem` says what is wrong."""
+    """The service refused a request; `problem` says what is wrong."""
 
     def __init__(self, problem: Problem) -> None:
         fields = "; ".join(f"{one.field}: {one.message}" for one in problem.errors)
@@ -50,11 +50,11 @@ class Refused(Exception):
 
 
 class ChangedMeanwhile(Exception):
-    """What is to be changed is no longer what was read."""
+    """The object was changed since it was read."""
 
 
 class Rundown:
-    """The service at an address. key: an API key or a token; http: another client to ask with, such as one with a proxy."""
+    """Client of the service at an address. key: an API key or a token; http: another client to use, such as one with proxy."""
 
     def __init__(
         self, url: str = "http://127.0.0.1:8080", *, key: str | None = None, http: httpx.Client | None = None
@@ -84,7 +84,7 @@ class Rundown:
         return self._post(MachineRevision, "/machines", document.model_dump(mode="json"))
 
     def revise_machine(self, read: MachineRevision, document: Machine) -> MachineRevision:
-        """Put a document in force instead of the one that was read. Raises ChangedMeanwhile."""
+        """Replace the document that was read by another one. Raises ChangedMeanwhile."""
         path = f"/machines/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
         body = document.model_dump(mode="json")
@@ -94,15 +94,15 @@ class Rundown:
             there = self.machine(read.id)
             if there.document != document:
                 raise
-            return there  # it was done, and its answer was lost on the way
+            return there  # it was replaced, and the answer was lost on the way
 
     def fleet(self, *, since: datetime | None = None) -> Iterator[FleetMachine]:
-        """Yield every machine at a glance, with what happened since a time, by default a day ago."""
+        """Yield every machine's overview, with the counts of events since a time, by default a day ago."""
         for part in self._parts("/fleet", {} if since is None else {"since": since.isoformat()}):
             yield from (FleetMachine.model_validate(one) for one in part["machines"])
 
     def state(self, machine: str) -> MachineState:
-        """Tell what a machine is doing."""
+        """Return a machine's operating state."""
         return self._get(MachineState, f"/machines/{machine}/state")
 
     # --- runs and identifications
@@ -137,12 +137,12 @@ class Rundown:
     def trends(
         self, machine: str, *parameters: str, first: datetime | None = None, last: datetime | None = None, most: int = 5000
     ) -> Trends:
-        """Return histories of parameters and derived quantities, each of at most so many points."""
+        """Return histories of parameters and derived quantities, each of at most `most` points."""
         asked = {"parameter": list(parameters), "max_points": most} | _period(first, last)
         return self._get(Trends, f"/machines/{machine}/trends", asked)
 
     def deviations(self, machine: str) -> DeviationsOut:
-        """Tell how far the newest identification is from the baseline."""
+        """Return the deviations of the newest identification from the baseline."""
         return self._get(DeviationsOut, f"/machines/{machine}/deviations")
 
     # --- alerts
@@ -153,18 +153,18 @@ class Rundown:
         return self._each(AlertOut, path, {"open": only_open})
 
     def acknowledge(self, read: AlertOut, *, by: str, comment: str = "") -> AlertOut:
-        """Acknowledge an alert, as it was read. Raises ChangedMeanwhile."""
+        """Acknowledge an alert, unless it was changed since it was read. Raises ChangedMeanwhile."""
         path = f"/alerts/{read.id}"
         headers = {"If-Match": self._tag(path, read)}
         return self._post(AlertOut, f"{path}/acknowledge", {"by": by, "comment": comment}, headers)
 
     def note(self, machine: str, text: str, *, by: str, at: datetime, kind: str = "note") -> TimelineOut:
-        """Put a note, a marker or a maintenance on a machine's timeline."""
+        """Add a note, a marker or a maintenance to a machine's timeline."""
         body = {"text": text, "by": by, "at": at.isoformat(), "kind": kind}
         return self._post(TimelineOut, f"/machines/{machine}/timeline", body)
 
     def events(self, *, after: int | None = None) -> Iterator[AlertEvent]:
-        """Yield alert events for ever: from now on, or behind an event; goes on by itself when the stream broke off."""
+        """Yield alert events without end: from now on, or behind an event; reconnects when the stream breaks off."""
         while True:
             try:
                 for number, event in self._stream(after):
@@ -178,7 +178,7 @@ class Rundown:
                     raise
             time.sleep(PAUSE_S)
 
-    # --- asking
+    # --- requests
 
     def _stream(self, after: int | None) -> Iterator[tuple[int, AlertEvent | None]]:
         """Yield events with their numbers; first the number behind which the stream begins."""
@@ -238,7 +238,7 @@ class Rundown:
                 time.sleep(PAUSE_S)
                 continue
             if answer.status_code == httpx.codes.CONFLICT and "retry-after" in answer.headers and left:
-                time.sleep(PAUSE_S)  # its first try is still under way
+                time.sleep(PAUSE_S)  # the first attempt is still under way
                 continue
             if answer.status_code == httpx.codes.PRECONDITION_FAILED:
                 raise ChangedMeanwhile(f"{path} was changed since it was read: read it again")
@@ -255,7 +255,7 @@ def _status(error: Refused | httpx.HTTPStatusError) -> int:
 def _refused(answer: httpx.Response) -> Exception:
     try:
         return Refused(Problem.model_validate_json(answer.content))
-    except ValueError:  # not the service itself, perhaps a proxy
+    except ValueError:  # the answer is not the service's, perhaps a proxy's
         return httpx.HTTPStatusError(f"{answer.status_code} {answer.text[:200]}", request=answer.request, response=answer)
 
 

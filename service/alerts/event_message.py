@@ -1,4 +1,4 @@
-"""An alert event as everybody is told of it: in the API, in streams and in deliveries."""
+"""The form of an alert event for everybody: in the API, in streams and in deliveries."""
 
 from datetime import datetime
 
@@ -31,7 +31,7 @@ class AlertEvent(BaseModel):
 
 
 def alert_event(row: AlertEventRow) -> AlertEvent:
-    """From its row."""
+    """Return the message of a stored event."""
     return AlertEvent(
         id=row.id,
         alert=row.alert_id,

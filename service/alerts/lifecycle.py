@@ -1,7 +1,7 @@
 """The life of an alert, after ISA-18.2: a pure state machine.
 
-An alert's condition follows what identifications find and what people do. Beneath a suppression it goes on following, without
-calling anybody. `advance` takes a standing and an event and gives the next standing, or says why the event is not allowed.
+An alert's condition follows the findings of identifications and the actions of people. Under a suppression it follows them
+too, but notifies nobody. `advance` takes a standing and an event and returns the next standing, or raises Forbidden.
 
 Source: ANSI/ISA-18.2-2016, the alarm state transition diagram (here as retold in public descriptions of it).
 """
@@ -13,33 +13,33 @@ from estimator.errors import Conflict
 
 
 class Severity(IntEnum):
-    """How much an alert matters."""
+    """Severity of an alert."""
 
     ALERT = 1
     DANGER = 2
 
     @property
     def label(self) -> str:
-        """As in answers and messages."""
+        """Return the name in answers and messages."""
         return self.name.lower()
 
 
 class AlertCondition(StrEnum):
-    """Where an alert stands as to its cause and to the people who answer for it."""
+    """State of an alert with respect to its cause and its acknowledgement."""
 
     NORMAL = "normal"
     UNACKNOWLEDGED = "unacknowledged"
     ACKNOWLEDGED = "acknowledged"
     RETURNED = "returned"
-    """The cause is gone, nobody has acknowledged."""
+    """The cause is gone; nobody has acknowledged the alert."""
     LATCHED_UNACKNOWLEDGED = "latched_unacknowledged"
     """The cause is gone; a person must acknowledge and reset."""
     LATCHED_ACKNOWLEDGED = "latched_acknowledged"
-    """The cause is gone, acknowledged; a person must reset."""
+    """The cause is gone and the alert acknowledged; a person must reset it."""
 
 
 class Suppression(StrEnum):
-    """Why an alert calls nobody although it may have a cause; the first that holds gives the visible state."""
+    """Reasons why an alert with a cause notifies nobody; the first that holds is the visible state."""
 
     OUT_OF_SERVICE = "out_of_service"
     SUPPRESSED_BY_DESIGN = "suppressed_by_design"
@@ -47,7 +47,7 @@ class Suppression(StrEnum):
 
 
 ACTIVE = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.ACKNOWLEDGED})
-"""Conditions in which the cause is there."""
+"""Conditions with a present cause."""
 LATCHED = frozenset({AlertCondition.LATCHED_UNACKNOWLEDGED, AlertCondition.LATCHED_ACKNOWLEDGED})
 CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, AlertCondition.LATCHED_UNACKNOWLEDGED})
 """Conditions that wait for an acknowledgement."""
@@ -55,7 +55,7 @@ CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, Ale
 
 @dataclass(frozen=True)
 class AlertStanding:
-    """Where an alert stands. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
+    """State of an alert. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
 
     condition: AlertCondition = AlertCondition.NORMAL
     severity: Severity = Severity.ALERT
@@ -64,7 +64,7 @@ class AlertStanding:
 
     @property
     def state(self) -> str:
-        """The visible state: a suppression, or the condition."""
+        """Return the visible state: a suppression, or the condition."""
         for suppression in Suppression:
             if suppression in self.suppressions:
                 return suppression.value
@@ -72,13 +72,13 @@ class AlertStanding:
 
     @property
     def closed(self) -> bool:
-        """Whether the episode is over. A suppression lives on without it."""
+        """Return whether the episode is over. Suppressions may outlast it."""
         return self.condition is AlertCondition.NORMAL
 
 
 @dataclass(frozen=True)
 class Raised:
-    """The cause is there, as severe as that."""
+    """The cause is present, with this severity."""
 
     severity: Severity = Severity.ALERT
 
@@ -90,24 +90,24 @@ class Cleared:
 
 @dataclass(frozen=True)
 class Acknowledged:
-    """A person has seen it."""
+    """A person has acknowledged the alert."""
 
 
 @dataclass(frozen=True)
 class Reset:
-    """A person unlatches it."""
+    """A person resets the latched alert."""
 
 
 @dataclass(frozen=True)
 class Suppressed:
-    """From now on it calls nobody."""
+    """A suppression begins: the alert notifies nobody."""
 
     suppression: Suppression
 
 
 @dataclass(frozen=True)
 class Released:
-    """A suppression is over."""
+    """A suppression has ended."""
 
     suppression: Suppression
 
@@ -116,11 +116,11 @@ Event = Raised | Cleared | Acknowledged | Reset | Suppressed | Released
 
 
 class Forbidden(Conflict):
-    """The event is not allowed where the alert stands; the message says why and what would be right."""
+    """The event is not allowed in the alert's state; the message says why and what would be right."""
 
 
 def advance(standing: AlertStanding, event: Event) -> AlertStanding:
-    """The next standing; an equal one when the event changes nothing. Raises Forbidden."""
+    """Return the next standing, an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):
             return _raised(standing, severity)
@@ -150,7 +150,7 @@ def _cleared(standing: AlertStanding) -> AlertStanding:
     if standing.latching:
         latched = AlertCondition.LATCHED_ACKNOWLEDGED if seen else AlertCondition.LATCHED_UNACKNOWLEDGED
         return replace(standing, condition=latched)
-    # Nobody was called while it was suppressed, so nobody need answer.
+    # Nobody was notified while it was suppressed, and nobody needs to acknowledge.
     gone = seen or bool(standing.suppressions)
     return replace(standing, condition=AlertCondition.NORMAL if gone else AlertCondition.RETURNED)
 
@@ -184,5 +184,5 @@ def _released(standing: AlertStanding, suppression: Suppression) -> AlertStandin
     left = standing.suppressions - {suppression}
     condition = standing.condition
     if not left and condition is AlertCondition.ACKNOWLEDGED:
-        condition = AlertCondition.UNACKNOWLEDGED  # it calls again: who acknowledged it may long be gone
+        condition = AlertCondition.UNACKNOWLEDGED  # it notifies again: the person who acknowledged it may long be gone
     return replace(standing, condition=condition, suppressions=left)

@@ -1,7 +1,7 @@
-"""What happens to alerts: each event moves the alert's standing, is written down and queued for delivery, all at once.
+"""Transitions of alerts: each event changes the alert's standing, is recorded, and is queued for delivery.
 
-Everything here works inside the caller's transaction, so that a state without its event, or an event that nobody is told of,
-cannot be stored.
+All functions work inside the caller's transaction: a state without its event, or an event without its deliveries, cannot be
+stored.
 """
 
 from collections.abc import Sequence
@@ -31,29 +31,29 @@ from storage.clock import now
 from storage.tables import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
-"""Who does what nobody else does."""
+"""Author of events that no person causes."""
 LONGEST_SHELVING_DAYS = 30
 LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
-"""Shelving ends: at the latest after thirty days [ns]."""
+"""Longest shelving: thirty days [ns]."""
 
 
 class MomentRefused(Invalid):
-    """An alert is not shelved until then."""
+    """The end of a shelving is not permitted."""
 
     @property
     def detail(self) -> str:
-        """Say that a field is wrong; `field_errors` says which."""
+        """Return that the request is wrong; `field_errors` names the field."""
         return "the request is wrong"
 
     @property
     def field_errors(self) -> Sequence[tuple[str, str]]:
-        """Blame the field that says until when."""
+        """Return the error for the field `until`."""
         return [("until", str(self))]
 
 
 @dataclass(frozen=True)
 class AlertFinding:
-    """What an identification says for an alert: its message, evidence and severity."""
+    """Finding of an identification for an alert: its message, evidence and severity."""
 
     message: str
     evidence: dict[str, Any]
@@ -65,14 +65,14 @@ class AlertFinding:
 
 @dataclass(frozen=True)
 class Person:
-    """Who does something, and why."""
+    """The author of an action, with a comment."""
 
     name: str
     comment: str = ""
 
 
 def standing(row: AlertRow) -> AlertStanding:
-    """Where a stored alert stands."""
+    """Return the standing of a stored alert."""
     return AlertStanding(
         condition=AlertCondition(row.condition),
         severity=Severity(row.severity),
@@ -82,7 +82,7 @@ def standing(row: AlertRow) -> AlertStanding:
 
 
 def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, finding: AlertFinding) -> AlertRow:
-    """The cause is there: open an episode, or bring the open one up to date."""
+    """Open an episode because the cause is present, or update the open one."""
     row = alerts.open_alert(session, machine_id, rule=rule, element=element)
     if row is None:
         row = alerts.add(
@@ -107,29 +107,29 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
 
 
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
-    """The cause is gone."""
+    """Record that the cause is gone."""
     _happen(session, row, Cleared(), "cleared", Person(SERVICE, comment))
 
 
 def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
-    """A person has seen it. Raises Forbidden."""
+    """Record that a person has seen the alert. Raises Forbidden."""
     _happen(session, row, Acknowledged(), "acknowledged", person)
 
 
 def reset(session: Session, row: AlertRow, person: Person) -> None:
-    """A person unlatches it. Raises Forbidden."""
+    """Reset a latched alert. Raises Forbidden."""
     _happen(session, row, Reset(), "reset", person)
 
 
 def comment(session: Session, row: AlertRow, person: Person) -> None:
-    """A person notes something, also on a closed alert."""
+    """Add a person's comment, also to a closed alert."""
     _record(session, row, "commented", row.state, person, at=now())
 
 
 def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
-    """Let it call nobody until a moment [ns], neither now nor in a later episode.
+    """Shelve an alert until a moment [ns]: it notifies nobody, nor does a later episode before then.
 
-    Raises Forbidden, and MomentRefused for one that has passed or is more than 30 days ahead: nothing is shelved for ever.
+    Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
     """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
@@ -164,7 +164,7 @@ def suppress(
     element: str | None = None,
     until: int | None = None,
 ) -> SuppressionRow:
-    """Suppress the alerts of a machine, or those of a rule or an element, open ones and ones to come."""
+    """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones."""
     begun = suppressions.add(
         session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
     )
@@ -187,7 +187,7 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
 
 
 def release_over(session: Session) -> int:
-    """End every suppression whose time is over. Returns how many."""
+    """End every expired suppression, and return their number."""
     over = suppressions.over(session, now())
     for one in over:
         release(session, one, Person(SERVICE, "its time is over"))
@@ -195,7 +195,7 @@ def release_over(session: Session) -> int:
 
 
 def any_over(session: Session) -> bool:
-    """Whether the time of any suppression is over."""
+    """Return whether any suppression has expired."""
     return bool(suppressions.over(session, now()))
 
 
@@ -208,7 +208,7 @@ def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
 
 
 def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
-    """Move an alert on; an event that changes nothing is none."""
+    """Apply an event to an alert, and record it if it changes anything."""
     before = standing(row)
     after = advance(before, event)
     if after == before:
@@ -218,7 +218,7 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
     state_before = row.state
     row.condition, row.severity, row.state = after.condition.value, int(after.severity), after.state
     row.suppressions = sorted(after.suppressions)
-    row.updated_at = now() if row.event_count else row.opened_at  # with its first event it opens
+    row.updated_at = now() if row.event_count else row.opened_at  # its first event opens it
     if after.closed:
         row.closed_at = row.updated_at
     _record(session, row, kind, state_before, person, at=row.updated_at)

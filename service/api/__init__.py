@@ -1,1 +1,1 @@
-"""The REST API: `application.py` puts its rooms together, `openapi.py` describes it. Nothing below imports these two."""
+"""The REST API: `application.py` joins its rooms, `openapi.py` describes it. Nothing below imports these two."""

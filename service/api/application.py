@@ -77,9 +77,9 @@ from storage.database.engine import Database
 
 PREFIX = "/api/v1"
 THREADS = 6
-"""That work on requests at a time: more of them would only take turns, and all be late."""
+"""Threads that serve requests: more of them would slow each other down."""
 DOCUMENTATION = ("/openapi.json", "/docs/static")
-"""The same for every installation, and without data: anybody may read it."""
+"""Public paths: they are equal in every installation and hold no data."""
 
 
 def application(
@@ -95,13 +95,15 @@ def application(
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
 ) -> FastAPI:
-    """Build the application over a database. `parts` tells how each part of the service is; `try_out` sends a test message
-    to a subscription, where this process delivers; `submissions` takes samples. baseline_runs: as in the settings. security:
-    who may use it; by default anybody, until there is an API key. job_quota: how many identifications that people ask for
-    may wait. secrets: of webhooks; by default none can be kept. warnings: what the service has to say; gauges: figures of
-    its parts for a monitoring system.
+    """Build the application over a database.
 
-    The documentation page is served without any other host: plants have no internet.
+    parts: returns the state of each part of the service. try_out: sends a test message to a subscription, where this process
+    delivers. submissions: takes samples. baseline_runs: as in the settings. security: access rules; by default open until
+    there is an API key. job_quota: limit of waiting identifications asked for by people. secrets: signing secrets of webhooks;
+    by default none can be stored. warnings: returns the service's warnings. gauges: returns figures of its parts for a
+    monitoring system.
+
+    The documentation page loads nothing from other hosts: plants have no internet.
     """
     app = _bare()
     app.state.database = database
@@ -127,13 +129,13 @@ def application(
     app.add_middleware(Compression)
     app.add_middleware(ConditionalGet)
     _guard(app, database, security or Security())
-    app.add_middleware(HeadRequests)  # outside: the guard knows each operation by its own method
+    app.add_middleware(HeadRequests)  # outermost: the guard knows each operation by its own method
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
 
 
 def _bare() -> FastAPI:
-    """Return all routes, with nothing behind them."""
+    """Build an application with all routes and no state."""
     app = FastAPIOffline(
         title="Rundown",
         version=VERSION,
@@ -143,7 +145,7 @@ def _bare() -> FastAPI:
         openapi_url=f"{PREFIX}/openapi.json",
         static_url=f"{PREFIX}/docs/static",
         lifespan=_served,
-        redirect_slashes=False,  # they would lead to whatever the Host header says
+        redirect_slashes=False,  # a redirect would go to the host named in the Host header
     )
     add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.router.routes.extend(_routes())
@@ -151,22 +153,22 @@ def _bare() -> FastAPI:
 
 
 def operations_of(app: FastAPI) -> Operations:
-    """Return every route with what it needs. Raises Undeclared."""
+    """Return every route with its required role. Raises Undeclared."""
     anybody = Requirement(None, recorded=False)
     public = {PREFIX + path: anybody for path in DOCUMENTATION}
     return Operations(app, public=public, scoped=frozenset(ROWS), free=FREE)
 
 
 def every_operation() -> Operations:
-    """Return the operations of the application, without making one."""
+    """Return the operations of the application without building its state."""
     return operations_of(_bare())
 
 
 @functools.cache
 def _routes() -> list[BaseRoute]:
-    """Build all routes, once however many applications a process has: the framework takes a tenth of a second."""
+    """Build all routes once per process: the framework needs a tenth of a second for them."""
     router = APIRouter()
-    # Those asked most first: each request is held against one route after the other.
+    # The most frequent first: a request is matched against the routes in this order.
     for part in (
         machines,
         fleet,
@@ -197,7 +199,7 @@ def _routes() -> list[BaseRoute]:
         stages,
         people,
     ):
-        # Not by way of another router: the framework works out each operation anew for every level.
+        # Not through another router: the framework rebuilds each operation for every level.
         router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
     router.include_router(metrics)
     router.include_router(dashboard)
@@ -207,7 +209,7 @@ def _routes() -> list[BaseRoute]:
 
 @asynccontextmanager
 async def _served(app: FastAPI) -> AsyncIterator[None]:
-    """Set up what belongs to a running server, from its start to its end."""
+    """Set up the resources of a running server and release them at its end."""
     current_default_thread_limiter().total_tokens = THREADS
     async with app.state.repeated.written():
         yield
@@ -215,7 +217,7 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
-    """Put the guard in front of everything; raises Undeclared for a route that says nothing of who may use it."""
+    """Install the guard in front of all routes. Raises Undeclared for a route without access rules."""
     app.state.security = security
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)

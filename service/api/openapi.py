@@ -1,4 +1,4 @@
-"""The OpenAPI document: what FastAPI makes of the endpoints, with every error as the problem detail that it is."""
+"""The OpenAPI document: FastAPI's, with every error as a problem detail."""
 
 from http import HTTPStatus
 from typing import Any
@@ -10,7 +10,7 @@ from service.http.idempotency import KEY_PATTERN, LONGEST_KEY
 
 PROBLEM = "#/components/schemas/Problem"
 VALIDATION = ("HTTPValidationError", "ValidationError")
-"""FastAPI's own shape of a 422, which this API does not use."""
+"""Schemas of FastAPI's own 422 response, which this API does not use."""
 NEXT = {
     "description": 'where the next part of the list is: `<address>; rel="next"`; not there on the last one (RFC 8288)',
     "schema": {"type": "string"},
@@ -31,7 +31,7 @@ IDEMPOTENCY_KEY = {
 
 
 def described(app: FastAPI) -> dict[str, Any]:
-    """Return the document of an application, made once."""
+    """Return the document of an application, built on the first call."""
     if app.openapi_schema is None:
         document = get_openapi(
             title=app.title, version=app.version, description=app.description, routes=app.routes, openapi_version="3.1.0"
@@ -60,7 +60,7 @@ def _describe(method: str, operation: dict[str, Any]) -> None:
         succeeded.setdefault("headers", {})["ETag"] = ETAG
         for status in (HTTPStatus.PRECONDITION_FAILED, HTTPStatus.PRECONDITION_REQUIRED):
             responses[str(status.value)] = _problem(status.phrase)
-        # Left out, it is asked for by 428 and not by 422: the operation is right, and only its condition is missing.
+        # Required, although a missing one is answered by 428 and not by 422: only the condition is missing.
         next(one for one in operation["parameters"] if one["name"].lower() == "if-match")["required"] = True
     if method == "post":
         operation.setdefault("parameters", []).append(IDEMPOTENCY_KEY)

@@ -1,4 +1,4 @@
-"""The command `rundown`."""
+"""The command `rundown` with its subcommands."""
 
 import json
 import logging
@@ -81,7 +81,7 @@ def main(
         bool, typer.Option("--version", is_eager=True, callback=_say_version, help="which release this is")
     ] = False,
 ) -> None:
-    """Condition monitoring of coupled rotor trains."""
+    """Monitor the condition of coupled rotor trains."""
 
 
 @app.command()
@@ -98,7 +98,7 @@ def serve(
     ] = None,
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
-    # The web server and the database take a second to import, which no other command should pay.
+    # Imported here: the web server and the database take a second, which other commands should not spend.
     from service.commands.serve import serve as run_service
     from service.http.listening_socket import PortUnusable
     from service.security.exposure import Exposed
@@ -132,9 +132,9 @@ def doctor(
         bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
     ] = False,
 ) -> None:
-    """Look at a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
+    """Check a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
 
-    Prints a line for each thing that it looked at, and ends with status 1 when one is wrong. It changes nothing.
+    Prints a line for each check, and ends with status 1 when one fails. It changes nothing.
     """
     from service.commands.exposed import report
     from service.doctor.checks import examine
@@ -173,7 +173,7 @@ def router(
     ],
     connect: Annotated[list[str], typer.Option(help="another router to connect to; may be given again")] = [],  # noqa: B006
 ) -> None:
-    """Be a zenoh router between sources and the service, in a process of its own: it keeps nothing, and may be killed.
+    """Run a zenoh router between sources and the service, in a process of its own: it stores nothing, and may be killed.
 
     Beyond loopback it needs certificates and access rules, as `serve` does (RUNDOWN_ZENOH_…; docs/security.md).
     """
@@ -352,10 +352,10 @@ def model(
     ] = None,
     grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
 ) -> None:
-    """Identify a machine from recorded runs and print what the updated model says.
+    """Identify a machine from recorded runs and print the results of the updated model.
 
-    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test.
-    Ends with status 1 when the fit is not accepted.
+    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Ends
+    with status 1 when the fit is not accepted.
     """
     described, _, result = _identified(machine, files, sidecar)
     say(result.verdict)
@@ -376,7 +376,7 @@ def compare(
     files: RunFiles,
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
 ) -> None:
-    """Say whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
+    """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
     described, _, healthy = _identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
@@ -422,7 +422,7 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
-    """A document and its recorded runs, without the slow roll of a band where one is given."""
+    """Read a document and its recorded runs, without the slow roll of a band where one is given."""
     described = read_machine(machine)
     runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
@@ -469,7 +469,7 @@ def demo(
     leave: Annotated[bool, typer.Option("--exit", help="stop after the summary; status 0 only if it came out right")] = False,
     port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
 ) -> None:
-    """The main job from end to end: three simulated machines, one of them going out of alignment."""
+    """Demonstrate the service from end to end: three simulated machines, one of them going out of alignment."""
     from service.commands import demo as demonstration
 
     try:
@@ -497,14 +497,14 @@ def _stop_on_signal() -> threading.Event:
 
 
 def _log_as_set() -> Settings:
-    """Log as the settings say."""
+    """Configure logging by the settings, and return them."""
     settings = _settings({})
     log_to_terminal(settings.log_level, settings.log_format)
     return settings
 
 
 def _settings(given: dict[str, Any]) -> Settings:
-    """From the command line and the environment; ends the command where they are wrong."""
+    """Return the settings from the command line and the environment; end the command where they are wrong."""
     try:
         return settings_of(**given)
     except SettingsWrong as error:

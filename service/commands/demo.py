@@ -1,4 +1,4 @@
-"""The main job from end to end, in real processes: a service, a simulated plant of three machines, a summary."""
+"""The demonstration: in real processes, a service, a simulated plant of three machines, and a summary."""
 
 import contextlib
 import json
@@ -37,7 +37,7 @@ ALERTS = {
     "misalignment": ["misalignment of coupling.C1"],
     "unbalance": ["unbalance of disc.D1"],
 }
-"""What each story should lead to, and nothing else."""
+"""Alerts that each story should lead to, and no others."""
 CYCLES = 12
 SAMPLES = 160
 RATE = 120.0
@@ -51,12 +51,12 @@ SOUND_ERRORS = (0.7, 1.3)
 
 
 class DemoFailed(RuntimeError):
-    """The demonstration could not be carried through."""
+    """The demonstration could not be completed."""
 
 
 @dataclass(frozen=True)
 class StoryOutcome:
-    """How one machine's story was told."""
+    """Results of one machine's story."""
 
     machine: str
     story: str
@@ -70,7 +70,7 @@ class StoryOutcome:
 
     @property
     def right(self) -> bool:
-        """Tell whether the service found the story that was simulated."""
+        """Return whether the service found the simulated story."""
         wanted = ALERTS[self.story]
         sound = SOUND_ERRORS[0] <= self.rms <= SOUND_ERRORS[1]
         return sound and self.accepted == self.identifications > 0 and self.alerts == wanted
@@ -123,7 +123,7 @@ def _service(folder: Path, port: int) -> Iterator[tuple[httpx.Client, str]]:
 
 @contextlib.contextmanager
 def _process(log: Path, arguments: list[str], **environment: str) -> Iterator[subprocess.Popen[bytes]]:
-    """Yield a rundown command as a process of its own, ended at the end. Ctrl-C in the terminal reaches only this one."""
+    """Run a rundown command as a process of its own, ended on exit. Ctrl-C in the terminal reaches only this process."""
     with log.open("wb") as output:
         process = subprocess.Popen(
             [sys.executable, "-m", "service", *arguments],
@@ -146,7 +146,7 @@ def _process(log: Path, arguments: list[str], **environment: str) -> Iterator[su
 
 @contextlib.contextmanager
 def _interrupted_by_signals() -> Iterator[None]:
-    """Let SIGTERM end the demonstration as Ctrl-C does, even where it was started deaf to it, behind a `&`."""
+    """Let SIGTERM end the demonstration as Ctrl-C does, even where it was started in the background with signals ignored."""
 
     def interrupt(_number: int, _frame: FrameType | None) -> None:
         raise KeyboardInterrupt
@@ -188,7 +188,7 @@ def _create_machines(client: httpx.Client) -> None:
 
 
 def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Path, began: float) -> None:
-    """Show progress until the stories are told and everything is identified."""
+    """Show progress until the simulator has ended and everything is identified."""
     deadline = began + STORY_TIMEOUT_S
     shown = 0.0
     done = False
@@ -267,7 +267,7 @@ def _compare(estimate: dict[str, Any], truth: dict[str, Any], errors: list[float
     said = describe(name)
     if said.positive and said.term is not None and said.term.quantity == "stiffness":
         relative["coupling" if said.element_kind == "coupling" else "stiffness"].append(abs(value / true - 1.0))
-    # A direct term's error is one of its logarithm.
+    # The errors of direct terms are errors of their logarithms.
     errors.append(math.log(value / true) / (error / value) if said.positive else (value - true) / error)
 
 

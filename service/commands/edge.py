@@ -16,11 +16,11 @@ from service.sources.sqlite_replay_log import DurableLog
 from service.wire import Key
 
 LINGER_S = 5.0
-"""How long it still answers replay queries with `--exit`."""
+"""Time for which replay queries are answered with `--exit` [s]."""
 
 
 def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float | None) -> None:
-    """Run until `stop`; with `leave` files end it, too. Raises UnreadableFile, StreamUnusable, AccessUnusable, LogError."""
+    """Run until `stop`; with `leave` until the files end. Raises UnreadableFile, StreamUnusable, AccessUnusable, LogError."""
     configuration = read_configuration(path)
     with zenoh_session(listen=[], connect=configuration.connect, security=from_environment()) as session:
         key = Key(configuration.plant, configuration.machine)
@@ -39,7 +39,7 @@ def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float |
                 with Topic(session, topic, configuration.columns, agent.conditions, sampling_rate=rate) as opened:
                     agent.follow(opened, stop)
                 return
-            # Whoever is not there yet gets it from the log.
+            # Readers that connect later get the samples from the log.
             agent.read_files(stop, speedup=speedup)
             if not leave:
                 stop.wait()
@@ -48,7 +48,7 @@ def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float |
 
 
 def open_log(configuration: EdgeConfiguration) -> DurableLog:
-    """Return the agent's log. Raises LogError."""
+    """Open the agent's log. Raises LogError."""
     log = configuration.log
     owner = f"{configuration.plant}/{configuration.machine}/{configuration.source}"
     return DurableLog(log.path, source=owner, samples=log.samples, payload_bytes=round(log.megabytes * (1 << 20)))

@@ -8,6 +8,6 @@ from service.commands.terminal import say_lines
 
 
 def fail(message: str) -> NoReturn:
-    """Say why, and exit with status 1."""
+    """Print the reason, and exit with status 1."""
     say_lines(f"rundown: {message}", err=True)
     raise typer.Exit(1)

@@ -1,4 +1,4 @@
-"""`rundown doctor --exposed`: what somebody on the network could reach, and why."""
+"""`rundown doctor --exposed`: the endpoints that somebody on the network could reach, with the reasons."""
 
 from service.commands.exit import fail
 from service.commands.terminal import say, say_lines
@@ -9,7 +9,7 @@ from storage.database.claim import DatabaseUnusable
 
 
 def report(settings: Settings, *, url: str | None = None) -> None:
-    """Print every door, worst first, and what became of trying them; ends with status 1 when one is open."""
+    """Print every endpoint, worst first, with the results of probing; end with status 1 when one is open."""
     try:
         found = doors(settings)
         asked, _ = credentials_asked(settings)

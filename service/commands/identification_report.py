@@ -1,4 +1,4 @@
-"""An identification, what would help it, and a comparison of views, as text for a terminal."""
+"""Renders identifications, advice and model comparisons as text for a terminal."""
 
 from collections.abc import Sequence
 
@@ -17,13 +17,13 @@ from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
 EXPLAINED = 2.0
-"""Largest χ²/dof with which the regression's values are said to explain a run."""
+"""Largest χ²/dof at which the regression's values count as explaining a run."""
 BEYOND = 1.5
-"""Candidate speeds reach to this part of the speed range's end."""
+"""Highest candidate speed, as a multiple of the speed range's end."""
 
 
 def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
-    """Tell what there is to say of each run before it is identified; empty where there is nothing."""
+    """Describe the quality of each run before it is identified; empty where there is nothing to report."""
     lines = []
     for name, quality in zip(names, qualities, strict=True):
         found = [*quality.findings, *([quality.words] if gate and quality.words else [])]
@@ -32,7 +32,7 @@ def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bo
 
 
 def identification_text(result: Identification) -> str:
-    """Return the verdict and estimates ± standard error, a line a parameter."""
+    """Return the verdict and estimates ± standard error, a line per parameter."""
     lines = [
         result.verdict if result.accepted else f"NOT ACCEPTED, not to be used: {result.verdict}",
         f"{result.samples} samples, {rad_per_s_to_rpm(result.speed_minimum):.0f} to "
@@ -45,7 +45,7 @@ def identification_text(result: Identification) -> str:
 
 
 def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
-    """Return the speeds and probes that would help most, beside each other, and how much."""
+    """Return the additional speeds and probes that would help most, with their effect."""
     limits = machine.speed_range
     lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), BEYOND * rpm_to_rad_per_s(limits.maximum_rpm)
     speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
@@ -77,7 +77,7 @@ def regression_text(found: PublishedEstimate) -> str:
 
 
 def comparison_text(comparison: ModelComparison) -> str:
-    """Return the verdict, the views and what the best one found at the coupling."""
+    """Return the verdict, the compared models and the best one's values at the coupling."""
     lines = [comparison.verdict, ""]
     lines += [
         f"  {view.name:<22} criterion {view.criterion:10.1f}  unknowns {view.unknowns:3d}  {view.identification.verdict}"
@@ -89,7 +89,7 @@ def comparison_text(comparison: ModelComparison) -> str:
 
 
 def slow_roll_text(machine: Machine, found: Capture) -> str:
-    """Return the vectors of a capture, a line a channel, and why channels have none."""
+    """Return the vectors of a capture, a line per channel, with the reasons of channels without one."""
     speeds = f"{rad_per_s_to_rpm(found.speed_minimum):.0f} to {rad_per_s_to_rpm(found.speed_maximum):.0f} rpm"
     lines = [f"Slow-roll vectors from {found.samples} samples, {speeds}"]
     width = max(map(len, machine.channels))

@@ -1,4 +1,4 @@
-"""`rundown key` and `rundown audit`: keys are made where the store is, not over the network."""
+"""`rundown key` and `rundown audit`: keys are made on the machine of the store, not over the network."""
 
 import re
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown
 A_YEAR = 365.0
 NOTED = "[0-9]{1,18}:[0-9a-f]{64}"
 SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
-"""For how many days a key may be good."""
+"""Bounds of a key's lifetime [days]."""
 
 
 @key_app.command("create")
@@ -37,7 +37,7 @@ def create_key(
     days: Days = A_YEAR,
     database: Store = None,
 ) -> None:
-    """Make a key and print it; it is not to be had again."""
+    """Make a key and print it; it is not shown again."""
     from service.security import api_keys
 
     try:
@@ -58,7 +58,7 @@ def create_key(
 
 @key_app.command("list")
 def list_keys(database: Store = None) -> None:
-    """List every key there ever was, without its secret."""
+    """List all keys ever made, without their secrets."""
     from storage.clock import now
     from storage.operation import api_keys as keys
 
@@ -78,7 +78,7 @@ def rotate_key(
     days: Days = A_YEAR,
     database: Store = None,
 ) -> None:
-    """Make a new key in the place of an old one, and print it."""
+    """Replace a key by a new one, and print it."""
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
 
@@ -100,7 +100,7 @@ def confirm_key(
     everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
     database: Store = None,
 ) -> None:
-    """Let keys be good again that a restore brought back, and of which nobody knows whether they were revoked since."""
+    """Reactivate keys that a restore brought back and that may have been revoked since the backup."""
     from service.security import api_keys
     from storage.operation import api_keys as keys
     from storage.operation.api_keys import KeyUnknown
@@ -120,7 +120,7 @@ def confirm_key(
 
 @key_app.command("revoke")
 def revoke_key(prefix: Prefix, database: Store = None) -> None:
-    """Let a key open nothing more, within seconds."""
+    """Revoke a key; it stops working within seconds."""
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
 
@@ -144,9 +144,9 @@ def verify_audit(
     ] = None,
     database: Store = None,
 ) -> None:
-    """Check that no entry was changed, taken away or moved. Prints the newest number and hash: note them elsewhere.
+    """Check that no entry was changed, removed or moved. Prints the newest number and hash: note them elsewhere.
 
-    Ends with status 1 when something does not hold.
+    Ends with status 1 when a check fails.
     """
     from storage.operation import audit
 
@@ -167,7 +167,7 @@ def verify_audit(
 
 
 def _noted(text: str) -> tuple[int, str]:
-    """Return the number and hash of an entry."""
+    """Parse the number and hash of an entry."""
     if re.fullmatch(NOTED, text) is None:
         fail(f"'{text}' is not NUMBER:HASH")
     number, _, digest = text.partition(":")
@@ -176,7 +176,7 @@ def _noted(text: str) -> tuple[int, str]:
 
 @contextmanager
 def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
-    """Open the store, and close it. new: it may be made, where it is said which: one made by chance holds nobody's keys."""
+    """Open the store, and close it. new: create it if its URL is set explicitly; a default one would serve nobody."""
     from sqlalchemy.exc import DBAPIError
 
     from service.configuration.settings import SettingsWrong, settings_of
@@ -211,7 +211,7 @@ def _state(row: "ApiKeyRow", *, at: int) -> str:
 
 
 def _require_plant(name: str) -> None:
-    """Require a plant as a machine's document names it: a key for another name would open nothing."""
+    """Require a plant's name as in machine documents: a key for any other name would be useless."""
     try:
         TypeAdapter(Identifier).validate_python(name)
     except ValidationError:
@@ -219,7 +219,7 @@ def _require_plant(name: str) -> None:
 
 
 def _require_days(option: str, days: float, *, least: float) -> None:
-    if not least <= days <= A_HUNDRED_YEARS:  # what is no number is not either
+    if not least <= days <= A_HUNDRED_YEARS:  # true for NaN as well
         fail(f"{option} {days:g} must be from {least:g} to {A_HUNDRED_YEARS:g} days, which is a hundred years")
 
 

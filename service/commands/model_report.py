@@ -1,4 +1,4 @@
-"""Reports what follows from an identified train on a terminal: critical speeds, margins, loads, balance, impact test."""
+"""Reports results of an updated model on a terminal: critical speeds, margins, loads, balance, impact test."""
 
 import math
 from collections.abc import Iterator
@@ -17,11 +17,11 @@ from estimator.updated_model.modal_uncertainty import critical_speed_errors
 from estimator.updated_model.model import UpdatedModel
 
 HIGHEST_ABOVE_TRIP = 1.25
-"""Critical speeds are looked for up to this part of the speed range's end."""
+"""Highest speed of the search for critical speeds, as a multiple of the speed range's end."""
 
 
 def model_text(model: UpdatedModel, *, service_rpm: float, grade: float) -> str:
-    """Return the report. service_rpm: speed at which the machine works [r/min]; grade: balance quality G asked for [mm/s].
+    """Return the report. service_rpm: the machine's service speed [r/min]; grade: required balance quality G [mm/s].
 
     Raises ValueError for a speed or grade that is not positive.
     """

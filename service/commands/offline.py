@@ -1,4 +1,4 @@
-"""Recorded runs as one measurement of a machine, without a service, and without the slow roll where that is wanted."""
+"""Reads recorded runs as one measurement of a machine, without a service, and subtracts their slow roll on request."""
 
 import math
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from storage.clock import now
 
 
 def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
-    """Return all runs of some files as one measurement, and what was left out of them in words; as `read_runs`."""
+    """Return all runs of some files as one measurement, with descriptions of omitted rows; as `read_runs`."""
     runs, left_out = read_runs(machine, files, sidecar)
     return joined([measurement for _, measurement in runs]), left_out
 
@@ -26,10 +26,10 @@ def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | No
 def read_runs(
     machine: Machine, files: Sequence[Path], sidecar: Path | None = None
 ) -> tuple[list[tuple[RecordedRun, Measurement]], list[str]]:
-    """Return the run of each file as it was recorded and as a measurement, and what was left out of them in words.
+    """Return the run of each file, as recorded and as a measurement, with descriptions of omitted rows.
 
-    sidecar: another one than that beside the file, where there is one file. Raises UnreadableFile, and Rejected for a
-    recording that is not of this machine's channels.
+    sidecar: replaces the one beside the file, for a single file. Raises UnreadableFile, and Rejected for a recording without
+    this machine's channels.
     """
     if sidecar is not None and len(files) > 1:
         raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
@@ -48,7 +48,7 @@ def read_runs(
 
 
 def speed_band(text: str) -> tuple[float, float]:
-    """Return the lowest and highest speed [rad/s] of a band such as 200:400 [r/min]. Raises ValueError."""
+    """Parse a band such as 200:400 [r/min] into its lowest and highest speed [rad/s]. Raises ValueError."""
     parts = text.split(":")
     try:
         lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
@@ -68,9 +68,9 @@ def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
 def without_slow_roll(
     machine: Machine, runs: Sequence[tuple[RecordedRun, Measurement]], band: str
 ) -> tuple[Machine, list[tuple[RecordedRun, Measurement]], Capture]:
-    """Return a machine and its runs without the vectors of a band of all of them; raises as `captured`.
+    """Return a machine and its runs without the slow-roll vectors of a band; raises as `captured`.
 
-    The band's own samples are left out of what follows: they have said what they know.
+    The band's own samples are omitted from the result: their information is used up.
     """
     found = captured(machine, joined([measurement for _, measurement in runs]), band)
     lowest, highest = speed_band(band)

@@ -1,6 +1,6 @@
 """Writes the OpenAPI document of this release: `python -m service.commands.openapi docs/openapi.json`.
 
-A test says when the committed file is not up to date.
+A test fails when the committed file is out of date.
 """
 
 import json
@@ -13,14 +13,14 @@ from storage.database.engine import Database
 
 
 def document() -> dict[str, Any]:
-    """Return the document as this release has it."""
+    """Return the document of this release."""
     made = application(Database("sqlite://"), dict).openapi()
     # The version is the API's: a release of the service does not change it.
     return made | {"info": made["info"] | {"version": "1"}}
 
 
 def text() -> str:
-    """Return the document as the committed file holds it."""
+    """Return the document in the form of the committed file."""
     return json.dumps(document(), indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 

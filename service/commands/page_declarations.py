@@ -1,4 +1,4 @@
-"""Declarations of findings and delivery channels for the page: TypeScript that is written from the Python declarations.
+"""Writes the page's declarations of findings and delivery channels: TypeScript made from the Python declarations.
 
 `python -m service.commands.page_declarations dashboard/src/declarations` writes the files anew; they are committed.
 """

@@ -1,4 +1,4 @@
-"""`rundown retention`: what the settings ask to let go of, and that a person has seen it."""
+"""`rundown retention`: shows which samples the settings ask to delete, and records a person's confirmation."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 retention_app = typer.Typer(no_args_is_help=True, help="Old samples: what waits to be let go of.")
 
 COMMAND = "rundown retention"
-"""Who the audit trail says it was: whoever may run commands on the store."""
+"""Author in the audit trail of changes made by commands on the store."""
 
 
 @retention_app.callback()
 def _retention() -> None:
-    """Describe old samples: what waits to be deleted."""
+    """Group the commands on old samples that wait for deletion."""
 
 
 @retention_app.command("confirm")
@@ -28,9 +28,9 @@ def confirm(
     yes: Annotated[bool, typer.Option("--yes", help="do not ask")] = False,
     database: Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")] = None,
 ) -> None:
-    """Show which old samples this machine's clock and the service's settings ask to let go of, and confirm that.
+    """Show which old samples are due for deletion by this machine's clock and the service's settings, and confirm it.
 
-    Run it with the service's settings, whether it runs or not: its next round, within ten minutes, lets go of them.
+    Run it with the service's settings, whether the service runs or not: its next round, within ten minutes, deletes them.
     """
     from sqlalchemy.exc import DBAPIError
 
@@ -75,7 +75,7 @@ def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
 
 
 def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
-    """Tell what of each machine is old enough; machines without any are left out."""
+    """Return the old samples of each machine that has some."""
     from storage.machines import machines
 
     found = {}

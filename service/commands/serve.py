@@ -1,4 +1,4 @@
-"""The service as one process: everything is opened, started, stopped and closed here, in visible steps."""
+"""Runs the service as one process: opens, starts, stops and closes everything, in visible steps."""
 
 import gc
 import logging
@@ -34,7 +34,7 @@ from storage.operation import api_keys
 logger = logging.getLogger(__name__)
 
 SWITCH_INTERVAL_S = 0.0002
-"""How long a thread computes before others have a turn [s]: the event loop waits so long whenever it is needed."""
+"""Longest time that a thread computes before others get a turn [s]: the event loop waits so long whenever it is needed."""
 
 
 def serve(settings: Settings) -> None:
@@ -74,7 +74,7 @@ def serve(settings: Settings) -> None:
 
 
 def _claimed_database(settings: Settings, closing: ExitStack) -> Database:
-    """Open the database and claim it, once it is known that not everybody may come in. Raises DatabaseUnusable, Exposed."""
+    """Open and claim the database after the check of access without credentials. Raises DatabaseUnusable, Exposed."""
     database = Database(settings.database)
     closing.callback(database.close)
     with database.reading() as reading:
@@ -121,7 +121,7 @@ def _server(app: FastAPI, settings: Settings) -> Server:
         access_log=False,
         timeout_graceful_shutdown=5,
         server_header=False,
-        # The library by itself believes loopback, or what FORWARDED_ALLOW_IPS says.
+        # By default the library trusts loopback, or the addresses in FORWARDED_ALLOW_IPS.
         proxy_headers=bool(settings.trusted_proxies),
         forwarded_allow_ips=as_seen(settings.trusted_proxies),
         ssl_certfile=settings.tls_certificate or None,
@@ -136,16 +136,18 @@ def _server(app: FastAPI, settings: Settings) -> Server:
 
 
 def _prefer_answers() -> None:
-    """Let the interpreter's garbage collection and thread switching keep nobody waiting."""
+    """Tune garbage collection and thread switching for short response times."""
     sys.setswitchinterval(SWITCH_INTERVAL_S)
-    # What is there by now stays: looking through it again for garbage would stop all threads for a tenth of a second.
+    # Exclude existing objects from collection: scanning them again would stop all threads for a tenth of a second.
     gc.collect()
     gc.freeze()
 
 
 def _note_signals() -> threading.Event:
-    """Take SIGINT and SIGTERM. uvicorn has its own handlers while it runs, and raises the signal once more afterwards:
-    without this the process would end there, before anything is closed.
+    """Handle SIGINT and SIGTERM, and return the event that they set.
+
+    uvicorn has its own handlers while it runs, and raises the signal again afterwards: without these handlers the process
+    would end there, before anything is closed.
     """
     asked = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
@@ -158,7 +160,7 @@ def _endpoints(settings: Settings) -> str:
 
 
 def _stream_trouble(session: zenoh.Session, settings: Settings) -> str | None:
-    """Say what is wrong where no router is there that the settings name; one that listens itself needs none."""
+    """Return the trouble while no configured router answers; None where the service itself listens."""
     if settings.zenoh_listen or connected(session):
         return None
     return f"no zenoh router answers at {', '.join(settings.zenoh_connect)} yet; trying again until one does"

@@ -1,4 +1,4 @@
-"""The threads of a service process: which of them run in which role, and how they are doing."""
+"""The threads of a service process: the selection by role, and their states."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
@@ -30,27 +30,27 @@ class ServiceThread(Protocol):
     """A thread of the service."""
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
 
     def stop(self) -> None:
-        """End."""
+        """Stop the thread and wait for it."""
 
 
 class ServicePart(ServiceThread, Protocol):
-    """A thread whose state `/health` tells."""
+    """A thread whose state `/health` shows."""
 
     trouble: str | None
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
+        """Return whether the thread runs."""
 
 
 class ServiceThreads:
-    """All threads of a service process, of which those run that its role needs."""
+    """All threads of a service process; those of its role run."""
 
     def __init__(self, database: Database, session: zenoh.Session, settings: Settings, secrets: SigningSecrets) -> None:
-        """Start nothing yet. session: of zenoh."""
+        """Create the threads without starting them. session: of zenoh."""
         self._database = database
         self._settings = settings
         self.submissions = Submissions()
@@ -68,18 +68,18 @@ class ServiceThreads:
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
-        """Start what the role needs, and have it stopped by `closing` in the reverse order."""
+        """Start the threads of the role; `closing` stops them in the reverse order."""
         watches = self._backup_watch, self._audit_watch
         for thread in (self._store_watch, *self._parts.values(), self._housekeeping, *watches):
             thread.start()
             closing.callback(thread.stop)
 
     def states(self) -> dict[str, str]:
-        """Return the state of each part that runs here: `ok`, or what is wrong with it."""
+        """Return the state of each part that runs here: `ok`, or the fault."""
         return {name: _state(part) for name, part in self._parts.items()}
 
     def warnings(self) -> list[str]:
-        """Return what is wrong, though all parts run."""
+        """Return warnings that concern no part's state."""
         return [
             *self._housekeeping.warnings,
             *self._ingest.warnings,
@@ -103,7 +103,7 @@ class ServiceThreads:
         )
 
     def _parts_of_role(self) -> Iterator[tuple[str, ServicePart]]:
-        """Name the parts in the order in which they start."""
+        """Yield the parts of the role by name, in the order in which they start."""
         yield "leasing", self.leasing
         if self._settings.role in ("all", "identify"):
             yield "identifying", self._scheduler
@@ -120,7 +120,7 @@ def _state(part: ServicePart) -> str:
 
 
 def _certificate_gauges(settings: Settings) -> dict[str, float]:
-    """Return how long the certificates are valid, where there are some; one that can no longer be read is not valid at all."""
+    """Return the shortest remaining validity of the certificates, if any; an unreadable one counts as expired."""
     files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate) if one]
     if not files:
         return {}

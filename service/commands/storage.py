@@ -33,7 +33,7 @@ def restore(
     database: DatabaseUrl = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="lose what the database holds now")] = False,
 ) -> None:
-    """Put a backup in the place of the database, while no service runs."""
+    """Replace the database by a backup, while no service runs."""
     from storage.backup import backup as backups
     from storage.backup.backup_file import BackupUnusable
     from storage.database.claim import DatabaseUnusable
@@ -58,7 +58,7 @@ def move(
     source: Annotated[str, typer.Argument(metavar="FROM_URL", help="database with the data")],
     target: Annotated[str, typer.Argument(metavar="TO_URL", help="a new database, SQLite or PostgreSQL")],
 ) -> None:
-    """Take all data over into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
+    """Copy all data into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
     from sqlalchemy.exc import DBAPIError
 
     from storage.backup.transfer import NotMoved
@@ -83,10 +83,10 @@ def export(
     folder: Annotated[Path, typer.Argument(help="new or empty folder")],
     database: DatabaseUrl = None,
 ) -> None:
-    """Write a machine's history as CSV and Parquet; columns.json says what each column means.
+    """Write a machine's history as CSV and Parquet; columns.json explains each column.
 
     Identifications, trends, derived quantities, diagnoses, baselines, alerts and their events, suppressions, limits, the
-    timeline, calibrations, slow-roll vectors, what it did when, runs and their samples, and the machine's documents.
+    timeline, calibrations, slow-roll vectors, operating states, runs and their samples, and the machine's documents.
     """
     from service.export.column_writer import ParquetMissing
     from service.export.history import export as export_history

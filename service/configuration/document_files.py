@@ -10,7 +10,7 @@ from estimator.machine.document_size import accepted_machine
 
 
 class UnreadableFile(ValueError):
-    """A file cannot be read or is not what it should be; the message names the file."""
+    """A file cannot be read or has the wrong content; the message names the file."""
 
 
 def read_yaml(path: Path) -> Any:
@@ -27,7 +27,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def read_machine(path: Path) -> Machine:
-    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also of one too large."""
+    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also for an oversized one."""
     try:
         return accepted_machine(read_yaml(path))
     except DocumentError as error:

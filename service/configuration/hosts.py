@@ -1,11 +1,11 @@
-"""Says of host names and URLs who can reach them, and who can overhear what is sent to them."""
+"""Classifies host names and URLs by who can reach them and who can eavesdrop."""
 
 import ipaddress
 from urllib.parse import urlsplit
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether only this machine reaches an address."""
+    """Check whether an address is reachable from this machine only."""
     try:
         return ipaddress.ip_address(host.strip("[]").split("%")[0]).is_loopback
     except ValueError:
@@ -13,7 +13,7 @@ def is_loopback(host: str) -> bool:
 
 
 def is_address(host: str) -> bool:
-    """Tell whether this is an address, not a name."""
+    """Check whether a host is an IP address, not a name."""
     try:
         ipaddress.ip_address(host.strip("[]").split("%")[0])
     except ValueError:
@@ -22,6 +22,6 @@ def is_address(host: str) -> bool:
 
 
 def encrypted(url: str) -> bool:
-    """Tell whether nobody between can read what is sent to a URL: https, or loopback."""
+    """Check whether traffic to a URL is safe from eavesdroppers: https, or loopback."""
     parts = urlsplit(url)
     return parts.scheme == "https" or (parts.scheme == "http" and is_loopback(parts.hostname or ""))

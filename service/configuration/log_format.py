@@ -15,18 +15,18 @@ TEXT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 class TextLines(logging.Formatter):
-    """For people: what others wrote steers no terminal."""
+    """Formatter of lines for people, with control characters of logged data escaped."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Return a line, and those of a traceback."""
+        """Return a line, with those of a traceback."""
         return plain_lines(super().format(record))
 
 
 class JsonLines(logging.Formatter):
-    """An object a record: at (RFC 3339, UTC), level, logger, message, thread, and the traceback of an exception."""
+    """Formatter of a JSON object per record: at (RFC 3339, UTC), level, logger, message, thread, exception."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """Return a line without line breaks."""
+        """Return the record as JSON in one line."""
         entry = {
             "at": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z"),
             "level": record.levelname,
@@ -40,7 +40,7 @@ class JsonLines(logging.Formatter):
 
 
 def log_to_terminal(level: str, log_format: LogFormat = "text") -> None:
-    """Log from now on."""
+    """Configure logging to standard error."""
     handler = logging.StreamHandler(sys.stderr)
     handler.setFormatter(JsonLines() if log_format == "json" else TextLines(TEXT))
     logging.basicConfig(level=level.upper(), handlers=[handler])

@@ -3,4 +3,4 @@
 from importlib.metadata import version
 
 VERSION = version("rundown")
-"""Number of the release, as `pyproject.toml` says it."""
+"""Version of the release, from `pyproject.toml`."""

@@ -11,9 +11,9 @@ from service.configuration.log_format import LogFormat
 from service.secrets.files import read_keys, read_secret, require_private
 
 Role = Literal["all", "ingest", "identify", "api"]
-"""Parts of the service that a process does: everything, or one part beside other processes on one PostgreSQL database.
+"""Roles of a process: everything, or one part beside other processes on one PostgreSQL database.
 
-ingest: zenoh and HTTP samples to the store. identify: computes, judges, delivers alerts. api: the REST API and the page.
+ingest: zenoh and HTTP samples to the store. identify: computes, assesses, delivers alerts. api: the REST API and the page.
 """
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -186,7 +186,7 @@ class Settings(BaseSettings):
 
     @model_validator(mode="after")
     def _of_role(self) -> Self:
-        """Require a store that several may write for what works beside others; by default its sources' router is at home."""
+        """Require PostgreSQL for a role beside others; unless set, identify and api connect to a local zenoh router."""
         if self.role != "all" and not self.database.startswith("postgresql"):
             kind = re.match(r"\w*", self.database)
             raise ValueError(
@@ -201,11 +201,11 @@ class Settings(BaseSettings):
 
 
 class SettingsWrong(ValueError):
-    """Settings cannot be used; the message says which and why. Never what was given: it may be a secret."""
+    """Settings are unusable; the message says which and why, but never their values: these may be secrets."""
 
 
 def settings_of(**given: Any) -> Settings:
-    """Return the settings from the environment, and those given here. Raises SettingsWrong."""
+    """Return the settings from the environment and from the arguments. Raises SettingsWrong."""
     try:
         return Settings(**given)
     except ValidationError as error:

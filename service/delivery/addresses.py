@@ -1,8 +1,8 @@
 """Restricts deliveries to public addresses and to the private networks that the operator names.
 
-A receiver's URL is given by a person over the API; without this guard it could make the service talk to machines that only
-the service can reach. The address is looked up once and the connection goes to what was looked up, so that a name that
-changes between check and use gains nothing.
+A receiver's URL comes from a person over the API; without this check it could reach machines that only the service can reach.
+The name is resolved once and the connection goes to the resolved address: a name that changes between check and use gains
+nothing.
 """
 
 import asyncio
@@ -17,39 +17,40 @@ from estimator.errors import Invalid
 from service.delivery.daemon_threads import DaemonThreads
 
 LOOK_UPS = DaemonThreads(8, name="look-up")
-"""Of their own: while no name server answers, each takes up its thread for many seconds."""
+"""Separate threads for name resolution: without a name server each blocks for many seconds."""
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
 
 
 NAT64 = ipaddress.IPv6Network("64:ff9b::/96")
-"""A translator's prefix that says where the IPv4 address stands; the local ones in 64:ff9b:1::/48 do not (RFC 8215)."""
+"""NAT64 prefix with a known position of the IPv4 address; local prefixes in 64:ff9b:1::/48 have none (RFC 8215)."""
 PUBLIC_IPV6 = ipaddress.IPv6Network("2000::/3")
-"""What of IPv6 is given to networks at all. Outside of it are also the site's own fec0::/10, IPv4-compatible ::/96,
-IPv4-translated ::ffff:0:0:0/96 and segments 5f00::/16, some of which `ipaddress` takes for public."""
+"""Global unicast range of IPv6. It excludes the site-local fec0::/10, IPv4-compatible ::/96, IPv4-translated ::ffff:0:0:0/96
+and segments 5f00::/16, some of which `ipaddress` takes for public.
+"""
 NOT_PUBLIC = tuple(
     ipaddress.ip_network(network)
     for network in (
-        "168.63.129.16/32",  # where Azure tells a machine about itself; other clouds have private addresses for it
-        "192.0.0.0/24",  # protocols' own; in it Oracle's
-        "192.88.99.0/24",  # 6to4's relays
-        "2001::/23",  # protocols' own; in it Teredo, which leads to an IPv4 address
-        "2002::/16",  # 6to4, which does too
+        "168.63.129.16/32",  # Azure's metadata service; those of other clouds have private addresses
+        "192.0.0.0/24",  # protocol assignments, with Oracle's metadata service
+        "192.88.99.0/24",  # 6to4 relays
+        "2001::/23",  # protocol assignments, with Teredo, which leads to an IPv4 address
+        "2002::/16",  # 6to4, which leads to an IPv4 address
         "3fff::/20",  # documentation
     )
 )
-"""Networks that `ipaddress`, depending on its version, takes for public."""
+"""Networks that some versions of `ipaddress` take for public."""
 ISATAP = 0x5EFE
-"""Upper half of an interface's number whose lower half is an IPv4 address of the site; bit 0x02000000 is free (RFC 5214)."""
+"""Upper half of an interface id whose lower half is an IPv4 address of the site; bit 0x02000000 is free (RFC 5214)."""
 
 
 class TargetRefused(Invalid):
-    """Nothing is sent there; the message says why and what would be right."""
+    """The target of a delivery is not permitted; the message says why and what would be right."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """A checked URL: `url` with the looked-up address in the place of its name; the name, and the port with it as a header."""
+    """A checked URL: `url` with the resolved address instead of the name, the name itself, and the Host header."""
 
     url: URL
     name: str
@@ -57,7 +58,7 @@ class Target:
 
 
 def parsed(text: str) -> URL:
-    """Return a URL that something can be sent to. Raises TargetRefused."""
+    """Parse a URL that deliveries can be sent to. Raises TargetRefused."""
     try:
         url = URL(text)
         if url.scheme not in ("http", "https") or not url.host:
@@ -71,7 +72,7 @@ def parsed(text: str) -> URL:
 
 
 async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
-    """Look a URL's host up and check every address it has. Raises TargetRefused."""
+    """Resolve a URL's host and check each of its addresses. Raises TargetRefused."""
     url = parsed(text)
     name = url.host or ""
     try:
@@ -85,11 +86,11 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
 
 
 _under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
-"""A name is looked up once at a time, however many deliveries go there: one that hangs takes up one thread."""
+"""Pending look-ups, one per name: a hanging name blocks one thread, however many deliveries go there."""
 
 
 async def _found(name: str, port: int | None) -> list[str]:
-    """Return all addresses of a host. One that is given by its address waits for no name server."""
+    """Return all addresses of a host. A literal address needs no name server."""
     try:
         return _asked(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
@@ -105,7 +106,7 @@ def _asked(name: str, port: int | None, flags: int = 0) -> list[str]:
 
 
 def _address(text: str) -> Address:
-    """Return the address at which it ends: some of IPv6 stand for one of IPv4 (RFC 4291, 6052)."""
+    """Return the final address: some IPv6 addresses stand for an IPv4 address (RFC 4291, 6052)."""
     address = ipaddress.ip_address(text.split("%")[0])
     if not isinstance(address, ipaddress.IPv6Address):
         return address
@@ -115,7 +116,7 @@ def _address(text: str) -> Address:
 
 
 def _public(address: Address) -> bool:
-    """Tell whether everybody reaches it, and it leads to no other address."""
+    """Check whether an address is public and stands for no other address."""
     if not address.is_global or address.is_multicast or any(address in network for network in NOT_PUBLIC):
         return False
     if isinstance(address, ipaddress.IPv4Address):

@@ -1,4 +1,4 @@
-"""Prometheus Alertmanager: alerts pushed to its API v2, again and again while they last, and once more when they end."""
+"""Pushes alerts to API v2 of a Prometheus Alertmanager: repeatedly while they last, and once more when they end."""
 
 import json
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from storage.tables import SubscriptionRow
 
 @dataclass(frozen=True)
 class Alertmanager:
-    """One Alertmanager."""
+    """Channel to one Alertmanager."""
 
     client: ClientSession
     target: str
@@ -26,17 +26,17 @@ class Alertmanager:
     public_url: str
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
-        """Tell it of an event."""
+        """Push the state of an alert after an event."""
         return await self.push([message])
 
     async def push(self, messages: Sequence[EventMessage]) -> DeliveryOutcome:
-        """Tell it how alerts stand after their events."""
+        """Push the states of alerts after their events."""
         body = json.dumps([alert for message in messages for alert in self._alerts(message)]).encode()
         url = self.target.rstrip("/") + "/api/v2/alerts"
         return await post(self.client, url, body, {"content-type": "application/json"}, self.allowed)
 
     def _alerts(self, message: EventMessage) -> list[dict[str, object]]:
-        """The alert, and the same of any other severity as ended: the severity is a label and labels make the identity."""
+        """Return the alert, and its variants of other severities as ended: labels, and so the severity, form the identity."""
         event = message.event
         ended = None if event.state in FIRING else event.at
         return [

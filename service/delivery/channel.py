@@ -1,4 +1,4 @@
-"""What every way of delivery has in common: messages, outcomes, and the channel that sends."""
+"""Interface of delivery channels: messages, outcomes, and the channel that sends."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from service.alerts.event_message import AlertEvent
 
 Result = Literal["delivered", "failed", "gone"]
 FIRING = frozenset({"unacknowledged", "acknowledged"})
-"""States of alerts that last and call somebody."""
+"""States of alerts that persist and notify."""
 
 
 @dataclass(frozen=True)
 class EventMessage:
-    """An event and the plant of its machine."""
+    """An event with the plant of its machine."""
 
     event: AlertEvent
     plant: str
@@ -21,7 +21,7 @@ class EventMessage:
 
 @dataclass(frozen=True)
 class DeliveryOutcome:
-    """How a try went. gone: the receiver wants nothing more, ever. retry_after: the receiver's own wish [s]."""
+    """Outcome of an attempt. gone: the receiver wants no further messages; retry_after: pause that it asked for [s]."""
 
     result: Result
     answer: str
@@ -29,7 +29,7 @@ class DeliveryOutcome:
 
 
 class Channel(Protocol):
-    """One way of delivery to one receiver."""
+    """A way of delivery to one receiver."""
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Deliver an event; errors on the way are an outcome, not an exception."""
@@ -38,16 +38,16 @@ class Channel(Protocol):
 
 @runtime_checkable
 class RemindingChannel(Protocol):
-    """A channel whose receiver is told again and again of alerts that last."""
+    """A channel whose receiver is reminded of persisting alerts."""
 
     async def push(self, messages: Sequence[EventMessage]) -> DeliveryOutcome:
-        """Tell how alerts stand after their events; errors on the way are an outcome."""
+        """Push the states of alerts after their events; errors on the way are an outcome."""
         ...
 
 
 @dataclass(frozen=True)
 class Undeliverable:
-    """Channel of a subscription to which nothing can be sent."""
+    """Channel of a subscription that cannot be served."""
 
     reason: str
 

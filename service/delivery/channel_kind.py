@@ -1,4 +1,4 @@
-"""The parts of which a kind of delivery channel consists."""
+"""Declaration of a kind of delivery channel, and the connections that its channels use."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from storage.tables import SubscriptionRow
 
 @dataclass(frozen=True)
 class Connections:
-    """What channels send with."""
+    """Connections and settings that channels send with."""
 
     client: ClientSession
     session: zenoh.Session
@@ -23,17 +23,17 @@ class Connections:
 
 
 def _accept(_target: str) -> None:
-    """Take any target."""
+    """Accept any target."""
 
 
 @dataclass(frozen=True)
 class ChannelKind:
     """Declaration of one kind of channel. Raises ValueError where its parts contradict each other.
 
-    kind: its name in the API. title: its name on the page. description: of what a subscription's target is, for the API.
-    address: form of the target in a few words; None where there is no target. open: makes the channel of a subscription; may
-    raise SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether the target is a URL
-    of an address that deliveries may go to. signed: whether messages are signed with a secret of the subscription. reminded:
+    kind: its name in the API. title: its name on the page. description: of a subscription's target, for the API. address: form
+    of the target in a few words; None where there is no target. open: makes the channel of a subscription; may raise
+    SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether the target is a URL,
+    whose address is checked before delivery. signed: whether messages are signed with a secret of the subscription. reminded:
     whether its channels are RemindingChannels.
     """
 

@@ -1,4 +1,4 @@
-"""The kinds of delivery channels, each declared beside its code: `CHANNEL_KINDS`.
+"""Registry of the kinds of delivery channels, each declared in its own module: `CHANNEL_KINDS`.
 
 To add one, write its module in this folder and name its declaration here.
 """
@@ -17,11 +17,11 @@ from service.delivery.zenoh_channel import ZENOH
 from storage.tables import SubscriptionRow
 
 CHANNEL_KINDS: tuple[ChannelKind, ...] = (WEBHOOK, ALERTMANAGER, EMAIL, ZENOH)
-"""In the order in which people are shown them."""
+"""All kinds, in the order in which people see them."""
 
 
 class ChannelUnknown(ValueError):
-    """A subscription is of a kind that is not declared."""
+    """A subscription is of an undeclared kind."""
 
 
 def by_kind(declared: Sequence[ChannelKind]) -> Mapping[str, ChannelKind]:
@@ -36,7 +36,7 @@ _BY_KIND = by_kind(CHANNEL_KINDS)
 
 
 def is_channel(kind: str) -> bool:
-    """Return whether there is such a kind of channel."""
+    """Return whether a kind of channel is declared."""
     return kind in _BY_KIND
 
 
@@ -48,7 +48,7 @@ def channel_kind(kind: str) -> ChannelKind:
 
 
 def open_channel(row: SubscriptionRow, connections: Connections) -> Channel:
-    """Return the channel of a subscription; one that fails with the reason where the subscription cannot be served."""
+    """Return the channel of a subscription; for one that cannot be served, a channel that fails with the reason."""
     try:
         return channel_kind(row.kind).open(row, connections)
     except (ChannelUnknown, SecretUnusable) as error:
@@ -56,7 +56,7 @@ def open_channel(row: SubscriptionRow, connections: Connections) -> Channel:
 
 
 def new_client() -> ClientSession:
-    """Return a client for all receivers, with as many connections as it takes: those that hang must not take others' away."""
+    """Return a client without a limit of connections: hanging receivers must not use up those of the others."""
     return ClientSession(
         connector=TCPConnector(limit=0),
         timeout=ClientTimeout(total=TIMEOUT_S),

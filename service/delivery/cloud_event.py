@@ -1,4 +1,4 @@
-"""An alert event as a CloudEvent 1.0 in structured mode (CloudEvents specification 1.0.2, JSON format)."""
+"""Serialises an alert event as a CloudEvent 1.0 in structured mode (CloudEvents specification 1.0.2, JSON format)."""
 
 import json
 
@@ -8,12 +8,12 @@ CONTENT_TYPE = "application/cloudevents+json"
 
 
 def event_id(message: EventMessage) -> str:
-    """The same for every try: what a receiver knows repeats by."""
+    """Return the event's id, equal in all attempts: receivers recognise repeats by it."""
     return f"alert-{message.event.alert}-{message.event.number}"
 
 
 def cloud_event(message: EventMessage) -> bytes:
-    """The JSON body. `sequence` counts the alert's events from 1: a receiver can bring them into order."""
+    """Return the JSON body. `sequence` counts the alert's events from 1, for receivers to order them."""
     event = message.event
     return json.dumps(
         {

@@ -1,5 +1,6 @@
-"""Threads for what may hang where nobody can interrupt it: the end of the process does not wait for them, as it does for those
-of `ThreadPoolExecutor`.
+"""Threads for work that may hang without being interruptible.
+
+The process ends without waiting for them, other than for those of `ThreadPoolExecutor`.
 """
 
 import queue
@@ -13,7 +14,7 @@ T = TypeVar("T")
 
 
 class DaemonThreads(Executor):
-    """So many threads, begun with the first pieces of work."""
+    """A fixed number of daemon threads, each started when work is submitted."""
 
     def __init__(self, count: int, *, name: str) -> None:
         self.count = count

@@ -1,6 +1,6 @@
-"""The thread that empties the outbox: what is due is sent, what failed is tried again later, by Standard Webhooks' schedule.
+"""The thread that empties the outbox: it sends due deliveries and retries failed ones after Standard Webhooks' schedule.
 
-The database is asked often and cheaply instead of being rung for: an event that another process wrote is found as well.
+It polls the database, often and cheaply, to find the events of other processes as well.
 """
 
 import asyncio
@@ -31,19 +31,19 @@ logger = logging.getLogger(__name__)
 
 POLL_S = 0.05
 RETRY_S = 1.0
-"""Pause after the database did not answer."""
+"""Pause after the database did not answer [s]."""
 EXPIRY_S = 1.0
-"""How often suppressions whose time is over are looked for."""
+"""Time between searches for expired suppressions [s]."""
 SECRETS_S = 10.0
-"""How often it is looked whether all webhooks can be signed."""
+"""Time between checks whether all webhooks can be signed [s]."""
 
 
 class Unrecorded(RuntimeError):
-    """How some deliveries ended cannot be written down; they are not sent again before it is."""
+    """Outcomes of some deliveries cannot be stored; these are not sent again before they are."""
 
 
 class Dispatcher:
-    """Delivers until it is stopped; what is then under way is delivered again after the next start."""
+    """Delivery of alert events until it is stopped; interrupted deliveries are repeated after the next start."""
 
     def __init__(
         self,
@@ -57,7 +57,7 @@ class Dispatcher:
         self._outbox = Outbox(database)
         self._secrets = secrets or SigningSecrets.of(settings)
         self.watch = SecretWatch(database, self._secrets)
-        """Of the secrets that sign."""
+        """Watch of the signing secrets."""
         self._share = share or Whole()
         self._session = session
         self._settings = settings
@@ -70,21 +70,21 @@ class Dispatcher:
         self._resend_at = 0.0
         self._watch_at = 0.0
         self.trouble: str | None = None
-        """Why nothing can be delivered at the moment."""
+        """Reason why nothing can be delivered at the moment."""
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """Deliver no more."""
+        """Stop the thread and wait for it."""
         self._stop.set()
         if self._thread.ident is not None:
             self._thread.join()
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
+        """Return whether the thread runs."""
         return self._thread.is_alive()
 
     async def _run(self) -> None:
@@ -113,7 +113,7 @@ class Dispatcher:
             await asyncio.gather(*left, return_exceptions=True)
 
     async def _look(self, connections: Connections) -> None:
-        """Record what has finished, then begin what is due. Raises Unrecorded, at the end."""
+        """Record finished deliveries, then begin those that are due. Raises Unrecorded, at the end."""
         finished = {number: outcome_of(one) for number, one in self._under_way.items() if one.done()}
         if finished:
             for number in await asyncio.to_thread(self._outbox.record, finished):
@@ -123,7 +123,7 @@ class Dispatcher:
             raise Unrecorded(f"how {len(finished)} alert deliveries ended cannot be recorded; the log says why")
 
     async def _begin(self, connections: Connections) -> None:
-        """Send what is due."""
+        """Begin the due deliveries, checks and reminders."""
         moment = time.monotonic()
         if moment >= self._watch_at:
             self._watch_at = moment + SECRETS_S
@@ -148,7 +148,7 @@ class Dispatcher:
             transitions.release_over(session)
 
     async def try_out(self, subscription_id: int) -> DeliveryOutcome:
-        """Send a test message to a subscription, from whatever loop. Raises SubscriptionUnknown."""
+        """Send a test message to a subscription, from any event loop. Raises SubscriptionUnknown."""
 
         def found() -> SubscriptionRow:
             with self._database.reading() as session:

@@ -1,4 +1,4 @@
-"""E-mail over SMTP."""
+"""Sends alert events as e-mail over SMTP."""
 
 import asyncio
 import re
@@ -15,10 +15,10 @@ from service.delivery.daemon_threads import DaemonThreads
 from storage.tables import SubscriptionRow
 
 TIMEOUT_S = 15.0
-"""For each step of the conversation with the server."""
+"""Time limit of each step of the SMTP dialogue [s]."""
 ADDRESS = re.compile(r"[^\s@,;<>\"]+@[^\s@,;<>\"]+")
 MAILING = DaemonThreads(8, name="mail")
-"""Threads of their own: a server that hangs takes up all of them."""
+"""Separate threads for mail: a hanging server blocks all of them."""
 
 
 class NoMailServer(ValueError):
@@ -27,7 +27,7 @@ class NoMailServer(ValueError):
 
 @dataclass(frozen=True)
 class Mail:
-    """One address, or several with commas between."""
+    """Channel to one address, or to several with commas between."""
 
     settings: Settings
     target: str
@@ -59,7 +59,7 @@ class Mail:
 
 
 def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessage:
-    """The mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
+    """Compose the mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]
     mail = EmailMessage()
@@ -90,7 +90,7 @@ def _open(row: SubscriptionRow, connections: Connections) -> Mail:
 
 
 def _check_target(target: str) -> None:
-    """Raise ValueError for what is no list of addresses."""
+    """Raise ValueError for a text that is not a list of addresses."""
     if not all(ADDRESS.fullmatch(one.strip(" ")) for one in target.split(",")):
         raise ValueError("an e-mail address such as anna@plant.example, or several with commas between")
 

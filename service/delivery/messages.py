@@ -1,4 +1,4 @@
-"""Messages of stored alert events, and the one that tries a subscription out."""
+"""Messages of stored alert events, and the test message of a subscription."""
 
 from sqlalchemy.orm import Session
 
@@ -17,7 +17,7 @@ def message_of(session: Session, event: AlertEventRow) -> EventMessage:
 
 
 def trial_message() -> EventMessage:
-    """Return a message that says that it is a test."""
+    """Return a test message."""
     moment = to_datetime(now())
     event = AlertEvent(
         id=0,

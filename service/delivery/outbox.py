@@ -1,4 +1,4 @@
-"""The outbox: which deliveries are due, and how they ended, as the database has it."""
+"""The outbox: deliveries in the database that are due, and the outcomes of finished ones."""
 
 import logging
 from collections import Counter
@@ -23,9 +23,9 @@ from storage.tables import AlertEventRow, DeliveryRow
 logger = logging.getLogger(__name__)
 
 AT_ONCE = 4
-"""Deliveries under way to one subscription: a receiver that hangs holds up as many and no more."""
+"""Largest number of concurrent deliveries to one subscription: a hanging receiver delays no others."""
 LARGEST_TAKE = 500
-"""Deliveries begun in one look."""
+"""Largest number of deliveries begun at once."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +39,13 @@ class Delivery:
 
 
 class Outbox:
-    """Deliveries that the database holds."""
+    """Outbox of the deliveries in the database."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
     def due(self, under_way: Mapping[int, Delivery], connections: Connections) -> list[Delivery]:
-        """Return what is to be sent now, beside what is under way; give up what cannot be made into a message."""
+        """Return the due deliveries that are not under way; give up those whose message cannot be made."""
         load = Counter(one.subscription_id for one in under_way.values())
         busy = [subscription for subscription, count in load.items() if count >= AT_ONCE]
         found: list[Delivery] = []
@@ -59,10 +59,10 @@ class Outbox:
                         found.append(_delivery(session, row, connections))
                     load[row.subscription_id] += 1
                 except MemoryError:
-                    raise  # of the moment, not of the row
+                    raise  # a matter of the moment, not of the row
                 except Exception as error:
                     if concerns_all(error):
-                        raise  # so is this
+                        raise  # likewise
                     logger.exception("delivery %d of event %d cannot be made into a message", row.id, row.event_id)
                     unsayable[row.id] = f"event {row.event_id} cannot be made into a message: {type(error).__name__}: {error}"
         if unsayable:
@@ -70,13 +70,13 @@ class Outbox:
         return found
 
     def _give_up(self, reasons: Mapping[int, str]) -> None:
-        """Try no more: later events of the same alerts wait behind these."""
+        """Give deliveries up: later events of the same alerts wait behind them."""
         with self._database.transaction() as session:
             for number, reason in reasons.items():
                 give_up(session, number, reason)
 
     def record(self, finished: Mapping[int, DeliveryOutcome]) -> list[int]:
-        """Store how deliveries ended; return which need no more of it. One that cannot be stored stops no other."""
+        """Store the outcomes of deliveries; return those that are settled. One that cannot be stored stops no other."""
         try:
             return self._record_together(finished)
         except DBAPIError as error:
@@ -93,7 +93,7 @@ class Outbox:
         return done
 
     def _record_together(self, finished: Mapping[int, DeliveryOutcome]) -> list[int]:
-        """Store in one transaction. Raises DBAPIError, also of damage: behind that, SQLite writes nothing more in one."""
+        """Store outcomes in one transaction. Raises DBAPIError, also for damage: SQLite writes nothing more in it then."""
         done = []
         with self._database.transaction() as session:
             for number, outcome in finished.items():
@@ -107,7 +107,7 @@ class Outbox:
                     continue
                 except Exception as error:
                     if concerns_all(error) or is_damage(error):
-                        raise  # of the database, which is asked again
+                        raise  # the transaction is retried
                     logger.exception("how delivery %d ended cannot be recorded", number)
                     continue
                 done.append(number)

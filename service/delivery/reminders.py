@@ -1,4 +1,4 @@
-"""Reminders of alerts that last, to the receivers that would otherwise take them for resolved."""
+"""Reminds receivers of persisting alerts which they would otherwise take for resolved."""
 
 import asyncio
 import logging
@@ -19,11 +19,11 @@ from storage.tables import SubscriptionRow
 logger = logging.getLogger(__name__)
 
 RESEND_S = 60.0
-"""Alertmanager takes an alert that it has not heard of for `resolve_timeout` (5 minutes) for resolved."""
+"""Time between reminders [s]: Alertmanager takes an alert for resolved after `resolve_timeout` (5 minutes) without news."""
 
 
 async def remind(database: Database, connections: Connections) -> None:
-    """Tell every receiver that wants it of all alerts that last."""
+    """Remind every receiver that needs it of all persisting alerts."""
     try:
         targets, messages = await asyncio.to_thread(_lasting, database)
     except DBAPIError as error:
@@ -32,12 +32,12 @@ async def remind(database: Database, connections: Connections) -> None:
     except Exception:
         logger.exception("unexpected error while lasting alerts are read")
         return
-    # At the same time: behind some that hang, the others would take the alerts for resolved.
+    # Concurrently: hanging receivers must not delay the others until alerts expire there.
     await asyncio.gather(*(_remind_one(row, open_channel(row, connections), messages) for row in targets))
 
 
 def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
-    """Return who is reminded, and the last event of each alert that lasts."""
+    """Return the receivers to remind, and the last event of each persisting alert."""
     with database.reading() as session:
         rows = [row for row in deliveries.every(session) if _is_reminded(row)]
         if not rows:

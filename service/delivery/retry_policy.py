@@ -1,4 +1,4 @@
-"""When a delivery that failed is tried again, and when it is given up: the schedule that Standard Webhooks recommends."""
+"""Schedule of retries, and the end of them, as Standard Webhooks recommends."""
 
 import logging
 
@@ -12,20 +12,20 @@ from storage.encoding.text import plain_text
 logger = logging.getLogger(__name__)
 
 RETRIES_S = (5.0, 300.0, 1800.0, 7200.0, 18_000.0, 36_000.0, 50_400.0, 72_000.0, 86_400.0)
-"""Pauses before the second try and each later one; then it is given up."""
+"""Pauses before the second attempt and each later one [s]; after the last the delivery is given up."""
 LONGEST_RETRY_AFTER_S = 86_400.0
-"""A receiver's own Retry-After counts up to here."""
+"""Largest Retry-After of a receiver that is respected [s]."""
 LONGEST_ANSWER = 2000
-"""So many characters of an answer are kept."""
+"""Largest number of characters of an answer that are stored."""
 SECOND = 1_000_000_000
 
 
 def record_outcome(session: Session, number: int, outcome: DeliveryOutcome) -> None:
-    """Store how a delivery ended, and when it is tried again. Raises DeliveryUnknown."""
+    """Store the outcome of a delivery and the time of its next attempt. Raises DeliveryUnknown."""
     row = deliveries.delivery(session, number)
     row.attempts += 1
     row.last_try_at = now()
-    # The answer is a stranger's: it must not stop what others are told.
+    # The answer is untrusted: characters that cannot be stored must not stop the deliveries to others.
     answer = row.answer = plain_text(outcome.answer)[:LONGEST_ANSWER]
     if outcome.result == "delivered":
         row.state = deliveries.DELIVERED
@@ -43,6 +43,6 @@ def record_outcome(session: Session, number: int, outcome: DeliveryOutcome) -> N
 
 
 def give_up(session: Session, number: int, reason: str) -> None:
-    """Try a delivery no more. Raises DeliveryUnknown."""
+    """Give a delivery up. Raises DeliveryUnknown."""
     row = deliveries.delivery(session, number)
     row.state, row.last_try_at, row.answer = deliveries.GIVEN_UP, now(), plain_text(reason)[:LONGEST_ANSWER]

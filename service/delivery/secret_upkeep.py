@@ -1,4 +1,4 @@
-"""Bringing kept secrets up to date at a start, and looking whether all of them can be had."""
+"""Seals stored secrets at a start, and checks whether all of them are usable."""
 
 import logging
 from collections.abc import Sequence
@@ -21,16 +21,14 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class SecretReport:
-    """What was found of the secrets. unsigned: webhooks to which nothing can be sent, and why; plain: those whose secret lies
-    plain in the database; both in words.
-    """
+    """Faults of the secrets, in words. unsigned: webhooks that cannot be served; plain: those with a secret in plain text."""
 
     unsigned: Sequence[str] = ()
     plain: Sequence[str] = ()
 
     @classmethod
     def at(cls, rows: Sequence[SubscriptionRow], secrets: SigningSecrets) -> "SecretReport":
-        """Look at subscriptions."""
+        """Check the secrets of subscriptions."""
         troubles = [(row.name, secrets.trouble(row)) for row in rows if row.state == deliveries.ACTIVE]
         why = f": {secrets.reason}" if secrets.sealing is None else ": the next start seals it"
         return cls(
@@ -40,7 +38,7 @@ class SecretReport:
 
 
 class SecretWatch:
-    """Says how a delivering service's webhook secrets are, as of the last look."""
+    """Watch of a delivering service's webhook secrets."""
 
     def __init__(self, database: Database, secrets: SigningSecrets) -> None:
         self._database = database
@@ -48,7 +46,7 @@ class SecretWatch:
         self._found = SecretReport()
 
     def look(self) -> None:
-        """Look at all of them; what is new is logged. Raises DBAPIError."""
+        """Check all secrets; new faults are logged. Raises DBAPIError."""
         with self._database.reading() as session:
             found = SecretReport.at(deliveries.with_secret(session), self._secrets)
         for words in found.unsigned:
@@ -58,7 +56,7 @@ class SecretWatch:
 
     @property
     def warnings(self) -> list[str]:
-        """Say in words what is wrong with them."""
+        """Return the faults of the last check, in words."""
         return [*self._found.unsigned, *self._found.plain]
 
     @property
@@ -68,7 +66,7 @@ class SecretWatch:
 
 
 def opened(database: Database, settings: Settings) -> SigningSecrets:
-    """Open the secrets of a service that starts: make a key where one may be, seal what is plain or under an older key."""
+    """Open the secrets at a start: make a key where permitted, and seal secrets in plain text or under an older key."""
     with database.reading() as session:
         sealed = any(is_sealed(row.secret) for row in deliveries.with_secret(session))
     # Where something is sealed already, a new key would only hide that the right one is missing.
@@ -87,7 +85,7 @@ def opened(database: Database, settings: Settings) -> SigningSecrets:
 
 
 def seal(database: Database, secrets: SigningSecrets) -> int:
-    """Seal what lies plain or under an older key; returns how many lay plain. Raises DBAPIError."""
+    """Seal secrets in plain text or under an older key; returns how many were plain. Raises DBAPIError."""
     with database.reading() as session:
         if not any(secrets.renewed(row) for row in deliveries.with_secret(session)):
             return 0
@@ -98,7 +96,7 @@ def seal(database: Database, secrets: SigningSecrets) -> int:
             if (renewed := secrets.renewed(row)) is not None:
                 plain, again = plain + is_plain(row.secret), again + is_sealed(row.secret)
                 row.secret = renewed
-        if plain:  # answers that are kept for who asks again told them as well
+        if plain:  # stored answers of idempotent requests hold them as well
             idempotency.forget_answers_with(session, PREFIX.encode())
     logger.info("secrets of webhooks are sealed: %d that lay plain, %d with the newest key", plain, again)
     return plain

@@ -1,4 +1,4 @@
-"""Sending within a deadline: whatever a channel meets becomes an outcome."""
+"""Sends within a deadline: every failure of a channel becomes an outcome."""
 
 import asyncio
 from collections.abc import Coroutine
@@ -7,11 +7,11 @@ from typing import Any
 from service.delivery.channel import DeliveryOutcome
 
 DEADLINE_S = 30.0
-"""After so long a try has failed, whatever it waits for: a name server, a turn, a server that says a word now and then."""
+"""Time limit of an attempt [s], whatever it waits for: a name server, a free thread, a server that sends byte by byte."""
 
 
 async def within_deadline(sending: Coroutine[Any, Any, DeliveryOutcome]) -> DeliveryOutcome:
-    """Return how sending ended; it has failed where it takes longer than the deadline or raises."""
+    """Return the outcome of sending; exceeding the deadline or raising is a failure."""
     try:
         return await asyncio.wait_for(sending, DEADLINE_S)
     except TimeoutError:
@@ -21,6 +21,6 @@ async def within_deadline(sending: Coroutine[Any, Any, DeliveryOutcome]) -> Deli
 
 
 def outcome_of(ended: asyncio.Task[DeliveryOutcome]) -> DeliveryOutcome:
-    """Return how a task ended, also where it broke off in a way that no channel should."""
+    """Return the outcome of a finished task, also of a cancelled or crashed one."""
     error = asyncio.CancelledError() if ended.cancelled() else ended.exception()
     return ended.result() if error is None else DeliveryOutcome("failed", f"{type(error).__name__}: {error}")

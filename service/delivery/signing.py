@@ -13,7 +13,7 @@ SECRET_BYTES = 32
 
 
 def new_secret() -> str:
-    """Return a secret that nobody can guess."""
+    """Generate a random secret."""
     return PREFIX + base64.b64encode(secrets.token_bytes(SECRET_BYTES)).decode()
 
 
@@ -26,7 +26,7 @@ def key_of(secret: str) -> bytes:
 
 
 def signed_headers(secret: str, *, message_id: str, seconds: int, body: bytes) -> dict[str, str]:
-    """Return the headers that let a receiver check who sent a body, and when. Raises ValueError for a malformed secret."""
+    """Return the headers that authenticate a body and its time. Raises ValueError for a malformed secret."""
     signature = hmac.new(key_of(secret), f"{message_id}.{seconds}.".encode() + body, hashlib.sha256).digest()
     return {
         "webhook-id": message_id,

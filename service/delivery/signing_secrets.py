@@ -1,7 +1,7 @@
-"""Keeps the secrets that sign webhooks: sealed in the database, or in a file or a variable, which it refers to.
+"""Keeps the secrets that sign webhooks: sealed in the database, or referenced there and held in a file or a variable.
 
-Whoever may make subscriptions names a file or a variable: therefore only files of one folder, only variables of one prefix,
-and only what is a webhook's secret by its form. Nothing else of the service's machine can be named, used or guessed that way.
+The creator of a subscription chooses the reference. Therefore it may name only files of one folder and variables with one
+prefix, and the content must have the form of a webhook's secret: nothing else on the machine can be named, used or guessed.
 """
 
 import os
@@ -20,20 +20,20 @@ from storage.database.engine import engine_of
 from storage.tables import SubscriptionRow
 
 FILE, ENVIRONMENT = "file:", "env:"
-"""With which references begin in the database."""
+"""Prefixes of references in the database."""
 LARGEST_FILE = 1024
-"""No secret is longer [B]."""
+"""Largest size of a secret's file [B]."""
 SHORTEST, LONGEST = 24, 64
-"""Of the key in a secret that is referred to, as Standard Webhooks asks [B]."""
+"""Bounds of the key's length in a referenced secret, after Standard Webhooks [B]."""
 
 
 class SecretUnusable(Conflict):
-    """A secret cannot be kept or had; the message says why and what would be right, never what it is."""
+    """A secret cannot be stored or read; the message says why and what would be right, never the secret."""
 
 
 @dataclass(frozen=True)
 class SigningSecrets:
-    """All ways to them. sealing: None where there is no key, and why that is so."""
+    """Access to the secrets. sealing: None where there is no key, with the reason."""
 
     sealing: Sealing | None = None
     folder: Path | None = None
@@ -55,7 +55,7 @@ class SigningSecrets:
             return cls(None, folder, f"there is no sealing key: {error}: {right}")
 
     def sealed(self, secret: str, subscription_id: int) -> str:
-        """Return a secret as it may stand in the database. Raises SecretUnusable."""
+        """Encrypt a secret for the database. Raises SecretUnusable."""
         if self.sealing is None:
             raise SecretUnusable(
                 f"a webhook's secret is not kept in plain, and {self.reason}; or give secret_file or secret_env"
@@ -63,7 +63,7 @@ class SigningSecrets:
         return self.sealing.seal(secret.encode(), place=_place(subscription_id))
 
     def referred(self, *, file: str | None, variable: str | None) -> str:
-        """Return a reference as it stands in the database, to what is there and fit. Raises SecretUnusable."""
+        """Return a reference for the database, after a check of its secret. Raises SecretUnusable."""
         if file is not None:
             self._from_file(file)
             return FILE + file
@@ -89,7 +89,7 @@ class SigningSecrets:
             ) from error
 
     def trouble(self, row: SubscriptionRow) -> str | None:
-        """Say why nothing can be signed for a subscription."""
+        """Return the reason why a subscription's messages cannot be signed, or None."""
         try:
             self.reveal(row)
         except SecretUnusable as error:
@@ -97,7 +97,7 @@ class SigningSecrets:
         return None
 
     def renewed(self, row: SubscriptionRow) -> str | None:
-        """Return what should replace a secret that lies plain or under an older key; None where it is as it should be."""
+        """Return the replacement of a secret in plain text or under an older key; None where it needs none."""
         kept = row.secret or ""
         if self.sealing is None or kept.startswith((FILE, ENVIRONMENT)):
             return None
@@ -118,7 +118,7 @@ class SigningSecrets:
 
 
 def key_file(settings: Settings) -> Path | None:
-    """Tell where the sealing key is: as set, or beside an SQLite file; None where it would have to be set."""
+    """Return the file of the encryption key: as set, or beside an SQLite file; None where it must be set."""
     if settings.sealing_key_file:
         return Path(settings.sealing_key_file)
     path = file_of(engine_of(settings.database))
@@ -126,17 +126,17 @@ def key_file(settings: Settings) -> Path | None:
 
 
 def is_sealed(kept: str | None) -> bool:
-    """Tell whether what is stored in the database is sealed."""
+    """Check whether a stored secret is sealed."""
     return (kept or "").startswith(SEALED)
 
 
 def is_plain(kept: str | None) -> bool:
-    """Tell whether what is stored in the database is a secret in plain text."""
+    """Check whether a stored secret is plain text."""
     return bool(kept) and not (kept or "").startswith((SEALED, FILE, ENVIRONMENT))
 
 
 def where_kept(kept: str | None) -> str | None:
-    """Tell where a secret is, in words; None where there is none."""
+    """Describe in words where a secret is stored; None where there is none."""
     if not kept:
         return None
     if is_sealed(kept):
@@ -157,12 +157,12 @@ def _from_environment(name: str) -> str:
 
 
 def _read(folder: Path, name: str) -> str:
-    """Follow links only inside the folder: a mounted secret is a link there. Raises OSError, SecretUnusable."""
+    """Read a file; links may lead only inside the folder, as those of mounted secrets do. Raises OSError, SecretUnusable."""
     real = Path(os.path.realpath(folder / name))
     if not real.is_relative_to(os.path.realpath(folder)):
         raise SecretUnusable(f"the file {name} leads out of the folder")
     mode = real.stat().st_mode
-    if not stat.S_ISREG(mode):  # a pipe would be waited for
+    if not stat.S_ISREG(mode):  # reading a pipe would block
         raise SecretUnusable(f"{name} is no file")
     if mode & (stat.S_IROTH | stat.S_IWOTH):
         raise SecretUnusable(f"the file {name} can be read or written by others: chmod 640 or 600 it")
@@ -171,7 +171,7 @@ def _read(folder: Path, name: str) -> str:
 
 
 def _fit(secret: str, what: str) -> str:
-    """Raise SecretUnusable for what is no secret of a webhook: whatever else is in the file must sign nothing."""
+    """Return a well-formed secret. Raises SecretUnusable for other content, which must sign nothing."""
     wanted = f"{what} must hold {PREFIX} and base64 of {SHORTEST} to {LONGEST} bytes, in one line"
     try:
         fits = secret.startswith(PREFIX) and SHORTEST <= len(key_of(secret)) <= LONGEST

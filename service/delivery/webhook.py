@@ -1,4 +1,4 @@
-"""Webhooks: a signed CloudEvent posted to a URL."""
+"""Posts a signed CloudEvent to a URL."""
 
 import time
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from service.delivery.signing import signed_headers
 from storage.tables import SubscriptionRow
 
 TIMEOUT_S = 15.0
-"""Standard Webhooks recommends 15 to 30 s."""
+"""Time limit of an attempt [s]; Standard Webhooks recommends 15 to 30 s."""
 ANSWER_BYTES = 1024
-"""So much of an answer is read: a receiver must not fill the memory."""
+"""Largest part of an answer that is read [B]: a receiver must not fill the memory."""
 
 
 @dataclass(frozen=True)
 class Webhook:
-    """One receiver."""
+    """Channel to one receiver."""
 
     client: ClientSession
     target: str
@@ -55,7 +55,7 @@ WEBHOOK = ChannelKind(
 async def post(
     client: ClientSession, target: str, body: bytes, headers: dict[str, str], allowed: tuple[Network, ...]
 ) -> DeliveryOutcome:
-    """Post to a checked target; redirects are not followed."""
+    """Post a body to a checked target; redirects are not followed."""
     try:
         where = await checked(target, allowed)
         async with client.post(

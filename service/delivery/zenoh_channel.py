@@ -1,4 +1,4 @@
-"""Alert events on the zenoh network: each published when it happens, the last of each open alert answered to queries."""
+"""Publishes alert events on the zenoh network, and answers queries with the last event of each open alert."""
 
 import asyncio
 import logging
@@ -23,18 +23,21 @@ ALL_ALERTS = "rundown/v1/*/*/alerts/*"
 
 
 def alert_key(plant: str, event: AlertEvent) -> str:
-    """Where an alert's events are published."""
+    """Return the key expression of an alert's events."""
     return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
 
 
 @dataclass(frozen=True)
 class PlantNetwork:
-    """The plant's own zenoh network."""
+    """Channel to the plant's own zenoh network."""
 
     session: zenoh.Session
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
-        """Publish. Nobody confirms it: who must not miss one asks for the last state, or for the events over REST."""
+        """Publish an event.
+
+        Nobody confirms it: readers that must not miss one query the last state, or the events over REST.
+        """
         key = alert_key(message.plant, message.event)
         try:
             await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
@@ -57,7 +60,7 @@ ZENOH = ChannelKind(
 
 
 class LastStates:
-    """Answers queries on the alerts' keys with the last event of each open alert."""
+    """Answers to queries on the alerts' keys: the last event of each open alert."""
 
     def __init__(self, session: zenoh.Session, database: Database, share: Share | None = None) -> None:
         self._share = share or Whole()
@@ -66,7 +69,7 @@ class LastStates:
         self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
 
     def close(self) -> None:
-        """Answer no more."""
+        """Stop answering."""
         self._queryable.undeclare()
 
     def _answer(self, query: zenoh.Query) -> None:

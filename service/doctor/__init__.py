@@ -1,3 +1,3 @@
-"""Looks at a deployment from outside: settings, database, certificates, and what a stranger could reach. It may import every
-room but `commands`, which prints what it finds.
+"""Examines a deployment from outside: settings, database, certificates, and endpoints open to strangers. It may import every
+room but `commands`, which prints its results.
 """

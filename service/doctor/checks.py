@@ -1,6 +1,6 @@
-"""`rundown doctor`: looks at a deployment from its settings to its answers, and says what is wrong and what would be right.
+"""`rundown doctor`: checks a deployment from its settings to its answers, and says what is wrong and what would be right.
 
-It changes nothing, and may be run beside the service, with the service's own settings.
+It changes nothing, and may run beside the service, with the service's own settings.
 """
 
 import socket
@@ -47,20 +47,20 @@ Level = Literal["ok", "warning", "wrong"]
 
 CONNECT_S = 5.0
 ANSWER_S = 15.0
-"""A service whose database hangs says so after two bounded waits, for who asks and for the database."""
+"""Time limit of the API's answer [s]: a service with a hanging database answers after two bounded waits."""
 EXPIRES_SOON_DAYS = 30
 BACKUP_EVERY = timedelta(hours=30)
-"""One that is made every night is never older, though it takes its time."""
+"""Largest age of the newest backup: one made every night is never older."""
 SKEW_S = 2.0
-"""Clocks of the database's and of this machine that differ by more than this want mending."""
+"""Largest acceptable difference between the clocks of the database and of this machine [s]."""
 FULL = 0.8
 PAGES_S = 10.0
-"""How long the pages of an SQLite file are looked through."""
+"""Time limit for the check of an SQLite file's pages [s]."""
 
 
 @dataclass(frozen=True)
 class CheckResult:
-    """What was looked at, and what came of it."""
+    """Result of one check."""
 
     level: Level
     what: str
@@ -68,7 +68,7 @@ class CheckResult:
 
 
 def examine(settings: Settings, *, url: str | None = None, api_key: str | None = None) -> Iterator[CheckResult]:
-    """Yield every finding, as soon as it is there. url: where the API answers, by default as the settings say."""
+    """Yield the results of all checks as they come. url: address of the API, by default as the settings say."""
     yield from _database(settings)
     yield from _certificates(settings)
     if settings.backups:
@@ -114,12 +114,12 @@ def _server(settings: Settings, engine: Engine) -> Iterator[CheckResult]:
         yield from _webhook_secrets(settings, engine)
         yield from _subscription_kinds(engine)
     engine.dispose()
-    if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
+    if revision == schema.known_revisions()[0]:  # opening an older one would migrate it
         yield _room(settings, lambda budget: _used(settings, budget))
 
 
 def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
-    """Ask the service that has the file, and do not open it: who opens one whose log was deleted makes a new log."""
+    """Check a file through the running service, not by opening it: that would replace a deleted log by a new one."""
     require_own_name(path)
     if missing := missing_logs(path):
         names = " and ".join(one.name for one in missing)
@@ -138,7 +138,7 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
 
 
 def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
-    """Read a file that nobody has open, and leave it as it is."""
+    """Check a file that no service has open, without changing it."""
     with looking_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
         yield from _version(engine)
@@ -153,14 +153,14 @@ def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
 
 
 def _keys(connection: Connection) -> Iterator[CheckResult]:
-    """Tell whether keys wait since a restore."""
+    """Yield a warning if keys await confirmation since a restore."""
     waiting = sum(one.expires_at < 0 and one.revoked_at is None for one in known_keys(connection).values())
     if waiting:
         yield CheckResult("warning", "API keys", WAITING.format(waiting))
 
 
 def _pages(connection: sqlite3.Connection, path: Path) -> CheckResult:
-    """Tell whether the file is damaged."""
+    """Check whether the file is damaged."""
     found = damages(connection, within_s=PAGES_S)
     if found is None:
         return CheckResult(
@@ -222,7 +222,7 @@ def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckRes
 
 
 def _subscription_kinds(engine: Engine) -> Iterator[CheckResult]:
-    """Yield what is wrong with subscriptions that another release made: of kinds that this one does not know."""
+    """Yield a fault for each subscription of an unknown kind, made by another release."""
     what = "subscriptions"
     try:
         with Session(engine) as session:
@@ -287,7 +287,7 @@ def _backups(folder: Path) -> CheckResult:
 
 
 def _receivers(settings: Settings) -> Iterator[CheckResult]:
-    """Tell whom the service itself asks or tells."""
+    """Check the mail server, the issuer and the Dask scheduler."""
     if settings.smtp_host:
         yield _reaches("mail server", settings.smtp_host, settings.smtp_port)
     if settings.oidc_issuer:
@@ -333,21 +333,21 @@ def _api(client: httpx.Client) -> Generator[CheckResult, None, bool]:
     for name, state in told["parts"].items():
         yield CheckResult("ok" if state == "ok" else "wrong", name, state)
     for warning in told.get("warnings", []):
-        if not warning.startswith(("SQLite", "PostgreSQL")):  # said already
+        if not warning.startswith(("SQLite", "PostgreSQL")):  # reported already
             yield CheckResult("warning", "service", warning)
     return True
 
 
 class _NoAnswer(RuntimeError):
-    """The API does not say what it is asked for; the message says what it says instead."""
+    """The API does not give the expected answer; the message holds what it said."""
 
 
 class _KeyNeeded(RuntimeError):
-    """It says that to who has a key."""
+    """The API requires a key."""
 
 
 def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
-    """Tell what the service knows of its machines; returns one of them, as plant and id."""
+    """Check the machines and sources that the service knows; return a machine's key."""
     try:
         first = _asked(client, "/api/v1/machines?limit=1")
         sources = _asked(client, "/api/v1/sources")
@@ -372,7 +372,7 @@ def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
 
 
 def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
-    """Return a list of the API. Raises _KeyNeeded, _NoAnswer."""
+    """Return a list from the API. Raises _KeyNeeded, _NoAnswer."""
     try:
         answer = client.get(path)
         told = answer.json()
@@ -387,7 +387,7 @@ def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
 
 
 def _stream(settings: Settings, machine: Key | None) -> Iterator[CheckResult]:
-    """Tell whether a zenoh session reaches the service, and by way of it the store."""
+    """Check whether a zenoh session reaches the service, and through it the store."""
     endpoints = settings.zenoh_connect or [endpoint_here(one) for one in settings.zenoh_listen]
     what = "zenoh"
     try:

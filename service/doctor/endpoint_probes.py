@@ -1,4 +1,4 @@
-"""Probes the endpoints of a running service: do they answer a stranger as the settings say?"""
+"""Probes the endpoints of a running service: they must answer a stranger as the settings say."""
 
 import socket
 import ssl
@@ -37,7 +37,7 @@ def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterato
 
 
 def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
-    """Yield everything that can be read and asks for credentials, without any."""
+    """Probe all readable paths that need credentials, without any."""
     what = "REST API without credentials"
     paths = [
         one.path
@@ -48,7 +48,7 @@ def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
     try:
         with httpx.Client(base_url=url, timeout=PATIENCE_S, verify=api_trust(settings), trust_env=False) as client:
             for path in paths:
-                with client.stream("GET", path) as answer:  # some never end: how they begin is enough
+                with client.stream("GET", path) as answer:  # some never end: their beginning is enough
                     answers[path] = answer.status_code
                 if not asked:
                     break
@@ -68,7 +68,7 @@ def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
 
 
 def _without_certificate(endpoint: str) -> Tried:
-    """Try a TLS handshake without one: it must fail, which a server of TLS 1.3 says only with the first thing read."""
+    """Try a TLS handshake without a certificate; a TLS 1.3 server shows its refusal only at the first read."""
     what = f"{endpoint} without a certificate"
     where = urlsplit("//" + endpoint_here(endpoint).partition("/")[2])
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)

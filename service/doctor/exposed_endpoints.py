@@ -1,6 +1,6 @@
-"""Finds out what a stranger on the network could reach of a service, and why, from its settings and its store alone.
+"""Lists the endpoints of a service that a stranger on the network could reach, from its settings and its store alone.
 
-A door is open where plant data can be read or written from the network without anybody saying who they are.
+An endpoint is open where plant data can be read or written from the network without credentials.
 """
 
 import ipaddress
@@ -28,23 +28,24 @@ from storage.database.read_only import looking
 from storage.operation import api_keys
 
 Level = Literal["open", "weak", "guarded", "local"]
-"""Worst first: without authentication from the network; with something that wants mending; as it should be; this machine's."""
+"""Worst first: open to the network without authentication; needs improvement; as it should be; this machine only."""
 NETWORK, PROXY, MACHINE = "this network", "this network, by way of a proxy", "this machine only"
 NOBODY = "nothing"
 ENCRYPTED = ("tls", "quic")
-"""Protocols of zenoh that go by certificates."""
+"""Protocols of zenoh that use certificates."""
 CHECKED_TLS = ("require", "verify-ca", "verify-full")
-"""Values of libpq's `sslmode` with which nothing goes in the clear."""
+"""Values of libpq's `sslmode` that never fall back to plain text."""
 OWN = ("127.0.0.0/8", "169.254.0.0/16", "::1/128", "fe80::/10")
-"""Addresses of the machine itself, and of what clouds tell a machine about itself."""
+"""Addresses of the machine itself, and of the metadata services of clouds."""
 WIDE = 1 << 24
-"""Networks of more addresses are hardly those of some receivers."""
+"""Networks with more addresses are too wide for a few receivers."""
 
 
 @dataclass(frozen=True)
 class Door:
-    """Something that can be reached. asks: what of who comes; lets: what anybody may do who gives no more than that;
-    because: the settings that make it so.
+    """A reachable endpoint.
+
+    asks: required credentials. lets: actions permitted with no more than these. because: the settings behind it.
     """
 
     level: Level
@@ -57,7 +58,7 @@ class Door:
 
 
 def doors(settings: Settings) -> list[Door]:
-    """Return all endpoints that can be reached, worst first."""
+    """Return all reachable endpoints, worst first."""
     found = [
         _api(settings, list(every_operation())),
         *(_endpoint(settings, one) for one in settings.zenoh_listen),
@@ -71,7 +72,7 @@ def doors(settings: Settings) -> list[Door]:
 
 
 def credentials_asked(settings: Settings) -> tuple[bool, str]:
-    """Tell whether the API asks who somebody is, and which settings make it so."""
+    """Return whether the API requires credentials, with the settings behind it."""
     path = file_of(engine_of(settings.database))
     try:
         with looking(settings.database) as session:
@@ -164,7 +165,7 @@ def _rules(file: Path) -> str:
 
 
 def _router(endpoint: str) -> Door:
-    """Describe a router of somebody else, to which the service connects."""
+    """Describe an external router to which the service connects."""
     inside = not beyond([endpoint])
     clear = endpoint.partition("/")[0] not in ENCRYPTED
     level: Level = "local" if inside else "weak" if clear else "guarded"
@@ -233,7 +234,7 @@ def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Do
 
 
 def _files(settings: Settings) -> Iterator[Door]:
-    """Yield files that others on this machine may read or write; those of a secret end the start besides."""
+    """Yield files that others on this machine may read or write; for files of secrets the service also refuses to start."""
     path = file_of(engine_of(settings.database))
     database = [] if path is None else readable_by_others(path)
     named = (
@@ -263,12 +264,12 @@ def _files(settings: Settings) -> Iterator[Door]:
 def _within(folder: Path) -> list[Path]:
     try:
         return sorted(folder.iterdir())
-    except OSError:  # who may not look into it finds none open there
+    except OSError:  # a folder that is not readable counts as closed
         return []
 
 
 def _open_to_others(file: Path, settings: Settings) -> bool:
-    """Tell whether others may read a file, or write to it: the access rules are no secret, and must only not be written."""
+    """Check whether others may read or write a file; the access rules are public, and must only not be writable."""
     try:
         mode = file.stat().st_mode
     except OSError:
@@ -278,7 +279,7 @@ def _open_to_others(file: Path, settings: Settings) -> bool:
 
 
 def written(door: Door) -> str:
-    """Write an endpoint for people."""
+    """Return an endpoint in words."""
     lines = (
         f"{door.level:8s} {door.what}: {door.address}",
         f"         reached from  {door.reach}",

@@ -1,4 +1,4 @@
-"""Tables written piece by piece as CSV and Parquet, with what each column means."""
+"""Writes tables piece by piece as CSV and Parquet, with the meaning of each column."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,10 +21,7 @@ class ParquetMissing(RuntimeError):
 
 @dataclass(frozen=True)
 class Column:
-    """One column. time: nanoseconds since 1970; in CSV as RFC 3339, in Parquet as a timestamp [ns, UTC].
-
-    unit: empty where it has none.
-    """
+    """One column. time: nanoseconds since 1970; RFC 3339 in CSV, a timestamp [ns, UTC] in Parquet. unit: empty for none."""
 
     name: str
     kind: Kind
@@ -33,10 +30,9 @@ class Column:
 
 
 def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[Rows]) -> int:
-    """Write `name`.csv (RFC 4180; what has no value is empty) and `name`.parquet at once, for their owner only;
-    returns the number of rows.
+    """Write `name`.csv (RFC 4180, missing values empty) and `name`.parquet at once, for their owner only.
 
-    Raises ParquetMissing, OSError.
+    Returns the number of rows. Raises ParquetMissing, OSError.
     """
     try:
         from arro3.core import RecordBatchReader, Schema

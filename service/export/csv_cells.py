@@ -1,4 +1,4 @@
-"""CSV that a spreadsheet takes for text where it is text: what somebody wrote must not become a formula that it computes."""
+"""Writes CSV in which spreadsheets take text for text: stored texts must not become formulas."""
 
 import csv
 import re
@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from typing import IO, Any
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""How a cell begins that a spreadsheet may compute."""
+"""First characters of cells that a spreadsheet may evaluate."""
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def cell(value: Any) -> Any:
-    """Return a value as it is written: an apostrophe in front of a text that could be a formula, nothing in front of a number.
+    """Return a value for CSV: a text that could be a formula gets an apostrophe in front, a number stays as it is.
 
     Source: OWASP, CSV Injection.
     """
@@ -21,7 +21,7 @@ def cell(value: Any) -> Any:
 
 
 class CsvWriter:
-    """Writes CSV (RFC 4180) to a file that was opened with newline=''."""
+    """Writer of CSV (RFC 4180) to a file that was opened with newline=''."""
 
     def __init__(self, file: IO[str]) -> None:
         self._writer = csv.writer(file)

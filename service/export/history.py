@@ -1,4 +1,4 @@
-"""A machine's history as CSV and Parquet files, with `columns.json` beside them saying what each column means."""
+"""Exports a machine's history as CSV and Parquet files, with `columns.json` to explain each column."""
 
 import json
 import logging
@@ -216,17 +216,14 @@ _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...]
     ("calibrations", CALIBRATIONS, CalibrationRow, ("at", "id")),
     ("slow_roll_vectors", SLOW_ROLL, SlowRollRow, ("version",)),
 )
-"""File, columns, what they are read from, and the order of the rows."""
+"""File name, columns, source table, and order of the rows."""
 
 
 def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
-    """Write a machine's history into a new or empty folder, as of one moment, for its owner only; returns the rows of each
-    file.
+    """Write a machine's history as of one moment into a new or empty folder, for its owner only; return the rows of each file.
 
-    That is its documents, the samples of its runs, what was found and said of it; not samples that belong to no run, nor what
-    is needed only to repeat an identification.
-
-    Raises MachineUnknown, ParquetMissing, OSError.
+    It holds the documents, the samples of the runs, the results and everything that people recorded. It omits samples outside
+    of runs, and data needed only to repeat an identification. Raises MachineUnknown, ParquetMissing, OSError.
     """
     folder.mkdir(PRIVATE_FOLDER, parents=True, exist_ok=True)
     if any(folder.iterdir()):
@@ -251,7 +248,7 @@ def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
 
 
 def sample_columns(machine: Machine) -> tuple[Column, ...]:
-    """Return columns of the samples of a machine's runs."""
+    """Return the columns of the samples of a machine's runs."""
     statuses = ", ".join(f"{status.value}: {status.label}" for status in ChannelStatus)
     found = [
         Column("run", "integer", "number of the run, see runs"),
@@ -289,7 +286,7 @@ def _text(value: Any) -> Any:
 
 
 def _samples(session: Session, machine_id: str, revision: int, columns: Sequence[Column]) -> Iterator[Rows]:
-    """Run by run, a piece at a time. One that can no longer be read is left out, and the log says so."""
+    """Yield the samples run by run, in pieces. A run that cannot be read is left out and logged."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.data.is_not(None))
     ordered = query.options(undefer(RunRow.data)).order_by(RunRow.time_first, RunRow.id).execution_options(yield_per=1)
     with session.scalars(ordered) as found:

@@ -1,4 +1,4 @@
-"""No request's body may be endless: what is larger than allowed is answered with 413 and not read."""
+"""Limits the size of request bodies: larger ones are answered with 413 and not read."""
 
 from fastapi import HTTPException, status
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -6,21 +6,21 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.http.problem import problem_response
 
 LARGEST_BODY = 2 * 1024 * 1024
-"""[bytes]; a batch of samples may have half of it."""
+"""Largest body [B]; a batch of samples may have half of it."""
 
 
 class TooLarge(HTTPException):
-    """More of a body came than is taken."""
+    """The body exceeds the limit."""
 
 
 class BodyLimit:
-    """ASGI middleware."""
+    """ASGI middleware that limits request bodies."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, up to its largest size."""
+        """Pass a request on and stop it when its body exceeds the limit."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

@@ -1,4 +1,4 @@
-"""Compression of answers by gzip (RFC 9110 §8.4), where the client takes it."""
+"""Compresses answers with gzip (RFC 9110 §8.4), where the client accepts it."""
 
 import gzip
 from collections.abc import Iterable
@@ -10,18 +10,18 @@ Headers = Iterable[tuple[bytes, bytes]]
 
 COMPRESSED_TYPES = ("application/json", "text/csv", "text/plain")
 LEAST_COMPRESSED = 1000
-"""Smaller answers gain nothing [B]."""
+"""Smallest answer that is compressed [B]."""
 LEVEL = 4
-"""Of JSON it takes nine tenths of what the highest level takes, in a third of its time."""
+"""Level of gzip: it saves nine tenths of what the highest level saves on JSON, in a third of the time."""
 
 
 def compressed(body: bytes) -> bytes:
-    """Compress a body; the same bytes for the same body."""
+    """Compress a body; equal bodies give equal bytes."""
     return gzip.compress(body, LEVEL, mtime=0)
 
 
 def takes_gzip(accepted: str) -> bool:
-    """Tell whether an Accept-Encoding header allows gzip."""
+    """Check whether an Accept-Encoding header allows gzip."""
     for part in accepted.lower().split(","):
         coding, _, weight = part.partition(";")
         if coding.strip() in ("gzip", "*"):
@@ -30,16 +30,16 @@ def takes_gzip(accepted: str) -> bool:
 
 
 class Compression:
-    """ASGI middleware: compresses large answers that come in one piece.
+    """ASGI middleware that compresses large answers sent in one piece.
 
-    An answer with an ETag stays as it is: the tag is of these bytes, and If-Match has to know it again.
+    An answer with an ETag stays as it is: the tag belongs to these bytes, and If-Match compares it.
     """
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, and its answer back, smaller."""
+        """Pass a request on and compress its answer."""
         if scope["type"] != "http" or not takes_gzip(_header(scope["headers"], b"accept-encoding") or ""):
             await self._app(scope, receive, send)
             return
@@ -69,7 +69,7 @@ def _worth_it(headers: Headers) -> bool:
 
 
 async def _compressed_answer(start: Message, answer: Message) -> tuple[Message, Message]:
-    # In a thread: a large answer takes longer than others should wait for the event loop.
+    # In a thread: compressing a large answer would block the event loop.
     body = await run_in_threadpool(compressed, answer["body"])
     headers = [(name, value) for name, value in start["headers"] if name.lower() not in (b"content-length", b"vary")]
     vary = ", ".join(filter(None, [_header(start["headers"], b"vary"), "Accept-Encoding"]))

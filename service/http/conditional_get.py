@@ -6,13 +6,13 @@ KEPT = (b"etag", b"cache-control", b"vary", b"date", b"link")
 
 
 class ConditionalGet:
-    """ASGI middleware: sends no body that the client has already."""
+    """ASGI middleware that omits a body which the client already has."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on."""
+        """Pass a request on and answer 304 where its ETag matches."""
         known = [value for name, value in scope.get("headers", []) if name == b"if-none-match"]
         if scope["type"] != "http" or scope["method"] != "GET" or not known:
             await self._app(scope, receive, send)

@@ -1,6 +1,6 @@
-"""Connections are accepted here: so many of one address at a time, and never the last file descriptors of the process.
+"""Accepts connections: a limited number per address, and never the last file descriptors of the process.
 
-The event loop's own server counts nobody's connections, and where the descriptors run out it closes new ones without a word.
+The event loop's own server has no such limits, and closes new connections silently when descriptors run out.
 """
 
 import asyncio
@@ -21,19 +21,19 @@ logger = logging.getLogger(__name__)
 
 BACKLOG = 2048
 AT_ONCE = 100
-"""Accepted in one turn of the event loop."""
+"""Largest number of connections accepted in one turn of the event loop."""
 RESERVED = 32
-"""Descriptors that are left to the database, the sources and the workers; of few descriptors a quarter."""
+"""Descriptors reserved for the database, the sources and the workers; a quarter when the limit is low."""
 SHARE = 4
-"""One address gets at most such a part of the descriptors: nobody else should have to wait for it."""
+"""One address may hold the fraction 1/SHARE of the descriptors: it must not block the others."""
 PAUSE_S = 1.0
-"""How long new connections wait when descriptors run short [s]."""
+"""Time for which new connections wait when descriptors run short [s]."""
 SAID_EVERY_S = 60.0
 SHORT = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
 class Acceptor:
-    """Connections of a listening socket. Used on the event loop only."""
+    """Acceptor of a listening socket's connections. It is used on the event loop only."""
 
     def __init__(
         self,
@@ -44,7 +44,7 @@ class Acceptor:
         most: int,
         exempt: Callable[[str], bool],
     ) -> None:
-        """most: connections of one address at a time, with handshakes under way; exempt: addresses that may have more."""
+        """Set the limits: `most` connections of one address at a time, handshakes included, unless the address is `exempt`."""
         self._listener = listener
         self._protocol = protocol
         self._tls = tls
@@ -57,13 +57,13 @@ class Acceptor:
         self._pause: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
-        """Accept from now on."""
+        """Begin to accept connections."""
         self._listener.setblocking(False)
         self._listener.listen(BACKLOG)
         self._loop.add_reader(self._listener, self._accept)
 
     def close(self) -> None:
-        """Accept no more; connections that are open go on."""
+        """Stop accepting connections; open ones go on."""
         self._loop.remove_reader(self._listener)
         if self._pause is not None:
             self._pause.cancel()
@@ -79,7 +79,7 @@ class Acceptor:
                     raise
                 self._wait(str(error))
                 return
-            if connection.fileno() >= _last():  # the lowest free number is what a file gets
+            if connection.fileno() >= _last():  # descriptors count up from the lowest free number
                 connection.close()
                 self._wait("the last ones are for the rest of the service")
                 return
@@ -99,11 +99,11 @@ class Acceptor:
         task.add_done_callback(self._tasks.discard)
 
     async def _hold(self, connection: socket.socket, address: str) -> None:
-        """Count a connection from its first byte to its end."""
+        """Count a connection from its acceptance to its end."""
         protocol = self._protocol()
         protocol.lost = self._loop.create_future()
         try:
-            # A handshake that fails or does not end is the peer's affair.
+            # A failed or unfinished handshake is the peer's fault, and not reported.
             with contextlib.suppress(OSError):
                 await self._loop.connect_accepted_socket(
                     lambda: protocol,
@@ -118,7 +118,7 @@ class Acceptor:
                 del self._open[address]
 
     def _wait(self, reason: str) -> None:
-        """Accept nothing for a moment: nothing is won by trying again at once."""
+        """Pause accepting: an immediate retry would fail again."""
         if not self._said.take(""):
             logger.error(
                 "file descriptors run short (%s), with %d connections of %d addresses open: new ones wait; "
@@ -132,6 +132,6 @@ class Acceptor:
 
 
 def _last() -> int:
-    """Return the first of the descriptors that no connection gets."""
+    """Return the first descriptor that no connection gets."""
     allowed = resource.getrlimit(resource.RLIMIT_NOFILE)[0]
     return sys.maxsize if allowed == resource.RLIM_INFINITY else allowed - min(RESERVED, allowed // 4)

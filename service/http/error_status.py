@@ -1,4 +1,4 @@
-"""The status with which each category of errors is answered."""
+"""HTTP status of each category of errors."""
 
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -30,5 +30,5 @@ STATUS: Mapping[type[DomainError], HTTPStatus] = {
 
 
 def status_of(error: DomainError) -> HTTPStatus:
-    """Look up the status of an error's category."""
+    """Return the status of an error's category."""
     return next(STATUS[kind] for kind in type(error).__mro__ if kind in STATUS)

@@ -1,8 +1,8 @@
-"""`Idempotency-Key` on POST: what is asked twice under one key is done once, and answered the same.
+"""Supports `Idempotency-Key` on POST: a repeated request is executed once and gets the same answer.
 
-A key is taken in the store before the work begins and gets its answer afterwards, and is known for a day. Between two
-processes, or after a kill, a key without an answer means: it is not known whether the work was done; look before asking under
-a new key. Source: the IETF draft "The Idempotency-Key HTTP Header Field".
+A key is stored before the work begins, gets its answer afterwards, and is kept for a day. A key without an answer, seen by
+another process or after a crash, means that the outcome is unknown: check before asking under a new key. Source: the IETF
+draft "The Idempotency-Key HTTP Header Field".
 """
 
 import asyncio
@@ -27,7 +27,7 @@ REPLAYED = "Idempotency-Replayed"
 
 
 class Idempotency:
-    """ASGI middleware over a database. sealing: opens answers that are kept sealed."""
+    """ASGI middleware over a database. sealing: opens answers that are stored encrypted."""
 
     def __init__(self, app: ASGIApp, database: Database, sealing: Sealing | None = None) -> None:
         self._app = app
@@ -35,7 +35,7 @@ class Idempotency:
         self._sealing = sealing
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or answer it as it was answered before."""
+        """Pass a request on, or replay the answer that it got before."""
         keys = []
         if scope["type"] == "http" and scope["method"] == "POST" and _needs_somebody(scope):
             keys = [value for header, value in scope["headers"] if header == b"idempotency-key"]
@@ -49,10 +49,10 @@ class Idempotency:
             return
         body = await _whole(receive)
         if body is None:
-            return  # the client has gone
+            return  # the client has disconnected
         fingerprint = hashlib.sha256(_asked(scope) + body).hexdigest()
         who = scope["state"]["principal"]
-        # Everybody's keys are their own, and so are the answers under them.
+        # Each principal has keys and answers of their own.
         place = hashlib.sha256(f"{who.identity} {name}".encode()).hexdigest() if who.known else name
         earlier = await asyncio.to_thread(self._earlier, place, name, fingerprint)
         if earlier is not None:
@@ -61,11 +61,11 @@ class Idempotency:
         await self._work(place, scope, body, receive, send)
 
     def _earlier(self, place: str, name: str, fingerprint: str) -> Response | None:
-        """Return the answer to a key that was taken before; None where it is new, and taken now."""
+        """Return the answer to a key that was claimed before; None for a new key, which is claimed now."""
         try:
             with self._database.transaction() as session:
                 row = idempotency.claim(session, place, fingerprint)
-        except IntegrityError:  # somebody else was a moment faster
+        except IntegrityError:  # another request was faster
             return self._earlier(place, name, fingerprint)
         if row is None:
             return None
@@ -94,7 +94,7 @@ class Idempotency:
         return answer
 
     def _opened(self, body: bytes, place: str) -> bytes | None:
-        """Return an answer as it was given; None where it is sealed and no key opens it."""
+        """Return a stored answer in plain text; None where it is encrypted and no key opens it."""
         if not body.startswith(SEALED.encode()):
             return body
         try:
@@ -122,7 +122,7 @@ class Idempotency:
             elif message["type"] == "http.response.body":
                 parts.append(message.get("body", b""))
                 if not message.get("more_body", False):
-                    # Kept before it is sent: a client that got it can rely on it.
+                    # Stored before it is sent: a client that received it can rely on it.
                     answer = StoredResponse(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
                     await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
             await send(message)
@@ -130,14 +130,14 @@ class Idempotency:
         try:
             await self._app(scope, again, noted)
         except BaseException:
-            if not _done(scope):  # else nobody knows what the client would have been told: the key stays taken
+            if not _done(scope):  # otherwise the outcome is unknown, and the key stays claimed
                 await asyncio.to_thread(self._release, place)
             raise
 
     def _keep(self, place: str, answer: StoredResponse, *, done: bool) -> None:
         with self._database.transaction() as session:
             if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
-                idempotency.release(session, place)  # nothing was done, and what was wrong can be mended: the key stays good
+                idempotency.release(session, place)  # nothing was done and the request can be corrected: the key stays usable
             else:
                 idempotency.answered(session, place, answer)
 
@@ -147,7 +147,7 @@ class Idempotency:
 
 
 def _needs_somebody(scope: Scope) -> bool:
-    """Tell whether this needs a role: requests that anybody may make must not write to the store."""
+    """Check whether the operation needs a role: requests that anybody may make must not write to the store."""
     operation = scope["state"]["operation"]
     return operation is not None and operation.requirement.role is not None
 
@@ -157,12 +157,12 @@ def _place(key: str) -> str:
 
 
 def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
-    """Return an answer as it may stand in the database. sealing: where it tells a secret."""
+    """Return an answer as it is stored. sealing: encrypts answers that contain a secret."""
     return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
 
 
 def _done(scope: Scope) -> bool:
-    """Tell whether something was committed in the course of the request."""
+    """Check whether the request committed a transaction."""
     return bool(getattr(scope["state"].get("store"), "written", False))
 
 

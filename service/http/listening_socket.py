@@ -1,4 +1,4 @@
-"""The socket and the certificate that the REST API listens with, checked before anything else starts."""
+"""The listening socket and the certificate of the REST API, checked before anything else starts."""
 
 import socket
 import ssl
@@ -8,11 +8,11 @@ from service.http.slow_clients import end_stuck_connections
 
 
 class PortUnusable(RuntimeError):
-    """The REST API cannot listen where it should."""
+    """The REST API cannot listen on its address or with its certificate."""
 
 
 def require_certificate(settings: Settings) -> None:
-    """Raises PortUnusable where the settings name a certificate or a key that cannot be used."""
+    """Raise PortUnusable where the settings name an unusable certificate or key."""
     if settings.tls_certificate:
         try:
             ssl.create_default_context(ssl.Purpose.CLIENT_AUTH).load_cert_chain(settings.tls_certificate, settings.tls_key)
@@ -23,7 +23,7 @@ def require_certificate(settings: Settings) -> None:
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """Take a port and listen on it. Raises PortUnusable where it is in use or is none of this machine."""
+    """Bind a port and listen on it. Raises PortUnusable where it is in use or its host is not an address of this machine."""
     listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -1,4 +1,4 @@
-"""The problem detail (RFC 9457): the one shape of every error that is answered over HTTP."""
+"""The problem detail (RFC 9457): the one shape of all errors over HTTP."""
 
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 
 class FieldProblem(BaseModel):
-    """What is wrong with one field."""
+    """A fault of one field."""
 
     field: str
     message: str
@@ -27,6 +27,6 @@ class Problem(BaseModel):
 def problem_response(
     status: int, detail: str, headers: Mapping[str, str] | None = None, errors: list[FieldProblem] | None = None
 ) -> JSONResponse:
-    """Answer a request with a problem detail."""
+    """Return a problem detail as an answer."""
     problem = Problem(title=HTTPStatus(status).phrase, status=status, detail=detail, errors=errors or [])
     return JSONResponse(problem.model_dump(), status, dict(headers or {}), media_type="application/problem+json")

@@ -1,6 +1,6 @@
-"""HTTP as it comes from the network: what is no request, has too large a head or never ends is told so and let go of.
+"""Reads HTTP requests from the network; malformed, oversized and too slow ones are refused, and the connection closed.
 
-The server library bounds none of these: a peer without any key could hold memory and connections with them.
+The server library has no such limits: a peer without credentials could exhaust memory and connections.
 """
 
 import asyncio
@@ -12,11 +12,11 @@ from service.http.problem import problem_response
 from service.http.security_headers import ALWAYS, NO_STORE
 
 LARGEST_HEAD = 64 * 1024
-"""Of a request's line and headers together [bytes]; browsers and proxies send some kilobytes at most."""
+"""Largest size of a request's line and headers together [B]; browsers and proxies send some kilobytes at most."""
 PATIENCE_S = 20.0
-"""A request must have come whole within this time [s], …"""
+"""Time within which a whole request must arrive [s], extended for requests that keep the least rate."""
 SLOWEST = 500.0
-"""… or go on at so many bytes per second."""
+"""Least rate of requests that take longer [B/s]."""
 
 
 _TOO_LARGE = f"a request's line and headers may have {LARGEST_HEAD} bytes together: send what is long in the body"
@@ -30,32 +30,32 @@ _NO_HOST = "a request has one Host header (RFC 9112, section 3.2)"
 
 
 class HeadRefused(ValueError):
-    """Status and detail: the parser stops at it."""
+    """A head that is refused, with status and detail; raised to stop the parser."""
 
 
 class HttpProtocol(HttpToolsProtocol):
-    """A connection."""
+    """A connection with limits of size and time."""
 
     _timer: asyncio.TimerHandle | None = None
     _waits = False
-    """Whether a request is still to come, or comes."""
+    """Set while a request is awaited or being received."""
     _begun = False
-    """Whether something of it came."""
+    """Set once a part of this request has arrived."""
     _in_head = True
     _since = 0.0
     _came = 0
-    """Bytes of it, as far as they are surely its own."""
+    """Bytes of this request, without those that may belong to an earlier one."""
     _completed = 0
-    """Requests that came whole."""
+    """Number of requests received whole."""
     _fault = (HTTPStatus.BAD_REQUEST, _UNREADABLE)
-    """What is answered when the parser stops."""
+    """Status and detail to answer when the parser stops."""
     _refusal: tuple[HTTPStatus, str] | None = None
-    """What is answered once those who asked before have their answers."""
+    """Refusal to send once earlier requests have their answers."""
     lost: asyncio.Future[None] | None = None
-    """Done when the connection has ended."""
+    """Future that completes when the connection ends."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin; a peer that sends nothing may not stay."""
+        """Begin with a time limit: a peer that sends nothing may not stay."""
         super().connection_made(transport)
         self._wait()
 
@@ -67,7 +67,7 @@ class HttpProtocol(HttpToolsProtocol):
             self.lost.set_result(None)
 
     def data_received(self, data: bytes) -> None:
-        """Read on."""
+        """Pass data to the parser and check the limits."""
         if self._refusal is not None:
             return
         if not self._waits and not self._answering():
@@ -86,10 +86,7 @@ class HttpProtocol(HttpToolsProtocol):
         self._begun = True
 
     def on_headers_complete(self) -> None:
-        """Take the head of a request.
-
-        Raises HeadRefused.
-        """
+        """Check the head of a request. Raises HeadRefused."""
         if len(self.url) + sum(len(name) + len(value) for name, value in self.headers) > LARGEST_HEAD:
             self._fault = HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE
             raise HeadRefused(*self._fault)
@@ -100,7 +97,7 @@ class HttpProtocol(HttpToolsProtocol):
         super().on_headers_complete()
 
     def on_message_complete(self) -> None:
-        """Take the end of a request. Where it was answered before, nobody else waits for the next one."""
+        """Finish receiving a request. If it was answered already, begin to wait for the next one."""
         self._completed += 1
         self._stop_waiting()
         super().on_message_complete()
@@ -108,20 +105,20 @@ class HttpProtocol(HttpToolsProtocol):
             self._wait()
 
     def on_response_complete(self) -> None:
-        """Answer the next request in the line, or refuse it."""
+        """Answer the next request in the queue, or refuse it."""
         super().on_response_complete()
         if self._refusal is not None and not self._answering() and not self.transport.is_closing():
             self._refuse(*self._refusal)
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - the library says the same of everything
-        """Refuse what the parser could not read."""
+        """Refuse a request that the parser could not read."""
         self._refuse(*self._fault)
 
     def _answering(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete
 
     def _wait(self) -> None:
-        """Wait for a request."""
+        """Begin to wait for a request."""
         self._waits, self._begun, self._in_head = True, False, True
         self._since, self._came = self.loop.time(), 0
         if self._timer is None:
@@ -134,7 +131,7 @@ class HttpProtocol(HttpToolsProtocol):
             self._timer = None
 
     def _look(self) -> None:
-        """Cut off a peer that took too long. While nothing is read, it is not the peer that is slow."""
+        """Disconnect a peer that took too long. While reading is paused, the delay is not the peer's."""
         self._timer = None
         left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:
@@ -145,7 +142,7 @@ class HttpProtocol(HttpToolsProtocol):
             self.transport.close()
 
     def _refuse(self, status: HTTPStatus, detail: str) -> None:
-        """Answer without the application, and close."""
+        """Answer without the application, and close the connection."""
         if self._answering() and self._in_head:
             self._refusal = status, detail
             self._stop_waiting()

@@ -1,9 +1,9 @@
-"""Headers that every answer has, so that a browser does with it only what is meant (OWASP Secure Headers)."""
+"""Adds security headers to every answer, against misuse by browsers (OWASP Secure Headers)."""
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 NOTHING = "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-"""For answers that are no pages."""
+"""Policy of answers that are not pages."""
 ALWAYS = (
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
@@ -12,20 +12,20 @@ ALWAYS = (
     (b"cross-origin-resource-policy", b"same-origin"),
     (b"content-security-policy", NOTHING.encode()),
 )
-"""Unless the answer says something of its own."""
+"""Headers of every answer that does not set them itself."""
 HSTS = (b"strict-transport-security", b"max-age=31536000")
 NO_STORE = (b"cache-control", b"no-store")
-"""What somebody may see must not stay in a cache for somebody else."""
+"""Keeps answers out of caches that other users could read."""
 
 
 class SecurityHeaders:
-    """ASGI middleware, outside of all others."""
+    """ASGI middleware that adds missing headers to every answer, refusals by the guard included."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, and add to its answer what is missing."""
+        """Pass a request on and add missing headers to its answer."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

@@ -24,7 +24,7 @@ class EndlessAnswers(Protocol):
 
 
 class Server(uvicorn.Server):
-    """Accepts connections by itself, and tells streams that never end when it stops: it would wait for them."""
+    """Server that accepts connections itself, and ends endless streams when it stops: it would wait for them."""
 
     def __init__(
         self,
@@ -34,7 +34,7 @@ class Server(uvicorn.Server):
         connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
         exempt: Callable[[str], bool] = _nobody,
     ) -> None:
-        """endless: ended when the server stops. connections_per_address, exempt: see `Acceptor`."""
+        """Set the streams to end when the server stops. For connections_per_address and exempt see `Acceptor`."""
         super().__init__(config)
         self._endless = endless
         self._connections_per_address = connections_per_address
@@ -43,7 +43,7 @@ class Server(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to answer."""
-        await super().startup(sockets=[])  # on none of its own
+        await super().startup(sockets=[])  # no listening sockets of its own
         state = self.lifespan.state
         protocol = functools.partial(HttpProtocol, config=self.config, server_state=self.server_state, app_state=state)
         for one in sockets or []:
@@ -52,7 +52,7 @@ class Server(uvicorn.Server):
             self._acceptors.append(acceptor)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Answer what was asked, and no more."""
+        """Answer pending requests and accept no more."""
         for one in self._acceptors:
             one.close()
         self._endless.end()

@@ -1,13 +1,13 @@
-"""Clients that take nothing of what they are sent: their connections end, or what was not sent would be held for ever."""
+"""Ends connections of clients that do not read: data not sent would be held for ever."""
 
 import socket
 
 PATIENCE_S = 30.0
-"""How long a client may take nothing [s]."""
+"""Longest time in which a client may acknowledge nothing [s]."""
 
 
 def end_stuck_connections(listener: socket.socket, *, after_s: float = PATIENCE_S) -> None:
-    """End accepted connections whose peer takes nothing for so long; only where Linux does it.
+    """Set the socket to end accepted connections whose peer acknowledges nothing for so long; on Linux only.
 
     Source: RFC 5482; TCP_USER_TIMEOUT in tcp(7), which also holds while the peer's window is closed.
     """

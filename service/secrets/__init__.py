@@ -1,1 +1,1 @@
-"""Secrets in files, and secrets sealed for the database. It imports no other room."""
+"""Secrets in files, and secrets encrypted for the database. It imports no other room."""

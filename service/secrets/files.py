@@ -1,4 +1,4 @@
-"""Secrets come from files or from the environment; a file that others can read holds no secret."""
+"""Reads secrets from files; a file that others can read is rejected."""
 
 import base64
 import binascii
@@ -6,11 +6,11 @@ import stat
 from pathlib import Path
 
 KEY_BYTES = 32
-"""Length of a sealing key."""
+"""Length of an encryption key [B]."""
 
 
 def read_secret(path: str) -> str:
-    """Return the first line of a file. Raises ValueError, which says what is wrong, never what is in it."""
+    """Return the first line of a file. Raises ValueError, whose message never holds the content."""
     require_private(path)
     try:
         found = Path(path).read_text(encoding="utf-8").strip()
@@ -22,7 +22,7 @@ def read_secret(path: str) -> str:
 
 
 def read_keys(path: str) -> list[bytes]:
-    """Return the sealing keys of a file, base64 of 32 bytes a line. Raises ValueError, which never says what is in it."""
+    """Return the encryption keys of a file, base64 of 32 bytes a line. Raises ValueError, which never holds the content."""
     require_private(path)
     try:
         lines = Path(path).read_text(encoding="ascii").split()
@@ -40,7 +40,7 @@ _URL_SAFE = str.maketrans("-_", "+/")
 
 
 def require_private(path: str) -> None:
-    """Raise ValueError for a file that is not there, or that others can read."""
+    """Raise ValueError for a missing file, or one that others can read or write."""
     try:
         mode = Path(path).stat().st_mode
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Patterns of what may be named to refer to a secret: files of one folder, and variables of one prefix."""
+"""Permitted references to secrets: files of one folder, and variables with one prefix."""
 
 VARIABLE_PREFIX = "RUNDOWN_WEBHOOK_SECRET_"
 VARIABLE = rf"^{VARIABLE_PREFIX}[A-Z0-9_]{{1,64}}$"

@@ -1,6 +1,6 @@
-"""Secrets that must stand in the database are sealed there: AES-256-GCM, with keys that stand elsewhere.
+"""Encrypts ("seals") secrets in the database: AES-256-GCM, with keys kept elsewhere.
 
-A sealed secret opens only in the place that it was sealed for: copied into another row it is of no use.
+A sealed secret is bound to its place by authenticated data: copied into another row it does not open.
 """
 
 import base64
@@ -16,16 +16,16 @@ from storage.backup.backup_file import sync_folder
 from storage.database.private_files import PRIVATE
 
 SEALED = "sealed:"
-"""With which every sealed secret begins."""
+"""Prefix of every sealed secret."""
 NONCE_BYTES = 12
 
 
 class SealBroken(ValueError):
-    """No key opens what is sealed; the message says what would."""
+    """No key opens a sealed secret; the message says which would."""
 
 
 class Sealing:
-    """Keys: the first one seals, all of them open."""
+    """Encryption keys: the first seals, all of them open."""
 
     def __init__(self, keys: Sequence[bytes]) -> None:
         self._keys = [AESGCM(key) for key in keys]
@@ -36,19 +36,19 @@ class Sealing:
         return cls(read_keys(str(file)))
 
     def seal(self, secret: bytes, *, place: str) -> str:
-        """Return a secret as it may stand in the database, in one place only."""
+        """Encrypt a secret for one place in the database."""
         nonce = os.urandom(NONCE_BYTES)
         return SEALED + base64.b64encode(nonce + self._keys[0].encrypt(nonce, secret, place.encode())).decode()
 
     def open(self, sealed: str, *, place: str) -> bytes:
-        """Return the secret. Raises SealBroken."""
+        """Decrypt a secret. Raises SealBroken."""
         for key in self._keys:
             if (found := _opened(key, sealed, place)) is not None:
                 return found
         raise SealBroken("none of the sealing keys opens it: it was sealed with another one, or changed")
 
     def is_current(self, sealed: str, *, place: str) -> bool:
-        """Tell whether the first key opens it; one that only a later key opens is to be sealed anew."""
+        """Check whether the first key opens it; a secret that only a later key opens must be sealed again."""
         return _opened(self._keys[0], sealed, place) is not None
 
 
@@ -61,12 +61,12 @@ def _opened(key: AESGCM, sealed: str, place: str) -> bytes | None:
 
 
 def make_key(file: Path) -> None:
-    """Write a new key into a new private file, which is whole and on the disk before anything is sealed with it.
+    """Write a new key into a new private file, complete and synced to disk before anything is sealed with it.
 
-    Raises OSError, also where the file is there already.
+    Raises OSError, also where the file exists.
     """
     part = file.with_name(file.name + ".part")
-    part.unlink(missing_ok=True)  # of a process that was killed
+    part.unlink(missing_ok=True)  # left by a killed process
     number = os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, PRIVATE)
     with os.fdopen(number, "wb") as opened:
         opened.write(base64.b64encode(os.urandom(KEY_BYTES)) + b"\n")

@@ -1,7 +1,7 @@
-"""API keys: 256 random bits behind a prefix by which they are found.
+"""API keys: 256 random bits behind a prefix that identifies the row.
 
-Only SHA-256 of a key is kept. Slow hashes as for passwords defend what can be guessed; 256 random bits cannot be, and a slow
-hash would be paid with every request.
+Only the SHA-256 of a key is stored. Slow hashes, as for passwords, protect guessable secrets; 256 random bits are not, and
+every request would pay for a slow hash.
 """
 
 import hashlib
@@ -22,11 +22,11 @@ SECRET_BYTES = 32
 PREFIX_BYTES = 4
 A_DAY_NS = 24 * 3600 * 1_000_000_000
 COMMAND = "rundown key"
-"""Who the audit trail says it was: whoever may run commands on the store."""
+"""Author in the audit trail of changes made by commands on the store."""
 
 
 def prefix_of(text: str) -> str | None:
-    """Return the prefix of what looks like a key; None for anything else."""
+    """Return the prefix of a text in the form of a key; None for any other text."""
     parts = text.split("_", 2)
     return parts[1] if len(parts) == 3 and text.startswith(BEGIN) and parts[1] and parts[2] else None
 
@@ -39,7 +39,7 @@ def key_hash(text: str) -> str:
 def create(
     session: Session, *, name: str, role: Role, plants: Sequence[str] | None, days: float, address: str = "local"
 ) -> tuple[ApiKeyRow, str]:
-    """Return a new key, and its text, which is not to be had again. plants: None for all; days: until it expires."""
+    """Return a new key with its text, which is not stored. plants: None for all; days: until it expires."""
     prefix = secrets.token_hex(PREFIX_BYTES)
     text = f"{BEGIN}{prefix}_{secrets.token_urlsafe(SECRET_BYTES)}"
     expires_at = now() + round(days * A_DAY_NS)
@@ -54,10 +54,7 @@ def create(
 
 
 def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -> tuple[ApiKeyRow, str]:
-    """Replace a key by a new one; the old one opens for a while yet. Raises KeyUnknown, ValueError for one that does not.
-
-    overlap_days: how long both are valid.
-    """
+    """Replace a key by a new one; the old one stays valid for overlap_days. Raises KeyUnknown; ValueError if invalid."""
     old = api_keys.get(session, prefix)
     if not api_keys.valid(old, at=now()):
         raise ValueError(f"key {prefix} is revoked, has expired or waits for a confirmation: create a new one, or confirm it")
@@ -67,7 +64,7 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
 
 
 def confirm(session: Session, prefix: str) -> None:
-    """Let a key be good again that waits since a restore. Raises KeyUnknown, ValueError for one that does not wait."""
+    """Reactivate a key that awaits confirmation since a restore. Raises KeyUnknown, ValueError for one that does not."""
     row = api_keys.get(session, prefix)
     if not api_keys.waits(row):
         raise ValueError(f"key {prefix} does not wait for a confirmation")
@@ -76,7 +73,7 @@ def confirm(session: Session, prefix: str) -> None:
 
 
 def revoke(session: Session, prefix: str) -> None:
-    """Raise KeyUnknown."""
+    """Revoke a key. Raises KeyUnknown."""
     api_keys.revoke(api_keys.get(session, prefix))
     audit.append(session, AuditedOperation(COMMAND, "local", "revoke_key", prefix, "done"))
 
@@ -88,6 +85,6 @@ def principal(row: ApiKeyRow) -> Principal:
 
 
 def opens(row: ApiKeyRow | None, text: str) -> bool:
-    """Tell whether this is that key, and valid."""
+    """Check whether a text is that key, and the key is valid."""
     given = key_hash(text)
     return hmac.compare_digest(row.hash if row else "", given) and row is not None and api_keys.valid(row, at=now())

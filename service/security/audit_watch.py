@@ -1,6 +1,6 @@
-"""Notes the newest entry of the audit trail outside of the database, in the log and in memory, and sees that it stays.
+"""Records the newest entry of the audit trail outside of the database, in the log and in memory, and checks that it stays.
 
-Who can write to the database could cut off the trail's end, head and all, and the rest would hold: what was noted tells.
+A writer of the database could cut off the trail's end, head included, and the rest would verify: the record shows the loss.
 """
 
 import logging
@@ -19,7 +19,7 @@ A_DAY_S = 86_400.0
 
 
 class AuditWatch(SupervisedThread):
-    """The thread that looks now and then."""
+    """Thread that checks the audit trail periodically."""
 
     def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
         super().__init__("audit watch", failure="the audit trail cannot be looked at", retry_s=LOOK_S)
@@ -28,15 +28,15 @@ class AuditWatch(SupervisedThread):
         self._noted = (0, BEGINNING)
         self._told_at: float | None = None
         self.warnings: list[str] = []
-        """Entries that do not hold, in words; they stay until the next start."""
+        """Warnings of changed entries; they stay until the next start."""
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for a monitoring system, by the name of the metric."""
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
     def look(self, *, tell: bool = False) -> None:
-        """Compare with what was noted last, and note the newest entry. tell: in the log as well, which has it once a day."""
+        """Compare the trail with the recorded entry, and record the newest. tell: log it now, not only once a day."""
         with self._database.reading() as session:
             held, newest = audit.holds(session, self._noted), audit.head(session)
         if not held:
@@ -50,10 +50,10 @@ class AuditWatch(SupervisedThread):
             self._told_at = self._clock()
 
     def turn(self) -> float:
-        """Look once; the first look that succeeds tells the newest entry."""
+        """Check once; the first successful check logs the newest entry."""
         self.look()
         return LOOK_S
 
     def finish(self) -> None:
-        """Tell the newest entry, so that what is cut off while the service does not run shows as well."""
+        """Log the newest entry, to show entries cut off while the service does not run."""
         self.look(tell=True)

@@ -1,5 +1,5 @@
-"""From a request's credentials to a principal. What was checked is remembered for a few seconds: a look-up takes microseconds,
-and a revoked key opens nothing any more after those.
+"""Authenticates requests: from credentials to a principal. Results are cached for a few seconds: a look-up takes microseconds,
+and a revoked key stops working once they expire.
 """
 
 import asyncio
@@ -23,21 +23,20 @@ from storage.operation import browser_sessions
 logger = logging.getLogger(__name__)
 
 REMEMBERED_S = 3.0
-"""So long a revoked key may still open."""
+"""Lifetime of a cached result [s]: a revoked key works for so long."""
 GRACE_S = 3600.0
-"""So long what was good before stays good while the database, in which it could be revoked, does not answer: a monitoring
-system is to see that it does not."""
+"""Extended lifetime while the database does not answer [s]: a monitoring system must be able to see the failure."""
 PATIENCE_S = 5.0
-"""An answer of the database that takes longer is none."""
+"""Time limit of the database's answer [s]."""
 MOST_REMEMBERED = 10_000
 COOKIE = "rundown_session"
 SAFE_COOKIE = "__Host-rundown_session"
-"""Its name where the connection is encrypted: browsers then send it nowhere else."""
+"""Name of the cookie over encrypted connections: browsers send it to this host only, and never unencrypted."""
 SCHEME = "bearer "
 
 
 class Unauthenticated(Exception):
-    """Credentials that open nothing, and what to do."""
+    """Invalid credentials; the message says what to do."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class Credentials:
 
     @classmethod
     def of(cls, headers: Mapping[bytes, bytes], *, cookie: str) -> "Credentials":
-        """Take them from a request's headers. cookie: name of a session's. Raises Unauthenticated for another scheme."""
+        """Read them from a request's headers. cookie: the session's name. Raises Unauthenticated for another scheme."""
         said = headers.get(b"authorization", b"").decode("latin-1").strip()
         if said and not said.lower().startswith(SCHEME):
             raise Unauthenticated("Authorization must be 'Bearer' and an API key or a token")
@@ -57,14 +56,15 @@ class Credentials:
 
 
 def cookie_name(scheme: str, *, public_url: str) -> str:
-    """Of a session's cookie, for a request that came in some way: only one name is taken, or a neighbour of the same domain
-    could give a browser the other one.
+    """Return the name of the session's cookie for a scheme.
+
+    Only one name is accepted: a neighbour on the same domain could set the other one.
     """
     return SAFE_COOKIE if scheme == "https" or public_url.startswith("https://") else COOKIE
 
 
 def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
-    """Return the cookie of a browser's session, which has that name."""
+    """Return the value of the session cookie of that name, if there is one."""
     for part in headers.get(b"cookie", b"").decode("latin-1").split(";"):
         name, _, value = part.strip().partition("=")
         if name == wanted and value:
@@ -73,7 +73,7 @@ def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
 
 
 class Authentication:
-    """Finds out who asks. required: also where there is neither a key nor an issuer."""
+    """Authentication of requests. required: credentials are needed even where there is neither a key nor an issuer."""
 
     def __init__(
         self,
@@ -91,14 +91,14 @@ class Authentication:
         self._remembered: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
-        """Tell whether credentials are needed. A first key is noticed within seconds; that there was one is not forgotten."""
+        """Check whether credentials are needed. A first key is noticed within seconds; once needed, they stay so."""
         if not self._on and self._clock() - self._asked_at > REMEMBERED_S:
             self._asked_at = self._clock()
             self._on = await asyncio.to_thread(self._keys_are_there)
         return self._on
 
     async def principal(self, given: Credentials) -> Principal:
-        """Return who brings these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
+        """Return the principal of these credentials. Raises Unauthenticated, KeysUnavailable, DBAPIError."""
         if not await self.on():
             return OPEN
         text = given.bearer or given.cookie
@@ -124,14 +124,14 @@ class Authentication:
         return found
 
     async def still(self, given: Credentials, who: Principal) -> bool:
-        """Tell whether credentials still stand for the same principal, for answers that go on for long."""
+        """Check whether credentials still stand for the same principal, for long-lived answers."""
         try:
             return await self.principal(given) == who
         except Unauthenticated:
             return False
 
     def forget(self, cookie: str) -> None:
-        """Forget a session that was ended: it opens nothing from now on, in this process."""
+        """Remove an ended session from the cache: it stops working at once in this process."""
         self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
 
     def key(self, text: str) -> Principal:
@@ -180,5 +180,5 @@ class Authentication:
         try:
             with self._database.transaction() as session:
                 keys.note_use(session, prefix)
-        except DBAPIError as error:  # nobody is kept out for that
+        except DBAPIError as error:  # recording the use is no condition of access
             logger.warning("that key %s was used cannot be written down: %s", prefix, error.orig)

@@ -1,7 +1,7 @@
-"""Changes that a page of another site makes a person's browser ask for (CSRF): they are refused.
+"""Refuses changes that a page of another site triggers in a person's browser (CSRF).
 
 Sources: Fetch Metadata (Sec-Fetch-Site), RFC 6454 (Origin). Browsers always send one of the two with a change; programs send
-neither. Where somebody is logged in by a cookie, a token that only this site's page can read must come along as well.
+neither. A session by cookie also needs a token that only this site's page can read.
 """
 
 import hmac
@@ -16,7 +16,7 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 
 
 def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
-    """Say why a change seems to come from another site's page; None where it does not."""
+    """Return the reason why a change seems to come from another site's page, or None."""
     site = headers.get(b"sec-fetch-site", b"none").decode("latin-1")
     if site == "same-origin":
         return None
@@ -34,9 +34,9 @@ def foreign(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 
 
 def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
-    """Say why a request to a service on loopback seems to come from a page whose name was made to mean it (DNS rebinding).
+    """Return the reason why a request to a service on loopback seems to use a rebound name (DNS rebinding), or None.
 
-    An address is nobody's name, and localhost is everybody's own.
+    IP addresses and localhost cannot be rebound.
     """
     said = headers.get(b"host", b"").decode("latin-1")
     try:
@@ -51,7 +51,7 @@ def rebound(headers: Mapping[bytes, bytes], *, public_url: str) -> str | None:
 def refusal(
     who: Principal, method: str, headers: Mapping[bytes, bytes], *, public_url: str, with_token: bool = True
 ) -> str | None:
-    """Say why a change is refused; None where it is not. with_token: logging in and out needs none."""
+    """Return the reason why a change is refused, or None. with_token: False for login and logout, which need no token."""
     if method in SAFE_METHODS or who.kind not in ("open", "session", "anonymous"):
         return None
     found = foreign(headers, public_url=public_url)

@@ -1,4 +1,4 @@
-"""Until when certificates are good."""
+"""Expiry of certificates."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -7,12 +7,12 @@ DAY_S = 86_400.0
 
 
 def good_until(file: Path) -> datetime:
-    """Tell when the first certificate of a file expires. Raises OSError, ValueError for a file that holds none."""
-    from cryptography import x509  # takes a tenth of a second to import
+    """Return the expiry of the first certificate in a file. Raises OSError, ValueError for a file that holds none."""
+    from cryptography import x509  # the import takes a tenth of a second
 
     return x509.load_pem_x509_certificate(file.read_bytes()).not_valid_after_utc
 
 
 def days_left(file: Path) -> float:
-    """From now until then, negative once it is over [d]. Raises OSError, ValueError."""
+    """Return the days until the certificate expires, negative afterwards [d]. Raises OSError, ValueError."""
     return (good_until(file) - datetime.now(UTC)).total_seconds() / DAY_S

@@ -1,4 +1,4 @@
-"""Settings of who may use an application."""
+"""Access settings of an application."""
 
 from dataclasses import dataclass
 
@@ -11,8 +11,10 @@ from service.security.tokens import Claims, Tokens
 
 @dataclass(frozen=True)
 class Security:
-    """required: credentials are needed even where there is neither a key nor an issuer; tls: whether the service itself
-    speaks TLS; names_checked: see `Guard`. requests, failures: per second and at once, see `RateLimit`.
+    """Access settings.
+
+    required: credentials are needed even where there is neither a key nor an issuer. tls: whether the service itself speaks
+    TLS. names_checked: see `Guard`. requests, failures: rate per second and burst, see `RateLimit`.
     """
 
     required: bool = False
@@ -26,7 +28,7 @@ class Security:
 
     @classmethod
     def of(cls, settings: Settings) -> "Security":
-        """Read the settings."""
+        """Derive the access settings from the service's settings."""
         tokens = open_id = None
         if settings.oidc_issuer:
             open_id = OpenId(

@@ -1,4 +1,4 @@
-"""Refuses to start a service that strangers could reach: beyond this machine nobody comes in without credentials."""
+"""Refuses to start a service that is open to the network without credentials."""
 
 from collections.abc import Sequence
 from urllib.parse import urlsplit
@@ -22,7 +22,7 @@ class Exposed(RuntimeError):
 
 
 def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
-    """List what is open to everybody and allowed twice, for the log. Raises Exposed where it was not allowed twice."""
+    """List the endpoints that are open by double permission, for the log. Raises Exposed where it is missing."""
     found = _open_doors(settings, keys_are_there=keys_are_there)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE}")
@@ -30,7 +30,7 @@ def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[
 
 
 def require_guarded(settings: Settings, listen: Sequence[str]) -> list[str]:
-    """Refuse the same for a router alone, which listens on these zenoh endpoints. Raises Exposed."""
+    """List the open zenoh endpoints of a router that runs alone, by double permission. Raises Exposed where it is missing."""
     found = _open_endpoints(settings, listen)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE_FOR_ROUTERS}")
@@ -58,17 +58,17 @@ def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
 
 
 def credentials_needed(settings: Settings, *, keys_are_there: bool) -> bool:
-    """Tell whether the API asks who somebody is."""
+    """Check whether the API requires credentials."""
     return keys_are_there or bool(settings.oidc_issuer) or settings.authentication == "required"
 
 
 def allowed_twice(settings: Settings) -> bool:
-    """Tell whether it was said twice that everybody may do everything."""
+    """Check whether both settings allow everybody to do everything."""
     return settings.allow_no_authentication and settings.everybody_may_change_everything
 
 
 def beyond(endpoints: Sequence[str]) -> list[str]:
-    """Return those zenoh endpoints that other machines reach."""
+    """Return the zenoh endpoints that other machines can reach."""
     return [one for one in endpoints if not one.startswith("unix") and not is_loopback(host_of(one))]
 
 

@@ -1,4 +1,4 @@
-"""Gives each request its principal, or refuses it, before anything of it is read or done."""
+"""Authenticates and authorises each request, before it is read or handled."""
 
 import asyncio
 import logging
@@ -33,7 +33,7 @@ HOW = "send 'Authorization: Bearer' with an API key or a token, or log in at /lo
 
 
 class Guard:
-    """ASGI middleware."""
+    """ASGI middleware in front of all operations."""
 
     def __init__(
         self,
@@ -49,10 +49,10 @@ class Guard:
         public_url: str = "",
         names_checked: bool = False,
     ) -> None:
-        """requests: how often somebody may ask; failures: how often an address may guess a key or a token.
-        A session that is over is no guess, nor is to bring nothing: a page asks several things before it goes to log in.
+        """Set the limits: `requests` per client, `failures` per address that guesses a key or a token.
 
-        names_checked: where nobody needs to log in, only under a name that is this machine's own.
+        An ended session or missing credentials do not count as guesses: a page sends several requests before it goes to log
+        in. names_checked: without authentication, accept only names of this machine itself.
         """
         self._app = app
         self._database = database
@@ -67,7 +67,7 @@ class Guard:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on with its principal and its store, or refuse it."""
-        if scope["type"] == "websocket":  # there is none, and one that came would come unguarded
+        if scope["type"] == "websocket":  # no operation uses them, and they would bypass the checks
             await send({"type": "websocket.close", "code": 1008})
             return
         if scope["type"] != "http":
@@ -114,7 +114,7 @@ class Guard:
             return await self._authentication.principal(given), given
         except Unauthenticated:
             if operation is not None and operation.requirement.role is None:
-                return ANONYMOUS, None  # who has a session that is over must be able to log in again
+                return ANONYMOUS, None  # a person with an ended session must be able to log in again
             raise
 
     def _refusal(

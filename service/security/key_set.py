@@ -1,4 +1,4 @@
-"""The issuer's public keys (JWKS, RFC 7517), from a file or a URL: kept, and asked for again when a token names a new one."""
+"""The issuer's public keys (JWKS, RFC 7517) from a file or a URL: cached, and fetched again when a token names a new one."""
 
 import json
 import logging
@@ -17,11 +17,11 @@ from estimator.errors import Unavailable
 logger = logging.getLogger(__name__)
 
 KEPT_S = 600.0
-"""A key that the issuer takes back is good for no longer than this."""
+"""Lifetime of fetched keys [s]: a withdrawn key works for no longer."""
 STALE_S = 6 * 3600.0
-"""While the issuer does not answer, its keys are good for this long."""
+"""Lifetime of keys while the issuer does not answer [s]."""
 AGAIN_S = 30.0
-"""A token with an unknown key makes the service ask no more often than this: anybody can make up tokens."""
+"""Least time between fetches [s]: anybody can invent tokens with unknown keys."""
 LARGEST = 256 * 1024
 SMALLEST_RSA_BITS = 2048
 PATIENCE_S = 5.0
@@ -31,11 +31,11 @@ ALGORITHM: dict[str, str] = {"RSA": "RS256", "EC": "ES256"}
 
 
 class KeysUnavailable(Unavailable):
-    """The issuer's keys cannot be had; the message says from where and why."""
+    """The issuer's keys cannot be fetched; the message says from where and why."""
 
 
 class KeySet:
-    """Keys by their id. where: a path, or a URL, or what finds it out when it is needed."""
+    """Keys by their id. where: a path or a URL, or a function that returns one when it is needed."""
 
     def __init__(self, where: str | Callable[[], str], *, clock: Callable[[], float] = time.monotonic) -> None:
         self._where = where
@@ -46,7 +46,7 @@ class KeySet:
         self._tried_at: float | None = None
 
     def find(self, key_id: str | None) -> tuple[str, PublicKey] | None:
-        """Return algorithm and key of an id; without an id the only key. Blocks while it asks. Raises KeysUnavailable."""
+        """Return algorithm and key of an id; without an id the only key. Blocks during a fetch. Raises KeysUnavailable."""
         with self._lock:
             now = self._clock()
             old = self._read_at is None or now - self._read_at > KEPT_S
@@ -78,7 +78,7 @@ class KeySet:
 
 def fetched(url: str, **post: Any) -> bytes:
     """Fetch an answer of the issuer; `data` posts a form. Redirects are not followed. Raises ConnectionError, ValueError."""
-    import httpx  # half a second of every start, for those who have an issuer
+    import httpx  # half a second at every start, needed only with an issuer
 
     parts, size = [], 0
     try:
@@ -96,7 +96,7 @@ def fetched(url: str, **post: Any) -> bytes:
 
 
 def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
-    """Return keys with which a signature of this service's algorithms can be checked; others are passed over."""
+    """Return the keys for this service's signature algorithms; others are ignored."""
     found = {}
     for number, one in enumerate(document["keys"]):
         algorithm = ALGORITHM.get(one.get("kty", ""))
@@ -104,7 +104,7 @@ def _parsed(document: Any) -> dict[str, tuple[str, PublicKey]]:
             continue
         try:
             key = jwt.PyJWK(one, algorithm).key
-        except jwt.PyJWTError as error:  # of a curve that is not known, or not whole: it is one among others
+        except jwt.PyJWTError as error:  # an unknown curve or an incomplete key; the others remain usable
             logger.warning("a key of the issuer is not used: %s", error)
             continue
         if isinstance(key, RSAPublicKey) and key.key_size < SMALLEST_RSA_BITS:

@@ -1,4 +1,4 @@
-"""Logging in on the page: with an API key, or at the issuer; a session behind a cookie that no script reads."""
+"""Login on the page with an API key or at the issuer; the session's cookie is hidden from scripts."""
 
 import asyncio
 import hmac
@@ -31,13 +31,13 @@ router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
 
 LASTS_S = 12 * 3600
 PATIENCE_S = 600
-"""A login at the issuer takes no longer."""
+"""Time limit of a login at the issuer [s]."""
 LARGEST_FORM = 4096
 UNDER_WAY_COOKIE = "rundown_login"
 STYLE = Path(__file__).with_name("login.css")
 POLICY = "default-src 'none'; style-src 'self'; img-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
 REFERRER = {"Referrer-Policy": "same-origin"}
-"""Without any, browsers say of the form that it comes from nowhere (Origin: null)."""
+"""Without a referrer browsers send the form with Origin: null."""
 PAGE = """<!doctype html>
 <html lang="en">
 <head>
@@ -65,7 +65,7 @@ PAGE = """<!doctype html>
 
 @router.get("/login")
 def read_login(request: Request) -> Response:
-    """Serve the page to log in on; who is logged in already, or need not, goes on."""
+    """Serve the login page; redirect clients that are logged in already or need no login."""
     who: Principal = request.state.principal
     return _page(request, "") if who.kind == "anonymous" else RedirectResponse("/", 303)
 
@@ -104,7 +104,7 @@ async def log_in(request: Request) -> Response:
 
 @router.get("/login/issuer")
 def begin_at_issuer(request: Request) -> Response:
-    """Send the browser to the issuer."""
+    """Redirect the browser to the issuer."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None:
         return _page(request, "No issuer is configured.", 404)
@@ -123,7 +123,7 @@ def begin_at_issuer(request: Request) -> Response:
             expires_at=now() + PATIENCE_S * 1_000_000_000,
         )
     answer = RedirectResponse(begun.url, 303)
-    # Lax, not strict: the issuer sends the browser back to here.
+    # Lax, not strict: the issuer redirects the browser back here.
     answer.set_cookie(
         UNDER_WAY_COOKIE, cookie, max_age=PATIENCE_S, path="/login", httponly=True, samesite="lax", secure=_encrypted(request)
     )
@@ -132,7 +132,7 @@ def begin_at_issuer(request: Request) -> Response:
 
 @router.get(CALLBACK)
 def come_back(request: Request) -> Response:
-    """Come back from the issuer, with a code."""
+    """Complete a login at the issuer with its code."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None or security.tokens is None:
         return _page(request, "No issuer is configured.", 404)
@@ -166,7 +166,7 @@ def log_out(request: Request) -> Response:
 
 
 def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
-    """Return a new session, whose cookie was never anybody else's."""
+    """Begin a session under a fresh cookie, and return the answer that sets it."""
     cookie, role = secrets.token_urlsafe(32), who.role
     assert role is not None
     address = request.client.host if request.client else "unknown"
@@ -192,7 +192,7 @@ def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Respo
 
 
 def _under_way(request: Request) -> LoginRow:
-    """Return the login that comes to its end, at whichever replica it was begun. Raises LoginFailed."""
+    """Return the login that is being completed, begun at any replica. Raises LoginFailed."""
     state, browser = request.query_params.get("state", ""), request.cookies.get(UNDER_WAY_COOKIE, "")
     with cast(Database, request.app.state.database).transaction() as session:
         found = logins.take(session, key_hash(state), at=now())

@@ -1,4 +1,4 @@
-"""Logging in at an issuer: OpenID Connect's authorization code flow with PKCE (RFC 7636), state and nonce."""
+"""Login at an issuer: OpenID Connect's authorization code flow with PKCE (RFC 7636), state and nonce."""
 
 import hashlib
 import json
@@ -19,14 +19,14 @@ CALLBACK = "/login/callback"
 
 
 class LoginFailed(ValueError):
-    """Logging in did not come to its end, and why."""
+    """A login failed; the message says why."""
 
 
 @dataclass(frozen=True)
 class Begun:
-    """A login that begins. url: where the browser goes; state: what it comes back with.
+    """A login under way.
 
-    verifier, nonce: for its end, known to nobody else.
+    url: address to send the browser to. state: returned by the browser. verifier, nonce: secrets for its completion.
     """
 
     url: str
@@ -36,7 +36,7 @@ class Begun:
 
 
 class OpenId:
-    """An issuer at which people log in, as the client `client_id`; they come back to `public_url`."""
+    """An issuer at which people log in, as the client `client_id`; they return to `public_url`."""
 
     def __init__(
         self,
@@ -58,7 +58,7 @@ class OpenId:
         self._found: tuple[float, dict[str, Any]] | None = None
 
     def begin(self) -> Begun:
-        """Return a new login. Blocks. Raises LoginFailed."""
+        """Begin a login. Blocks. Raises LoginFailed."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
         asked = {
@@ -74,7 +74,7 @@ class OpenId:
         return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
     def finish(self, answer: Mapping[str, str], *, verifier: str) -> str:
-        """Return the ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""
+        """Return the unverified ID token of a login that was begun here. Blocks. Raises LoginFailed."""
         if answer.get("iss", self._issuer) != self._issuer:
             raise LoginFailed("another issuer answered")
         if "code" not in answer:
@@ -95,7 +95,7 @@ class OpenId:
             raise LoginFailed("the issuer gave no ID token for the code") from error
 
     def keys_url(self) -> str:
-        """Tell where the issuer publishes its keys. Raises LoginFailed."""
+        """Return the address of the issuer's keys. Raises LoginFailed."""
         return self._endpoint("jwks_uri")
 
     def _endpoint(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""Every route of the application with what it needs: a route that says nothing of it keeps the application from starting."""
+"""Every route of the application with its requirement: the application does not start with a route that declares none."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -14,7 +14,7 @@ from service.security.requirement import Requirement, strictest
 
 
 class Undeclared(RuntimeError):
-    """A route does not say who may use it, or how it is known which plant it is about."""
+    """A route declares neither its role nor the plant of its parameters."""
 
 
 @dataclass(frozen=True)
@@ -30,19 +30,19 @@ class ApiOperation:
 
 
 class Operations:
-    """All of an application. public: paths of files that anybody may read, which cannot declare anything themselves."""
+    """All operations of an application. public: paths of public files, which cannot declare a requirement."""
 
     def __init__(
         self, app: FastAPI, *, public: Mapping[str, Requirement], scoped: frozenset[str], free: frozenset[str]
     ) -> None:
-        """scoped, free: parameters of paths that belong to a plant and that do not. Raises Undeclared."""
+        """Collect the operations. scoped, free: path parameters with and without a plant. Raises Undeclared."""
         self._all = tuple(_operations(app, public, scoped, free))
 
     def __iter__(self) -> Iterator[ApiOperation]:
         return iter(self._all)
 
     def find(self, method: str, path: str) -> tuple[ApiOperation, Mapping[str, str]] | None:
-        """Return the operation of a request, with its path's parameters; of several that fit, the first, as it is routed."""
+        """Return the operation of a request with its path's parameters; the first that matches, as in routing."""
         for one in self._all:
             if method in one.methods and (match := one.pattern.match(path)):
                 return one, match.groupdict()

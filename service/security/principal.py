@@ -1,4 +1,4 @@
-"""The principal of a request: a person or a program, with a role and the plants that it concerns."""
+"""The principal of a request: a person or a program, with a role and the plants that they may see."""
 
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from storage.database.plant_scope import Plants
 
 
 class Role(IntEnum):
-    """Roles; each may do what those before it may. A source only sends samples."""
+    """Roles in ascending order; each includes the rights of those before it. A source only sends samples."""
 
     SOURCE = 0
     VIEWER = 1
@@ -21,7 +21,7 @@ class Role(IntEnum):
 
     @property
     def label(self) -> str:
-        """Write the role as in keys, tokens and answers."""
+        """Return the role's name as in keys, tokens and answers."""
         return self.name.lower()
 
     @classmethod
@@ -38,9 +38,10 @@ Kind = Literal["open", "anonymous", "key", "token", "session"]
 
 @dataclass(frozen=True)
 class Principal:
-    """A person or a program. kind: open, where the service asks nobody who they are; plants: None for all.
+    """A person or a program.
 
-    identity: unambiguous, for the audit trail and for limits; token: what a change from a browser must bring along.
+    kind: open where the service asks for no credentials. plants: None for all. identity: unambiguous, for the audit trail and
+    for limits. token: required with a change from a browser.
     """
 
     name: str
@@ -52,26 +53,26 @@ class Principal:
 
     @property
     def known(self) -> bool:
-        """Tell whether it is known who this is."""
+        """Check whether this principal was authenticated."""
         return self.kind in ("key", "token", "session")
 
     @property
     def in_full(self) -> str:
-        """Name and identity, for the audit trail."""
+        """Return name and identity, for the audit trail."""
         return self.identity if self.name in self.identity else f"{self.name} ({self.identity})"
 
     def sees(self, plant: str | None) -> bool:
-        """Tell whether a plant concerns them; None: something of no plant that is known."""
+        """Check whether a plant is visible; None stands for an object whose plant is unknown."""
         return self.plants is None or (plant is not None and plant in self.plants)
 
 
 OPEN = Principal("", Role.ADMIN, None, "open", "open")
-"""Anybody, on loopback, as long as there is neither a key nor an issuer."""
+"""Everybody on loopback, as long as there is neither a key nor an issuer."""
 ANONYMOUS = Principal("", None, frozenset(), "anonymous", "anonymous")
-"""Somebody without credentials, where some are needed."""
+"""A client without credentials, where some are needed."""
 
 current: ContextVar[Principal] = ContextVar("principal", default=OPEN)
-"""Who asks what is being answered."""
+"""Principal of the request that is being handled."""
 
 MOST_CHARACTERS = 120
 
@@ -84,4 +85,4 @@ def _author(said: object) -> object:
 Author = Annotated[
     str, BeforeValidator(_author), StringConstraints(min_length=1, max_length=MOST_CHARACTERS, pattern=r"^[^\x00-\x1f]*$")
 ]
-"""Who does something: who is logged in, whatever they call themselves; where nobody is, the name that was given."""
+"""Author of a change: the authenticated principal, whatever name was given; without authentication the given name."""

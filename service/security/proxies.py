@@ -1,15 +1,15 @@
-"""The reverse proxies of a deployment: what they say of who asks (X-Forwarded-For, X-Forwarded-Proto) is believed."""
+"""The reverse proxies of a deployment: their X-Forwarded-For and X-Forwarded-Proto are trusted."""
 
 from collections.abc import Callable, Sequence
 from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
 
 Network = IPv4Network | IPv6Network
 MAPPED = "::ffff:"
-"""How a socket that listens on IPv6 sees the peers that come by way of IPv4 (RFC 4291, section 2.5.5.2)."""
+"""Prefix of IPv4 peers on a socket that listens on IPv6 (RFC 4291, section 2.5.5.2)."""
 
 
 def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
-    """Tell whether an address is one of these proxies'."""
+    """Return a predicate that is true for addresses of these proxies."""
     seen = [ip_network(one) for one in as_seen(networks)]
 
     def is_proxy(address: str) -> bool:
@@ -23,6 +23,6 @@ def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
 
 
 def as_seen(networks: Sequence[Network]) -> list[str]:
-    """Return the networks as peers of either kind of socket come from them."""
+    """Return the networks, with the IPv4 ones also in their IPv6-mapped form."""
     mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
     return [*map(str, networks), *mapped]

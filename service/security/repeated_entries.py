@@ -1,7 +1,7 @@
-"""Keeps repeated refusals and logins in the audit trail down to one entry a minute.
+"""Reduces repeated refusals and logins in the audit trail to one entry a minute.
 
-The first is written at once. Those of the same principal and operation that follow are counted in memory, and told in one
-entry when the minute is over: a flood of a month leaves an entry a minute, and no more.
+The first is written at once. Further ones of the same principal and operation are counted in memory and written as one entry
+when the minute is over: a flood leaves an entry a minute.
 """
 
 import asyncio
@@ -22,9 +22,9 @@ logger = logging.getLogger(__name__)
 
 MINUTE_S = 60.0
 LOOK_S = 5.0
-"""How often it is looked whether a minute is over [s]."""
+"""Time between checks for ended minutes [s]."""
 MOST_KEPT = 10_000
-"""So many principals' operations are counted apart; what is beyond is counted together."""
+"""Largest number of separate counts; further ones share one."""
 MOST_ADDRESSES = 100
 MANY = "many"
 
@@ -44,7 +44,7 @@ class _Minute:
 
 
 class RepeatedEntries:
-    """Counts them. Called from any thread."""
+    """Counts of repeated entries, for use from any thread."""
 
     def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
         self._database = database
@@ -53,7 +53,7 @@ class RepeatedEntries:
         self._minutes: dict[tuple[str, str, str], _Minute] = {}
 
     def first(self, entry: AuditedOperation) -> bool:
-        """Tell whether an entry is the first of its minute, and to be written as it is; count it otherwise."""
+        """Return whether an entry is the first of its minute and must be written now; count it otherwise."""
         with self._lock:
             minute = self._minutes.get(_kind(entry))
             if minute is None and len(self._minutes) >= MOST_KEPT:
@@ -69,7 +69,7 @@ class RepeatedEntries:
             return False
 
     def write(self, *, everything: bool = False) -> None:
-        """Tell what was counted in minutes that are over, or in all of them. Blocks."""
+        """Write the counts of ended minutes, or of all. Blocks."""
         entries = self._taken(everything=everything)
         if not entries:
             return
@@ -82,7 +82,7 @@ class RepeatedEntries:
 
     @asynccontextmanager
     async def written(self) -> AsyncIterator[None]:
-        """Write regularly, and what is left in the end."""
+        """Write the counts regularly, and the rest at the end."""
         stop = asyncio.Event()
         writing = asyncio.create_task(self._write_until(stop))
         try:
@@ -105,7 +105,7 @@ class RepeatedEntries:
             over = [kind for kind, minute in self._minutes.items() if everything or minute.ends <= now]
             taken = [(kind, self._minutes.pop(kind)) for kind in over]
             counted = [(kind, minute) for kind, minute in taken if minute.count]
-            # Their entry is the first of the minute that begins.
+            # Their summary counts as the first entry of the next minute.
             self._minutes |= {kind: _Minute(now + MINUTE_S, minute.latest) for kind, minute in counted}
             return [minute.told() for _, minute in counted]
 

@@ -1,4 +1,4 @@
-"""Requirements of operations on whoever asks: declared once, where the operation is."""
+"""Requirements of operations on their callers, declared with the operation."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,8 +12,10 @@ from service.security.principal import Principal, Role
 
 @dataclass(frozen=True)
 class Requirement:
-    """The least role; None: none, and no credentials either. sources: for the role source, too; every_plant: only for those
-    who see all plants; recorded: a change of this kind is written into the audit trail.
+    """Requirement of an operation.
+
+    role: the least role; None: neither role nor credentials are needed. sources: the role source is enough, too. every_plant:
+    only for principals who see all plants. recorded: changes are written to the audit trail.
     """
 
     role: Role | None
@@ -22,7 +24,7 @@ class Requirement:
     recorded: bool = True
 
     def met(self, who: Principal) -> bool:
-        """Tell whether somebody may do it; which plants they see is checked where it is known what it is about."""
+        """Check whether a principal has the role; the plants are checked where the object is known."""
         if self.every_plant and who.plants is not None:
             return False
         return self.role is None or (
@@ -30,14 +32,14 @@ class Requirement:
         )
 
     async def __call__(self, request: Request) -> None:
-        """Require that the guard has looked already; without a guard nothing is opened."""
+        """Check the principal set by the guard; without a guard every request is refused."""
         who = getattr(request.state, "principal", None)
         if who is None or not self.met(who):
             raise HTTPException(status.HTTP_403_FORBIDDEN, "this operation needs another role")
 
     @property
     def words(self) -> str:
-        """Say what it needs, for people."""
+        """Return the requirement in words."""
         if self.role is None:
             return "nothing"
         also = " or source" if self.sources else ""

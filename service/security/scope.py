@@ -1,4 +1,4 @@
-"""Checks that somebody may see what path parameters name: what is another plant's is not there (404)."""
+"""Checks the visibility of objects named by path parameters: those of other plants are answered with 404."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -28,15 +28,15 @@ ROWS: Mapping[str, tuple[type[Any], str]] = {
     "subscription_id": (SubscriptionRow, "subscription"),
     "delivery_id": (DeliveryRow, "delivery"),
 }
-"""What a path's parameter names. One that is not here keeps the application from starting."""
+"""Table and subject of each path parameter. The application does not start with an undeclared one."""
 FREE = frozenset({"name", "path"})
-"""Parameters that name files of the pages, which are everybody's."""
+"""Parameters that name files of the pages, which are public."""
 LARGEST = 2**62
 MOST_KEPT = 10_000
 
 
 class NotThere(Missing):
-    """Something that somebody may not see, or that is not there: they are told the same."""
+    """An object is absent or not visible; the answer is the same."""
 
     def __init__(self, subject: str, key: str) -> None:
         super().__init__(key)
@@ -44,7 +44,7 @@ class NotThere(Missing):
 
 
 class Visibility:
-    """Rows of a database that somebody sees. What belongs to a plant belongs to it for ever, so that look-ups are cached."""
+    """Visible rows of a database. An object never changes its plant, and look-ups are cached."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -52,11 +52,11 @@ class Visibility:
         self._seen: set[tuple[frozenset[str], str, str]] = set()
 
     def known(self, who: Principal, parameters: Mapping[str, str]) -> bool:
-        """Tell whether it is cached that somebody sees all of this."""
+        """Check whether all of these objects are cached as visible."""
         return who.plants is None or all((who.plants, name, value) in self._seen for name, value in parameters.items())
 
     def require(self, who: Principal, parameters: Mapping[str, str]) -> None:
-        """Require that somebody sees all of this. Raises NotThere."""
+        """Require that a principal sees all of these objects. Raises NotThere."""
         if who.plants is None:
             return
         with PlantScope(self._database, who.plants).reading() as session:
@@ -64,7 +64,7 @@ class Visibility:
                 row, what = ROWS[name]
                 key = _key(row, value)
                 if key is None:
-                    continue  # the endpoint says what is wrong with it
+                    continue  # the endpoint rejects it
                 if session.get(row, key) is None:
                     raise NotThere(what, value[:64])
                 if len(self._seen) >= MOST_KEPT:
@@ -82,12 +82,12 @@ class Visibility:
         return found
 
     def sees(self, who: Principal, machine_id: str) -> bool:
-        """Tell whether a machine concerns somebody."""
+        """Check whether a principal sees a machine."""
         return who.plants is None or who.sees(self.plant(machine_id))
 
 
 def _key(row: type[Any], value: str) -> str | int | None:
-    """Return the key by which a row is found; None for a text that is nothing's key."""
+    """Return the primary key for a text; None where the text cannot be one."""
     if row is MachineRow:
         return value if value.isprintable() else None
     digits = value.isascii() and value.isdigit() and len(value) <= len(str(LARGEST))

@@ -1,4 +1,4 @@
-"""The database as it is given to an operation: with the plants of who asks, and with what they change written down."""
+"""The database as operations get it: restricted to the principal's plants, with an audit entry for each change."""
 
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -22,11 +22,11 @@ class Store(Protocol):
         """Open a session for reading only."""
 
     def check(self) -> None:
-        """Raise DatabaseUnusable."""
+        """Raise DatabaseUnusable unless the database answers."""
 
 
 class AuditedTransactions:
-    """Each transaction ends with an entry in the audit trail: no change without it, and none of it without a change."""
+    """Transactions that end with an entry in the audit trail: no change without an entry, no entry without a change."""
 
     def __init__(self, database: Database, plants: Plants | None, entry: AuditedOperation) -> None:
         self._database = database
@@ -52,12 +52,12 @@ class AuditedTransactions:
         self._store.check()
 
     def _append(self, session: Session) -> None:
-        # The trail is nobody's plant: in the same transaction, but not under the plants' condition.
+        # The trail belongs to no plant: it is written in the same transaction, but without the restriction to plants.
         with Session(session.connection(), join_transaction_mode="rollback_only") as own:
             audit.append(own, self._entry)
             own.commit()
 
 
 def plain(database: Database, plants: Plants | None) -> Store:
-    """Return the database, or some plants of it."""
+    """Return the database, restricted to some plants where they are given."""
     return database if plants is None else PlantScope(database, plants)

@@ -1,4 +1,4 @@
-"""Bearer tokens of an issuer (JWT, RFC 7519; checked as RFC 8725 asks): RS256 and ES256 only, by the issuer's keys."""
+"""Bearer tokens of an issuer (JWT, RFC 7519, verified after RFC 8725): RS256 and ES256 only, with the issuer's keys."""
 
 import hashlib
 from collections.abc import Mapping
@@ -15,16 +15,16 @@ LEEWAY_S = 30.0
 EVERY_PLANT = "*"
 LONGEST = 8192
 LONGEST_SUBJECT = 64
-"""Of a longer one the beginning is shown, and a digest."""
+"""Largest length of a subject shown in full; longer ones are shortened, with a digest."""
 
 
 class TokenRefused(ValueError):
-    """A token that opens nothing, and why."""
+    """A token is not accepted; the message says why."""
 
 
 @dataclass(frozen=True)
 class Claims:
-    """Where a token says what. role, plants, name: claims, a dot leads into one; roles: what the issuer calls a role."""
+    """Names of claims. role, plants, name: paths of claims, with dots between levels; roles: roles by the issuer's names."""
 
     role: str = "rundown_role"
     plants: str = "rundown_plants"
@@ -52,7 +52,7 @@ class Tokens:
         return Principal(_shown(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
 
     def checked(self, token: str, *, audience: str, nonce: str | None = None) -> dict[str, Any]:
-        """Return the claims of a token that is the issuer's, for that audience, and valid now. Raises as `principal`."""
+        """Verify a token of the issuer for an audience, and return its claims. Raises as `principal`."""
         if len(token) > LONGEST:
             raise TokenRefused(f"a token of more than {LONGEST} characters")
         try:
@@ -78,7 +78,7 @@ class Tokens:
         return claims
 
     def _role(self, claims: Mapping[str, Any]) -> Role | None:
-        """Return the highest role that is named; None, which opens nothing, where none is."""
+        """Return the highest known role of the claims; None, which permits nothing, without one."""
         found = []
         for said in _words(_inside(claims, self._claims.role)):
             label = self._claims.roles.get(said, said)
@@ -87,13 +87,13 @@ class Tokens:
         return max(found, default=None)
 
     def _plants(self, claims: Mapping[str, Any]) -> frozenset[str] | None:
-        """Return those that are named; none without the claim."""
+        """Return the plants of the claims; none without the claim, None for all."""
         said = frozenset(_words(_inside(claims, self._claims.plants)))
         return None if EVERY_PLANT in said else said
 
 
 def _shown(name: str, subject: str) -> str:
-    """Write the name beside the subject, never alone: who bears a name may choose it, the subject is the issuer's."""
+    """Return the name followed by the subject: people may choose their names, the issuer assigns the subject."""
     shown = plain_text(subject)
     if len(shown) > LONGEST_SUBJECT:
         digest = hashlib.sha256(subject.encode("utf-8", "backslashreplace")).hexdigest()[:16]

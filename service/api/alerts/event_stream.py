@@ -1,7 +1,7 @@
-"""Alert events as server-sent events: live, and from any event on for a client that was away.
+"""Alert events as server-sent events: live, and from any event on for a client that was disconnected.
 
-Source: WHATWG HTML, "Server-sent events". One task reads new events for all clients; each client has a bounded queue, and one
-that does not read is let go: it comes back with its `Last-Event-ID` and loses nothing.
+Source: WHATWG HTML, "Server-sent events". One task reads new events for all clients. Each client has a bounded queue; a client
+that does not keep up is disconnected and resumes with its `Last-Event-ID`, without losing events.
 """
 
 import asyncio
@@ -28,10 +28,10 @@ logger = logging.getLogger(__name__)
 router = APIRouter(tags=["alerts"], dependencies=[VIEWER])
 
 POLL_S = 0.05
-"""How often the event table is asked for news: a bell inside the process would not ring for events that another one wrote."""
+"""Time between queries for new events [s]: other processes write events too, and an in-process signal would miss these."""
 RETRY_S = 1.0
 KEEP_ALIVE_S = 15.0
-"""A comment as often as this tells proxies and clients that the stream lives."""
+"""Time between keep-alive comments, by which proxies and clients see that the stream lives [s]."""
 QUEUE_SIZE = 256
 EVENT_SCHEMA = {
     "type": "object",
@@ -43,17 +43,14 @@ EVENT_SCHEMA = {
     },
 }
 PAGE = 100
-"""Events read at once for clients that were away, who share them: …"""
+"""Events in one page of the backlog, which returning clients share."""
 PAGES = 8
-"""… so many of these pages are kept."""
+"""Largest number of cached pages."""
 
 
 @dataclass(frozen=True)
 class Told:
-    """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into.
-
-    event: None where what is stored cannot be told.
-    """
+    """An event with its serialised bytes, which all clients share. event: None where it cannot be rendered."""
 
     number: int
     event: AlertEvent | None
@@ -62,9 +59,10 @@ class Told:
 
 @dataclass(eq=False)
 class Client:
-    """One reader. joined: it gets every event behind this one; slow: it gets no more, and must come back.
+    """One reader of the stream.
 
-    None in its queue: the service stops.
+    joined: it gets every event behind this one. slow: it gets no further events and must reconnect. None in its queue: the
+    service stops.
     """
 
     joined: int
@@ -73,7 +71,7 @@ class Client:
 
 
 class Broadcaster:
-    """Hands each new event to every client. Reads the table only while there are clients."""
+    """Broadcast of each new event to every client. The table is read only while there are clients."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -83,20 +81,20 @@ class Broadcaster:
         self._last = 0
         self._ended = False
         self._pages: OrderedDict[int, list[Told]] = OrderedDict()
-        self._lock = threading.Lock()  # of the pages
+        self._lock = threading.Lock()  # guards the pages
         self.trouble: str | None = None
-        """Why those who listen are told nothing at the moment."""
+        """Reason why no events are sent at the moment."""
 
     @property
     def clients(self) -> int:
-        """Count the clients that read."""
+        """Count the connected clients."""
         return len(self._clients)
 
     async def join(self) -> Client:
         """Add a client."""
         async with self._joining:
             if self._task is None or self._task.done():
-                if not self._clients:  # else they would miss what they have not been told yet
+                if not self._clients:  # else connected clients would miss events not sent yet
                     self._last = await asyncio.to_thread(self.newest)
                 self._task = asyncio.create_task(self._run())
             client = Client(self._last)
@@ -107,11 +105,11 @@ class Broadcaster:
             return client
 
     def leave(self, client: Client) -> None:
-        """Forget a client that is gone."""
+        """Remove a client that has disconnected."""
         self._clients.discard(client)
 
     def end(self) -> None:
-        """End all streams, once their clients have what there is."""
+        """End all streams, once their clients have received the queued events."""
         self._ended = True
         for client in self._clients:
             client.slow = True
@@ -120,13 +118,13 @@ class Broadcaster:
         self._clients.clear()
 
     def page(self, after: int) -> list[Told]:
-        """Return some events behind a number, oldest first; none only where there are no more."""
+        """Return a page of events behind a number, oldest first; empty only where no more exist."""
         first = after // PAGE * PAGE
         with self._lock:
             page = self._pages.get(first)
             if page is None:
                 page = self._read(first)
-                if len(page) == PAGE:  # nothing will be added to it
+                if len(page) == PAGE:  # a full page never changes
                     self._pages[first] = page
                     while len(self._pages) > PAGES:
                         self._pages.popitem(last=False)
@@ -155,7 +153,7 @@ class Broadcaster:
                 logger.exception("unexpected error while alert events are handed out, trying again")
             await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
             if not self._clients:
-                self.trouble = None  # nobody's
+                self.trouble = None  # without clients it concerns nobody
                 return
 
     def _hand_out(self, one: Told) -> None:
@@ -169,7 +167,7 @@ class Broadcaster:
 
 
 def _told(row: AlertEventRow) -> Told:
-    """Return an event as a stream tells it; one that cannot be told must not stop those behind it."""
+    """Return an event with its text; one that cannot be rendered must not stop those behind it."""
     try:
         event = alert_event(row)
         return Told(row.id, event, _text(event))
@@ -201,10 +199,10 @@ async def stream(
     sees: Callable[[AlertEvent], bool] = _everything,
     still: Callable[[], Awaitable[bool]] = _anybody_still,
 ) -> AsyncGenerator[bytes]:
-    """Yield events behind `after` that the client sees, or from now on, for ever; first the id behind which they begin.
+    """Yield events behind `after` that the client sees, or from now on, without end; first the id behind which they begin.
 
-    An `after` that no event has reached yet is of another store, such as the one before a restore: it begins from now on.
-    Ends when the client does not keep up, and when its credentials are `still` good no more.
+    An `after` beyond the newest event belongs to another store, such as the one before a restore: the stream then begins now.
+    It ends when the client does not keep up, or when `still` finds its credentials no longer valid.
     """
     client = await broadcaster.join()
     try:

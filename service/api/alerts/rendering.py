@@ -11,11 +11,12 @@ from storage.tables import AlertRow, SuppressionRow
 
 
 def alert(row: AlertRow) -> schemas.AlertOut:
+    """Return an alert as the API shows it."""
     return schemas.AlertOut(**alert_fields(row))
 
 
 def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
-    """Render the fields of `AlertOut`, for lists that are encoded without a model."""
+    """Return the fields of `AlertOut`, for lists that are encoded without a model."""
     return {
         "id": row.id,
         "machine": row.machine_id,
@@ -39,6 +40,7 @@ def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
 
 
 def suppression(row: SuppressionRow) -> schemas.SuppressionOut:
+    """Return a suppression as the API shows it."""
     return schemas.SuppressionOut(
         id=row.id,
         machine=row.machine_id,

@@ -1,4 +1,4 @@
-"""Alerts, what people do to them, and what ever happened to them."""
+"""Alerts, the changes that people make to them, and their histories."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
 def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
-    """Read one alert with its evidence, and the ETag with which it can be changed."""
+    """Read one alert with its evidence, and the ETag that a change needs."""
     return tagged(response, rendering.alert(alerts.get(session, alert_id)))
 
 
@@ -87,7 +87,7 @@ def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_op
 def acknowledge_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.AlertOut:
-    """Note that a person has seen it."""
+    """Acknowledge an alert: a person has seen it."""
     change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: transitions.acknowledge(session, row, _person(said)))
 
@@ -105,7 +105,7 @@ def reset_alert(
 def shelve_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
 ) -> schemas.AlertOut:
-    """Let it call nobody until a moment, neither now nor when its cause comes back before then."""
+    """Shelve an alert until a moment: it notifies nobody, nor does it when its cause returns before then."""
     until = instant(said.until)
     change = AlertChange(request, response, alert_id, if_match)
     return change.made(lambda session, row: transitions.shelve(session, row, _person(said), until=until))
@@ -122,7 +122,7 @@ def unshelve_alert(
 
 @router.post("/alerts/{alert_id}/comments", operation_id="comment_alert", dependencies=[ANALYST])
 def comment_alert(request: Request, response: Response, alert_id: Number, said: schemas.Remark) -> schemas.AlertOut:
-    """Note something on an alert, open or closed."""
+    """Add a comment to an alert, open or closed."""
     person = Person(said.by, said.comment)
     change = AlertChange(request, response, alert_id, ANYTHING)
     return change.made(lambda session, row: transitions.comment(session, row, person))
@@ -130,7 +130,7 @@ def comment_alert(request: Request, response: Response, alert_id: Number, said: 
 
 @dataclass
 class AlertChange:
-    """A change of an alert, as it was read; comments change nothing that others decide on."""
+    """A change of an alert under the ETag that the client has read; comments need none."""
 
     request: Request
     response: Response
@@ -138,7 +138,7 @@ class AlertChange:
     if_match: str | None
 
     def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
-        """Change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and what the change raises."""
+        """Apply a change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and the change's errors."""
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
             try:
@@ -150,7 +150,7 @@ class AlertChange:
 
 
 def _what_happened(session: Session, row: AlertRow) -> str:
-    """Say who changed the alert last: people who act at once are told of each other."""
+    """Describe the alert's last event: people who act at the same time learn of each other."""
     last = alerts.last_event(session, row.id)
     kind, at = last.kind.replace("_", " "), to_datetime(last.at)
     return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"

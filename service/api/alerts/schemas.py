@@ -38,27 +38,27 @@ class AlertOut(BaseModel):
 
 
 class By(Written):
-    """Who does it, and why."""
+    """The person who acts, and the reason."""
 
     by: Author
     comment: Comment = ""
 
 
 class Remark(Written):
-    """A comment and who makes it."""
+    """A comment with its author."""
 
     by: Author
     comment: Said
 
 
 class Shelving(By):
-    """Until when: at most 30 days ahead. There is no shelving for ever."""
+    """A request to shelve an alert for at most 30 days; none is shelved for ever."""
 
     until: Moment
 
 
 class SuppressionIn(By):
-    """Suppress a machine's alerts, or only those of a rule or an element."""
+    """Request to suppress a machine's alerts, or only those of a rule or an element."""
 
     kind: Literal["suppressed_by_design", "out_of_service"]
     rule: Annotated[str, Field(min_length=1, max_length=64)] | None = None
@@ -67,7 +67,7 @@ class SuppressionIn(By):
 
 
 class SuppressionOut(BaseModel):
-    """A suppression in force; shelvings among them."""
+    """A suppression, which may be a shelving."""
 
     id: int
     machine: str

@@ -10,6 +10,7 @@ from storage.tables import DeliveryRow, SubscriptionRow
 
 
 def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.SubscriptionOut:
+    """Return a subscription as the API shows it."""
     return schemas.SubscriptionOut(
         id=row.id,
         kind=row.kind,
@@ -25,6 +26,7 @@ def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.Subsc
 
 
 def delivery(row: DeliveryRow) -> schemas.DeliveryOut:
+    """Return a delivery as the API shows it."""
     return schemas.DeliveryOut(
         id=row.id,
         subscription=row.subscription_id,

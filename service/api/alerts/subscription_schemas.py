@@ -77,13 +77,13 @@ class SubscriptionOut(BaseModel):
 
 
 class SubscriptionCreated(SubscriptionOut):
-    """A new subscription with the secret that signs its messages, where one was made for it; it is not shown again."""
+    """A new subscription with its signing secret, if one was generated; the secret is not shown again."""
 
     secret: str | None
 
 
 class DeliveryOut(BaseModel):
-    """One event on its way to one subscription."""
+    """Delivery of one event to one subscription."""
 
     id: int
     subscription: int

@@ -21,7 +21,7 @@ from service.security.requirement import ADMIN, OPERATOR
 from storage.alerts import deliveries
 
 TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
-"""Sends a test message to a subscription."""
+"""Function that sends a test message to a subscription."""
 
 router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
 
@@ -50,7 +50,7 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
         row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=kept, plants=plants)
         if secret is not None:
             row.secret = secrets.sealed(secret, row.id)
-            request.state.sealing = secrets.sealing  # of this answer, should it be kept for who asks again
+            request.state.sealing = secrets.sealing  # encrypts this answer if it is stored under an Idempotency-Key
         return schemas.SubscriptionCreated(**rendering.subscription(row, secrets).model_dump(), secret=secret)
 
 
@@ -59,11 +59,11 @@ def _secrets(request: Request) -> SigningSecrets:
 
 
 def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
-    """Tell where the service finds the secret, if that is said. Raises SecretUnusable."""
+    """Return the reference to the secret's file or variable, if given. Raises SecretUnusable."""
     if said.secret_file is None and said.secret_env is None:
         return None
     who = principal(request)
-    if who.plants is not None:  # with another plant's secret, the service would sign what they send in its name
+    if who.plants is not None:  # else the service would sign their messages with another plant's secret
         detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
         raise HTTPException(status.HTTP_403_FORBIDDEN, detail)
     return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
@@ -73,7 +73,7 @@ def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
 def read_subscription(
     request: Request, session: Reading, response: Response, subscription_id: Number
 ) -> schemas.SubscriptionOut:
-    """Read one subscription, and the ETag with which it can be changed."""
+    """Read one subscription, and the ETag that a change needs."""
     return tagged(response, rendering.subscription(deliveries.get(session, subscription_id), _secrets(request)))
 
 
@@ -81,7 +81,7 @@ def read_subscription(
 def disable_subscription(
     request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
 ) -> schemas.SubscriptionOut:
-    """Send it nothing more; what was on its way is given up, and can be delivered again."""
+    """Disable a subscription; pending deliveries are given up and can be delivered again."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
         require(if_match, rendering.subscription(row, _secrets(request)))
@@ -93,7 +93,7 @@ def disable_subscription(
 def enable_subscription(
     request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
 ) -> schemas.SubscriptionOut:
-    """Tell it of what happens from now on."""
+    """Enable a subscription: it receives events from now on."""
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
         require(if_match, rendering.subscription(row, _secrets(request)))
@@ -113,7 +113,7 @@ def list_deliveries(session: Reading, subscription_id: Number, paging: ById) -> 
     "/{subscription_id}/deliveries/{delivery_id}/again", operation_id="redeliver", dependencies=[ADMIN], responses=CHANGES
 )
 def redeliver(request: Request, subscription_id: Number, delivery_id: Number) -> schemas.DeliveryOut:
-    """Deliver an event once more, now, whatever became of it."""
+    """Deliver an event once more, now, whatever its state."""
     with database(request).transaction() as session:
         subscription = deliveries.get(session, subscription_id)
         row = deliveries.delivery(session, delivery_id)
@@ -126,7 +126,7 @@ def redeliver(request: Request, subscription_id: Number, delivery_id: Number) ->
 
 @router.post("/{subscription_id}/test", operation_id="test_subscription", dependencies=[ADMIN], responses=CHANGES)
 async def test_subscription(request: Request, subscription_id: Number) -> schemas.TestOut:
-    """Send it a message that says it is a test, now, and answer how that went. It is not in the delivery log."""
+    """Send a test message now and answer with the result. It is not in the delivery log."""
     try_out: TryOut | None = request.app.state.try_out
     if try_out is None:
         raise Forbidden("this process delivers nothing: ask the one that does")

@@ -1,4 +1,4 @@
-"""Serve suppressions: machines, probes and rules whose alerts call nobody for a while."""
+"""Serves suppressions: machines, probes and rules whose alerts notify nobody for a while."""
 
 from fastapi import APIRouter, Request, Response, status
 
@@ -20,7 +20,7 @@ router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 
 @router.get("/machines/{machine_id}/suppressions", operation_id="list_suppressions")
 def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.SuppressionOut]:
-    """List what is suppressed on a machine now, shelvings among it."""
+    """List the suppressions in force on a machine, including shelvings."""
     machines.get(session, machine_id)
     rows = suppressions.in_force(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.suppression(row) for row in paging.page(rows, lambda row: (row.id,))]
@@ -36,7 +36,7 @@ def list_suppressions(session: Reading, machine_id: MachineId, paging: ById) -> 
 def begin_suppression(
     request: Request, response: Response, machine_id: MachineId, said: schemas.SuppressionIn
 ) -> schemas.SuppressionOut:
-    """Suppress alerts of a machine in maintenance or a probe out of service: open ones and new ones, until it is ended."""
+    """Suppress open and new alerts of a machine in maintenance or a probe out of service, until the suppression ends."""
     until = None if said.until is None else instant(said.until)
     if until is not None and until <= now():
         raise Forbidden("until must be a moment to come")
@@ -56,7 +56,7 @@ def begin_suppression(
 
 @router.get("/suppressions/{suppression_id}", operation_id="read_suppression")
 def read_suppression(session: Reading, response: Response, suppression_id: Number) -> schemas.SuppressionOut:
-    """Read one suppression, in force or ended, and the ETag with which it can be ended."""
+    """Read one suppression, in force or ended, and the ETag that ending it needs."""
     return tagged(response, rendering.suppression(suppressions.get(session, suppression_id)))
 
 
@@ -64,7 +64,7 @@ def read_suppression(session: Reading, response: Response, suppression_id: Numbe
 def end_suppression(
     request: Request, response: Response, suppression_id: Number, said: schemas.By, if_match: IfMatch = None
 ) -> schemas.SuppressionOut:
-    """End a suppression: alerts whose cause is there call again."""
+    """End a suppression: alerts whose cause persists notify again."""
     with database(request).transaction() as session:
         row = suppressions.get(session, suppression_id)
         require(if_match, rendering.suppression(row))

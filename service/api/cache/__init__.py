@@ -1,3 +1,1 @@
-"""Answers kept in memory: responses as long as the store did not change, computations for good. It imports `conventions` and
-`http`.
-"""
+"""Caches of the API: responses until the store changes, computed results for good. It imports `conventions` and `http`."""

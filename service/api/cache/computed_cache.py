@@ -1,4 +1,4 @@
-"""Caches results that follow from what never changes: computed once, least recently used ones dropped first."""
+"""Caches results computed from data that never change; the least recently used ones are dropped first."""
 
 import threading
 from collections import OrderedDict
@@ -12,12 +12,12 @@ T = TypeVar("T")
 
 MOST_KEPT = 256
 MOST_WAITING = 3
-"""Who comes when so many wait is asked to come back: each holds a thread that other requests could use."""
+"""Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread."""
 RETRY_AFTER_S = 5
 
 
 class ComputedCache:
-    """Results by key. What follows from an identification never changes: its id is part of the key."""
+    """Results by key. The key holds the id of an identification, which never changes."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[Hashable, object] = OrderedDict()
@@ -26,7 +26,7 @@ class ComputedCache:
         self._waiting = 0
 
     def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """Return the cached result, or one that is computed in no time. Raises what `compute` raises."""
+        """Return the cached result, or compute one that takes no time. Raises what `compute` raises."""
         with self._lock:
             if key in self._kept:
                 self._kept.move_to_end(key)
@@ -39,9 +39,10 @@ class ComputedCache:
         return found
 
     def slow(self, key: Hashable, compute: Callable[[], T]) -> T:
-        """Do the same for what takes seconds: one at a time, on one core, so that samples and other requests go on.
+        """Return the cached result, or compute one that takes seconds.
 
-        Call it from a worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
+        Computations run one at a time, on one core, to leave the other cores to samples and other requests. Call it from a
+        worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
         """
         with self._lock:
             if key in self._kept:
@@ -56,7 +57,7 @@ class ComputedCache:
             self._waiting += 1
         try:
             with self._turn, threadpoolctl.threadpool_limits(1):
-                return self.quick(key, compute)  # somebody may have computed it meanwhile
+                return self.quick(key, compute)  # another thread may have computed it meanwhile
         finally:
             with self._lock:
                 self._waiting -= 1

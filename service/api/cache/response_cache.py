@@ -1,8 +1,8 @@
-"""Caches responses to requests that many repeat, until something is committed that they depend on.
+"""Caches responses to frequent requests until the tables that they depend on change.
 
-Before each answer the store is asked whether that is so: a client never gets an answer older than what it has seen committed,
-but for what changes with every sample, where half a second is allowed.
-What is asked at once is computed once.
+Before each answer the store is asked for changes: a client never gets an answer older than what it has seen committed. Data
+that change with every sample are the exception: they may be half a second old. Equal requests at the same time share one
+computation.
 """
 
 import asyncio
@@ -23,19 +23,23 @@ from storage.database.change_counts import Changes
 from storage.database.engine import Database
 
 THREADS = 2
-"""That make answers at a time: they mostly compute, and more of them would take turns and all be late."""
+"""Threads that compute responses: the work is bound by the processor, and more threads would slow each other down."""
 MOST_KEPT_BYTES = 64 * 1024 * 1024
 LATELY_S = 0.5
-"""What changes with every sample may be so far behind in an answer that says so, …"""
+"""Largest age of those parts of a response that change with every sample [s]."""
 AHEAD_S = 0.25
-"""… and from this age on is made anew while those who ask get the one there is: nobody waits for it."""
+"""Age from which such a response is renewed in the background [s]. Requests get the cached one meanwhile."""
 LARGEST_KEPT_BYTES = 4 * 1024 * 1024
-"""A larger answer is made anew each time."""
+"""Larger responses are not cached [B]."""
 
 
 @dataclass(frozen=True)
 class _KeptAnswer:
-    """An answer; mark: of the store before it was made, lately: of what may be a little behind; begun: when that was [s]."""
+    """A cached response.
+
+    mark: state of the tables before it was made. lately: state of the tables that may be a little behind. begun: monotonic
+    time at which its computation began [s].
+    """
 
     mark: Hashable | None
     lately: Hashable | None
@@ -49,7 +53,7 @@ class _KeptAnswer:
 
 
 class ResponseCache:
-    """Responses by request. Belongs to one event loop."""
+    """Cached responses by request. An instance belongs to one event loop."""
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
@@ -60,7 +64,7 @@ class ResponseCache:
 
     @property
     def making(self) -> int:
-        """Count the responses under way."""
+        """Count the responses that are being computed."""
         return len(self._made)
 
     async def answer(
@@ -72,10 +76,10 @@ class ResponseCache:
         lately: Sequence[str] = (),
         apart: Hashable = None,
     ) -> Response:
-        """Return the response of `make`, made now or earlier, as long as nothing was committed to the tables that it reads.
+        """Return the response of `make`, from the cache unless something was committed to the tables that it reads.
 
-        lately: further tables that it reads; what is committed to them may be LATELY_S behind. apart: what the answer depends
-        on beside the address, the Accept header and the plants of who asks. Raises what `make` raises.
+        lately: further tables that it reads; commits to them may be LATELY_S behind. apart: what the response depends on
+        besides the address, the Accept header and the plants of the client. Raises what `make` raises.
         """
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
@@ -88,7 +92,7 @@ class ResponseCache:
             return kept.response()
         if mark is None:
             return (await self._apart(make, mark, None, zipped=zipped)).response()
-        # Shielded: who goes away does not take the answer from the others.
+        # Shielded: a client that disconnects does not cancel the computation for the others.
         return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
 
     async def _is_late_enough(self, kept: _KeptAnswer, lately: Sequence[str]) -> bool:
@@ -111,7 +115,7 @@ class ResponseCache:
     def _begin(
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> "asyncio.Task[_KeptAnswer]":
-        """Make an answer, unless that is under way."""
+        """Start to compute a response, or return the task that already does."""
         task = self._made.get((asked, mark))
         if task is None:
             task = self._made[asked, mark] = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
@@ -138,7 +142,7 @@ class ResponseCache:
 
 
 def _passed_over(task: "asyncio.Task[_KeptAnswer]") -> None:
-    """Pass over an error that nobody waits for: the next request meets it again."""
+    """Ignore an error that no request waits for: the next request meets it again."""
     if not task.cancelled():
         task.exception()
 

@@ -1,3 +1,3 @@
-"""What holds for all resources: dependencies of endpoints, errors, paging, preconditions, units, times. It imports no
-resource; every resource imports it.
+"""Conventions of all resources: dependencies, errors, paging, preconditions, units, times. It imports no resource; every
+resource imports it.
 """

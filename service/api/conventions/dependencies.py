@@ -1,4 +1,4 @@
-"""Dependencies of the endpoints: the database, reading sessions of it, who asks, ranges of time."""
+"""Dependencies of the endpoints: the database, read sessions, the client's identity, time ranges."""
 
 from collections.abc import AsyncIterator
 from contextlib import ExitStack
@@ -21,26 +21,26 @@ from storage.clock import from_datetime
 from storage.findings.job_order import ASKED
 
 LAST_INSTANT = 2**63 - 1
-"""In the year 2262 [ns]."""
+"""Last instant that the store can count, in the year 2262 [ns]."""
 
 
 def database(request: Request) -> Store:
-    """Return the database as who asks may see it, and so that what they change is written down."""
+    """Return the database restricted to what the client may see; changes through it are recorded in the audit trail."""
     return cast(Store, request.state.store)
 
 
 def principal(request: Request) -> Principal:
-    """Return who asks."""
+    """Return the authenticated client."""
     return cast(Principal, request.state.principal)
 
 
 def asker(request: Request, priority: int = ASKED) -> Asker:
-    """Return who asks for identifications, and how many of theirs may wait."""
+    """Return who asks for identifications, with their quota of waiting jobs."""
     return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:
-    # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
+    # Opening a session sends the database nothing; closing it may, and is left to a thread even when the request is cancelled.
     with ExitStack() as opened:
         yield opened.enter_context(database(request).reading())
         closing = opened.pop_all()
@@ -49,17 +49,17 @@ async def _reading(request: Request) -> AsyncIterator[Session]:
 
 
 def moment(value: datetime | None) -> int | None:
-    """Return a time of a query as the store counts it [ns]; one beyond what it can count means its first or last instant."""
+    """Return a time of a query in nanoseconds [ns], limited to the first and the last instant that the store can count."""
     return None if value is None else instant(value)
 
 
 def instant(value: datetime) -> int:
-    """Return a time as the store counts it [ns]; one beyond what it can count is its first or last instant."""
+    """Return a time in nanoseconds [ns], limited to the first and the last instant that the store can count."""
     return max(-LAST_INSTANT, min(LAST_INSTANT, from_datetime(value)))
 
 
 MICROSECOND = 1_000
-"""Steps in which times are answered and asked for [ns]."""
+"""Resolution of times in answers and queries [ns]."""
 Reading = Annotated[Session, Depends(_reading)]
 MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the machine")]
 Number = Annotated[int, Path(ge=0, le=2**62)]
@@ -69,7 +69,7 @@ To = Annotated[Time | None, Query(alias="to", description="RFC 3339; without a z
 
 @dataclass(frozen=True)
 class TimeRange:
-    """From when to when, as the store counts time [ns], both ends in it; None: without an end there."""
+    """A closed range of time, as the store counts it [ns]; None: open at that end."""
 
     first: int | None
     last: int | None
@@ -78,7 +78,7 @@ class TimeRange:
 async def _period(first: From = None, last: To = None) -> TimeRange:
     begin, end = moment(first), moment(last)
     if end is not None:
-        end = min(LAST_INSTANT, end + MICROSECOND - 1)  # answers are cut to whole ones: what they say belongs to it as well
+        end = min(LAST_INSTANT, end + MICROSECOND - 1)  # times in answers are cut to microseconds: include the whole last one
     if begin is not None and end is not None and begin > end:
         message = "from lies behind to: exchange them"
         raise RequestValidationError([{"type": "value_error", "loc": ("query", "from"), "msg": message, "input": str(first)}])

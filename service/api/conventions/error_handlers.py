@@ -20,7 +20,7 @@ from service.http.security_headers import ALWAYS
 from storage.database.damage import is_damage, said
 
 UNREADABLE = "There was an error parsing the body"
-"""What the framework says of a body that is no JSON at all."""
+"""Detail that the framework gives for a body that is not JSON."""
 OF_MACHINE = "GET /api/v1/machines/<id>"
 LISTED: Mapping[str, str] = {
     "machine": ": GET /api/v1/machines lists those there are",
@@ -35,11 +35,11 @@ LISTED: Mapping[str, str] = {
     "subscription": ": GET /api/v1/subscriptions lists those there are",
     "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
 }
-"""Where those that are there are listed, by the subject of what is missing."""
+"""Hint on where existing objects are listed, by the subject of the missing one."""
 
 
 def add_handlers(app: FastAPI) -> None:
-    """Make the application answer every error with a problem detail."""
+    """Register handlers that answer every error with a problem detail."""
     app.exception_handler(DomainError)(_domain_error)
     app.exception_handler(RequestValidationError)(_wrong_request)
     app.exception_handler(StarletteHTTPException)(_http_error)
@@ -98,7 +98,7 @@ async def _unexpected(_request: Request, error: Exception) -> JSONResponse:
 
 
 def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
-    """Answer that stored data are damaged; where the path names a machine, the service's health names it, too."""
+    """Answer that stored data are damaged. A machine named in the path is reported in the service's health as well."""
     machine_id = request.path_params.get("machine_id")
     if machine_id is not None:
         request.app.state.database.damage.concerns(machine_id)
@@ -107,14 +107,14 @@ def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
 
 
 def _mislabelled(request: Request, error: RequestValidationError) -> bool:
-    """Tell whether a body was not parsed because its Content-Type is not JSON."""
+    """Check whether a body was not parsed because its Content-Type is not JSON."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     labelled = kind == "application/json" or (kind.startswith("application/") and kind.endswith("+json"))
     return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
 
 
 def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
-    """Return the errors with fields of the body by their own names, and in words without pydantic's own."""
+    """Return the errors with plain field names and without pydantic's own wording."""
     found = []
     for item in error.errors():
         place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
@@ -127,7 +127,7 @@ def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
 
 
 def _methods(request: Request) -> list[str]:
-    """List the methods of a path: each route knows only its own (RFC 9110 §10.2.1)."""
+    """List the methods of a path over all its routes: each route knows only its own (RFC 9110 §10.2.1)."""
     found: set[str] = set()
     for path, item in request.app.openapi()["paths"].items():
         pattern = "/".join("[^/]+" if part.startswith("{") else re.escape(part) for part in path.split("/"))

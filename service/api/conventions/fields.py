@@ -12,10 +12,10 @@ Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f
 Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
 
 Said = Annotated[str, Field(min_length=1, max_length=2000, pattern=r"^[^\x00]*[^\x00\s][^\x00]*$")]
-"""A comment that says something."""
+"""A comment that is not blank."""
 
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
-"""What the store can count in nanoseconds."""
+"""Range of moments that the store accepts."""
 
 
 def _aware(moment: datetime) -> datetime:

@@ -1,4 +1,4 @@
-"""One table as JSON, CSV or Parquet, as the client asks: by `?format=`, or by its Accept header."""
+"""Answers with one table as JSON, CSV or Parquet, chosen by `?format=` or the Accept header."""
 
 import io
 import math
@@ -23,7 +23,7 @@ Column = Sequence[Any]
 
 
 def asked_format(request: Request, chosen: Format | None) -> Format:
-    """Return the format asked for; JSON where nothing is said. Raises HTTPException 406 when only others would do.
+    """Return the requested format, by default JSON. Raises HTTPException 406 when the client accepts none of them.
 
     Source: RFC 9110 §12.5.1, without parameters other than q.
     """
@@ -31,7 +31,7 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
         return chosen
     wanted = _weights(request.headers.get("accept", "*/*"))
     found = {name: _weight(wanted, media) for name, media in MEDIA_TYPES.items()}
-    best = max(found, key=lambda name: found[name])  # JSON is the first
+    best = max(found, key=lambda name: found[name])  # on equal weights JSON wins, as the first
     if found[best] <= 0.0:
         offered = ", ".join(MEDIA_TYPES.values())
         raise HTTPException(status.HTTP_406_NOT_ACCEPTABLE, f"this is to be had as {offered}, or by ?format=")
@@ -39,7 +39,7 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
 
 
 def csv_bytes(columns: Mapping[str, Column]) -> bytes:
-    """Return a header line and the rows (RFC 4180); what has no value is empty."""
+    """Return a header line and the rows as CSV (RFC 4180); missing values are empty."""
     text = io.StringIO()
     writer = CsvWriter(text)
     writer.row(columns)

@@ -1,4 +1,4 @@
-"""Long lists in parts: `?limit=` and an opaque `?cursor=`, with the address of the next part in the Link header (RFC 8288)."""
+"""Pages long lists: `?limit=` and an opaque `?cursor=`, with the address of the next page in the Link header (RFC 8288)."""
 
 import base64
 import binascii
@@ -22,7 +22,7 @@ LARGEST_INTEGER = 2**63 - 1
 
 @dataclass
 class Paging:
-    """One part of a list: how many rows, behind which one. Ask the store for `wanted` rows and pass them to `page`."""
+    """One page of a list: its size and the key that it follows. Ask the store for `wanted` rows and pass them to `page`."""
 
     limit: int
     after: Keys | None
@@ -31,11 +31,11 @@ class Paging:
 
     @property
     def wanted(self) -> int:
-        """Return one more than is shown: it tells whether there is a next part."""
+        """Return the number of rows to ask the store for: one more than shown, to see whether a next page exists."""
         return self.limit + 1
 
     def page(self, rows: Sequence[T], keys: Callable[[T], Keys]) -> Sequence[T]:
-        """Return the rows to show; where more follow, the answer says where."""
+        """Return the rows to show. Where more follow, add the Link header with the address of the next page."""
         if len(rows) <= self.limit:
             return rows
         shown = rows[: self.limit]
@@ -45,12 +45,12 @@ class Paging:
         return shown
 
     def json(self, answer: Sequence[Mapping[str, Any]] | Mapping[str, Any]) -> Response:
-        """Return an answer with many rows, encoded without looking at each: null for NaN, RFC 3339 times."""
+        """Return a response with many rows, encoded without validating each: null for NaN, RFC 3339 times."""
         return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 
 
 def _list_of(request: Request) -> int:
-    """Tell lists apart: a cursor of one says nothing in another."""
+    """Return a checksum of the list's path: it binds a cursor to its list."""
     return zlib.crc32(request.url.path.encode())
 
 
@@ -93,10 +93,10 @@ def _paging(kind: str, default: int) -> Any:
 
 
 ByTime = Annotated[Paging, _paging("ii", 100)]
-"""Lists that are ordered by a time and an id."""
+"""Pages of lists ordered by a time and an id."""
 ById = Annotated[Paging, _paging("i", 100)]
-"""Lists that are ordered by an id or a number."""
+"""Pages of lists ordered by an id or a number."""
 BySource = Annotated[Paging, _paging("ssi", LARGEST_LIMIT)]
-"""The list of sources."""
+"""Pages of the list of sources."""
 ByName = Annotated[Paging, _paging("s", LARGEST_LIMIT)]
-"""Lists that are ordered by a name."""
+"""Pages of lists ordered by a name."""

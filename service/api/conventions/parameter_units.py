@@ -1,4 +1,4 @@
-"""Units of parameters: SI, and others for who asks with `?units=rpm,g_mm,n_um`; each series or estimate says which."""
+"""Converts parameters from SI units to those of `?units=rpm,g_mm,n_um`; each series or estimate names its unit."""
 
 from collections.abc import Mapping
 from typing import Annotated, get_args
@@ -16,13 +16,13 @@ OTHERS: Mapping[str, tuple[str, str, float]] = {
     "ns_mm": ("N s/m", "N s/mm", 1e3),
     "kn": ("N", "kN", 1e3),
 }
-"""By its name in a question: the SI unit in whose place it comes, how it is written, its size in that unit."""
+"""By name in the query: the SI unit that it replaces, its symbol, its size in the SI unit."""
 
 OF_PHASORS = frozenset(get_args(Amplitude) + get_args(Phase) + get_args(Speed)) - frozenset(OTHERS)
-"""Names that answers with phasors take: who asks for everything in the same units may, here they change nothing."""
+"""Units of phasors: accepted and ignored here, for clients that send the same units with every request."""
 
 ParameterUnits = Mapping[str, tuple[str, float]]
-"""By SI unit: how the other one is written, and its size."""
+"""By SI unit: the symbol and the size of the unit that replaces it."""
 
 
 async def _parameter_units(
@@ -53,5 +53,5 @@ ParameterUnitChoice = Annotated[ParameterUnits, Depends(_parameter_units)]
 
 
 def shown_in(unit: str, units: ParameterUnits) -> tuple[str, float]:
-    """Return how a unit is written where others are chosen, and the size of what comes in its place in it."""
+    """Return the symbol of the unit that replaces a unit, and its size in that unit."""
     return units.get(unit, (unit, 1.0))

@@ -1,4 +1,4 @@
-"""Patterns of texts in words: nobody should have to read a regular expression in an answer."""
+"""Explains the patterns of fields in words: error messages show no regular expressions."""
 
 from collections.abc import Mapping
 
@@ -16,4 +16,4 @@ WORDS: Mapping[str, str] = {
     FILE_NAME: "it is the name of a file: letters, digits, '.', '_' and '-', at most 100, not a '.' first",
     VARIABLE: f"it is a variable of capital letters, digits and '_' that begins with {VARIABLE_PREFIX}",
 }
-"""By the pattern of a field."""
+"""Explanations by pattern."""

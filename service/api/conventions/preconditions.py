@@ -1,6 +1,6 @@
-"""Changing only what one has read: strong ETags, and If-Match on changes (RFC 9110 §13, RFC 6585 §3).
+"""Guards changes against lost updates: strong ETags, and If-Match on changes (RFC 9110 §13, RFC 6585 §3).
 
-An ETag is a digest of the answer it comes with, so it changes exactly when what a client would read changes.
+An ETag is a digest of the answer that it comes with. It changes exactly when the answer changes.
 """
 
 import hashlib
@@ -21,15 +21,15 @@ Answer = TypeVar("Answer", bound=BaseModel)
 
 
 ANYTHING = "*"
-"""If-Match for whatever there is."""
+"""If-Match value that matches any state."""
 
 
 class PreconditionMissing(Unconditional):
-    """A change without If-Match."""
+    """A change came without If-Match."""
 
 
 class Stale(Outdated):
-    """What was read is no longer what is there."""
+    """The client's ETag does not match the current state."""
 
 
 def etag(answer: BaseModel) -> str:
@@ -38,13 +38,13 @@ def etag(answer: BaseModel) -> str:
 
 
 def tagged(response: Response, answer: Answer) -> Answer:
-    """Return the answer, with its ETag in the response's header."""
+    """Return the answer and set its ETag in the response's header."""
     response.headers["ETag"] = etag(answer)
     return answer
 
 
 def require(if_match: str | None, current: BaseModel) -> None:
-    """Raise PreconditionMissing without If-Match, Stale where it names none that fits what is there now."""
+    """Raise PreconditionMissing without If-Match, and Stale where it names no ETag of the current state."""
     if if_match is None:
         raise PreconditionMissing(
             "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"

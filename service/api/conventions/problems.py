@@ -1,4 +1,4 @@
-"""The problems that operations declare for the OpenAPI document, and an error for input that nothing can be made of."""
+"""Problem responses that operations declare for the OpenAPI document, and an error for unsuitable input."""
 
 from http import HTTPStatus
 from typing import Any
@@ -8,19 +8,19 @@ from service.http.problem import Problem
 
 
 class Unsuitable(Invalid):
-    """What is asked for cannot be made from what is given, and why."""
+    """The requested result cannot be made from the given input; the detail says why."""
 
 
 RESPONSES: dict[int | str, dict[str, Any]] = {
     code: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus(code).phrase}
     for code in (404, 422)
 }
-"""For the OpenAPI document of routers."""
+"""Responses that routers declare: not found, invalid input."""
 
 CHANGES: dict[int | str, dict[str, Any]] = {
     409: {"model": Problem, "content": {"application/problem+json": {}}, "description": HTTPStatus.CONFLICT.phrase}
 }
-"""The same for operations that what is there may forbid."""
+"""Responses of operations that can conflict with the current state."""
 
 WAIT: dict[int | str, dict[str, Any]] = {
     429: {
@@ -30,4 +30,4 @@ WAIT: dict[int | str, dict[str, Any]] = {
         "headers": {"Retry-After": {"description": "when to ask again [s]", "schema": {"type": "integer"}}},
     }
 }
-"""The same for operations that ask for identifications."""
+"""Responses of operations that ask for identifications."""

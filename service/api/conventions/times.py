@@ -1,4 +1,4 @@
-"""Times as the API takes them: written as RFC 3339 has them; a mere number is no time, of whatever epoch it may be."""
+"""Times as the API takes them: RFC 3339 texts. Plain numbers are rejected, because their epoch is unknown."""
 
 import re
 from datetime import datetime
@@ -22,4 +22,4 @@ def _written(value: object) -> object:
 
 
 Time = Annotated[datetime, BeforeValidator(_written)]
-"""Without a zone it counts as UTC, unless its place says that it needs one."""
+"""A time of a query; without a zone it counts as UTC unless its field requires one."""

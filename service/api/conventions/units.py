@@ -1,4 +1,4 @@
-"""Units of answers that hold phasors and speeds: `?units=um_pp,rpm,deg_lag`, and the answer says which they are in."""
+"""Units of answers with phasors and speeds: `?units=um_pp,rpm,deg_lag`. The answer names its units."""
 
 from typing import Annotated, Any, Literal, get_args
 
@@ -23,7 +23,7 @@ _ANGLE = {"deg": RADIANS["deg"], "rad": RADIANS["rad"]}
 
 
 class Units(BaseModel):
-    """In which units speeds, amplitudes of vibration and phases are."""
+    """Units of speeds, vibration amplitudes and phases."""
 
     speed: Speed = Field(default="rpm", description="rpm, hz or rad_s; of the shaft")
     amplitude: Amplitude = Field(default="um_pp", description="length, and peak (p) or peak-to-peak (pp)")
@@ -45,7 +45,7 @@ class Units(BaseModel):
         return column(np.asarray(metres) / (_LENGTH[length] * _PEAK[kind]))
 
     def phases(self, phasors: NDArray[np.complex128]) -> Column:
-        """Return phases of phasors, not negative and less than a turn, in these units."""
+        """Return phases of phasors in these units, from zero to less than a turn."""
         angle, _, sense = self.phase.partition("_")
         turn = 2.0 * np.pi / _ANGLE[angle]
         phase = LEAD["lag" if sense == "lag" else "lead"] * np.angle(phasors) / _ANGLE[angle]
@@ -54,7 +54,7 @@ class Units(BaseModel):
 
 
 def column(values: NDArray[Any]) -> Column:
-    """Return numbers as JSON has them: null for what is not finite."""
+    """Return numbers as JSON has them: null for non-finite ones."""
     return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 
 
@@ -86,7 +86,7 @@ async def _units(units: Asked = None) -> Units:
 
 
 def names_in(units: str | None) -> list[str]:
-    """Return the units that a question names. Raises RequestValidationError for one that is given twice."""
+    """Return the units that a query names. Raises RequestValidationError for a unit that is given twice."""
     names = [] if units is None else units.split(",")
     if "" in names:
         raise wrong_units(units, "a unit is missing beside a comma")
@@ -97,7 +97,7 @@ def names_in(units: str | None) -> list[str]:
 
 
 def wrong_units(given: str | None, message: str) -> RequestValidationError:
-    """Return the error that says what is wrong with the units of a request."""
+    """Return the error for wrong units in a request."""
     return RequestValidationError([{"type": "value_error", "loc": ("query", "units"), "msg": message, "input": given}])
 
 
@@ -105,4 +105,4 @@ _KINDS: dict[str, tuple[str, ...]] = {"speed": get_args(Speed), "amplitude": get
 
 UnitChoice = Annotated[Units, Depends(_units)]
 UnitsIfAsked = Annotated[Units | None, Depends(_units_if_asked)]
-"""For answers whose fields have units in their names: what is asked for in others stands beside them."""
+"""Units for answers whose field names carry units: values in requested units are added beside them."""

@@ -14,13 +14,11 @@ UNITS = "units"
 NO_UNITS = "leave it out: this answer comes in the units that its fields' names and descriptions say, and in no others"
 
 _names: dict[str, dict[str, bool]] = {}
-"""What each operation takes, by its id; whether more than once."""
+"""Query parameters of each operation, by its id; True where one may be repeated."""
 
 
 async def reject_unknown_parameters(request: Request) -> None:
-    """Raise RequestValidationError for a parameter that the operation does not know, that no store could look for, or of
-    which only the last one would count.
-    """
+    """Raise RequestValidationError for a parameter that is unknown, holds NUL, or is repeated although it is no list."""
     route = request.scope["route"]
     if not request.scope["query_string"] or not isinstance(route, APIRoute):
         return

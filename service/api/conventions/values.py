@@ -1,4 +1,4 @@
-"""Conversions of single values that rows of the store and answers of the API have in common."""
+"""Conversions of single values between rows of the store and answers of the API."""
 
 from datetime import datetime
 
@@ -9,7 +9,7 @@ from estimator.units import METRES, PEAK, rad_per_s_to_rpm
 from storage.clock import to_datetime
 
 MICROMETRES = METRES["um"] * PEAK["peak-to-peak"]
-"""Amplitude, 0-to-peak [m], of one micrometre peak-to-peak."""
+"""Size of one micrometre peak-to-peak as a 0-to-peak amplitude [m]."""
 
 
 def direction(sign: int) -> str:

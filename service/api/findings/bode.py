@@ -1,4 +1,4 @@
-"""Bode plot of an identification: the fitted curve with its band, what was measured, and what is left between them."""
+"""Bode plot of an identification: the fitted curve with its band, the measured points, and the residuals."""
 
 from functools import partial
 from typing import Annotated, Any

@@ -19,14 +19,14 @@ from storage.findings import identifications
 router = APIRouter(prefix="/identifications", tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 
 STRONG = 0.9
-"""Two coordinates more correlated than this are told apart by little."""
+"""Correlation beyond which the data hardly distinguish two coordinates."""
 MOST_PAIRS = 50
 
 Which = Annotated[int, Query(ge=0, le=2**62, description="id of an identification")]
 
 
 class Pair(BaseModel):
-    """Two coordinates that the data hardly tell apart."""
+    """Two coordinates that the data hardly distinguish."""
 
     one: str
     other: str
@@ -79,7 +79,7 @@ class Comparison(BaseModel):
 def compare_identifications(request: Request, session: Reading, first: Which, second: Which) -> Comparison:
     """Compare two identifications, per parameter and per element.
 
-    The fits' errors are all that is counted; how much the machine differs from run to run anyway tells its baseline.
+    Only the errors of the fits are counted; the baseline shows how much the machine varies from run to run.
     """
     machine_of = [identifications.get(session, number).machine_id for number in (first, second)]
     if machine_of[0] != machine_of[1]:
@@ -109,7 +109,7 @@ def compare_identifications(request: Request, session: Reading, first: Which, se
 
 @router.get("/{identification_id}/correlation", operation_id="read_correlation")
 def read_correlation(session: Reading, identification_id: Number) -> Correlation:
-    """Read the correlation of all coordinates, and the pairs that the data hardly tell apart."""
+    """Read the correlation of all coordinates, and the pairs that the data hardly distinguish."""
     row = identifications.get(session, identification_id)
     covariance = identifications.covariance(row)
     size = np.sqrt(np.diag(covariance))
@@ -128,7 +128,7 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
 
 
 def _undetermined(session: Session, identification_id: int) -> set[str]:
-    """Return names of what an identification says nothing about, though its model has a value there."""
+    """Return the parameters that an identification does not determine, although its model has values for them."""
     return {row.parameter for row in identifications.estimates(session, identification_id) if row.value is None}
 
 

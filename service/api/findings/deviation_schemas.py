@@ -16,7 +16,7 @@ class BaselineUsed(BaseModel):
 
 
 class ComparedOut(BaseModel):
-    """An identification beside its baseline."""
+    """An identification with its baseline."""
 
     machine: str
     identification: int
@@ -51,7 +51,7 @@ class ParameterDeviationOut(BaseModel):
 
 
 class ElementDistanceOut(BaseModel):
-    """Distance that all parameters of an element have moved together."""
+    """Joint distance of all parameters of an element."""
 
     element: str
     coordinates: list[str]
@@ -68,7 +68,7 @@ class DeviationsOut(ComparedOut):
 
 
 class ChartOut(BaseModel):
-    """Where a control chart stands after the newest run."""
+    """State of a control chart after the newest run."""
 
     value: float
     limit: float
@@ -86,7 +86,7 @@ class AheadOut(BaseModel):
 
 
 class DriftOut(BaseModel):
-    """A slow drift. In per cent of what deviations are measured in; of an element's distance in units of it."""
+    """A slow drift: in per cent, as deviations are; for an element's distance in units of the distance."""
 
     per_week: float
     lower: float = Field(description="of the 95 % interval")

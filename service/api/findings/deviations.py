@@ -1,4 +1,4 @@
-"""Deviations of machines from their baselines, and what their trends say."""
+"""Serves deviations of machines from their baselines, and the tests of their trends."""
 
 import cmath
 import math
@@ -35,7 +35,7 @@ from storage.tables import IdentificationRow
 router = APIRouter(tags=["deviations"], responses=RESPONSES, dependencies=[VIEWER])
 
 CENTURY = 5218.0
-"""[weeks] A limit that is reached later is not reached."""
+"""Time [weeks] after which a limit counts as never reached."""
 
 Which = Annotated[int | None, Query(alias="identification", ge=0, le=2**62, description="by default the newest accepted one")]
 Name = Annotated[str, Field(pattern=r"^\w+\.\S{1,200}$", description="what it is a part of, a dot, and which")]
@@ -47,7 +47,7 @@ def _names(words: str) -> Any:
 
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
 def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
-    """Measure how far each parameter and each element as a whole is from the baseline, in per cent and standard deviations."""
+    """Measure the deviation of each parameter and each element from the baseline, in per cent and standard deviations."""
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
         return schemas.DeviationsOut(**_about(session, found, {}), parameters=[], elements=[])
@@ -70,9 +70,9 @@ def read_trend_tests(
     element: Annotated[list[Name], _names("such as coupling.C1")],
     which: Which = None,
 ) -> schemas.TrendTestsOut:
-    """Read steps, creep and drift of parameters and of elements' distances, since the baseline and up to an identification.
+    """Read steps, creep and drift of parameters and of elements' distances, from the baseline up to an identification.
 
-    Where only parameters or only elements are asked for, the others are left out. Quantities derived from parameters, such as
+    A query for parameters only leaves the elements out, and the reverse. Quantities derived from parameters, such as
     critical_speed.1, have trends but no tests.
     """
     found = _compared(request, session, machine_id, which)
@@ -96,7 +96,7 @@ def read_trend_tests(
 
 
 def _not_tested(machine: Machine, name: str) -> str:
-    """Say why there is no test of what an identification does not determine."""
+    """Return the reason why a name has no trend test."""
     if derived_unit(machine, name) is not None:
         return "derived from the parameters: trend tests are of identified parameters and of elements"
     return f"machine '{machine.id}' has nothing of that name"
@@ -129,7 +129,7 @@ def _chosen(session: Session, machine_id: str, which: int | None) -> Identificat
 
 
 def _left_out(session: Session, found: Compared, baseline: list[Point], now: Point) -> dict[str, str]:
-    """Return parameters that are not compared, and why."""
+    """Return the parameters that are not compared, with the reason."""
     same = {parameter_of(name) for name in comparable(baseline, now)}
     reasons = {}
     for one in identifications.estimates(session, found.identification.id):
@@ -206,7 +206,7 @@ def _coordinate_test(one: TrendTest, limits: Limits) -> schemas.TrendTestOut:
 
     rule = deviation_rule(one.element)
     chosen = None if rule is None else limits.rule(rule, one.element)
-    # A component of a vector does not tell when the vector's length reaches a limit.
+    # A component does not tell when the length of its vector reaches a limit.
     reaches = chosen is not None and parameter_of(one.name) == one.name
     drift = None
     if one.drift is not None:

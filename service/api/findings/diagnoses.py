@@ -21,7 +21,7 @@ router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER
 
 
 class DiagnosisOut(BaseModel):
-    """Diagnosis of a machine, as of when an identification was filed."""
+    """Diagnosis of a machine at the time when an identification was stored."""
 
     identification: int
     machine: str
@@ -34,7 +34,7 @@ class DiagnosisOut(BaseModel):
 
 @router.get("/identifications/{identification_id}/diagnosis", operation_id="read_diagnosis")
 def read_diagnosis(session: Reading, identification_id: Number) -> DiagnosisOut:
-    """Read the diagnosis that was made when an identification was filed, also where it reached no limit."""
+    """Read the diagnosis made when an identification was stored, also where it reached no limit."""
     identifications.get(session, identification_id)
     found = diagnoses.of_identification(session, identification_id)
     return _answer(session, found, f"identification {identification_id}")
@@ -64,6 +64,6 @@ def _answer(session: Session, row: DiagnosisRow | None, what: str) -> DiagnosisO
 
 
 def _cause(stored: dict[str, Any], units: dict[str, str]) -> CauseOut:
-    # Older releases kept no units.
+    # Older releases stored no units.
     moved = [{"unit": change_unit(one["parameter"], units)} | one for one in stored["moved"]]
     return CauseOut.model_validate(stored | {"moved": moved})

@@ -1,4 +1,4 @@
-"""Models of the evidence that diagnoses and alerts rest on."""
+"""Models of the evidence behind diagnoses and alerts."""
 
 from datetime import datetime
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -25,7 +25,7 @@ class Moved(BaseModel):
 
 
 class RunnerUp(BaseModel):
-    """Another cause that would explain the runs less well."""
+    """Another cause that explains the runs less well."""
 
     kind: str
     element: str
@@ -33,7 +33,7 @@ class RunnerUp(BaseModel):
 
 
 class CauseOut(BaseModel):
-    """Something that has happened to the machine."""
+    """A cause of a change of the machine."""
 
     kind: str = Field(description=f"{', '.join(_FIRST)} or {_LAST}")
     element: str

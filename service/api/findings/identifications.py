@@ -36,7 +36,7 @@ def read_identification(
 ) -> schemas.IdentificationDetail:
     """Read one identification with every estimate, its uncertainty, and the reason where there is none.
 
-    Estimates and derived quantities are in the units asked for, as trends are; the covariance is in SI.
+    Estimates and derived quantities are in the requested units, as trends are; the covariance is in SI.
     """
     row = identifications.get(session, identification_id)
     return schemas.IdentificationDetail(
@@ -58,10 +58,11 @@ def read_identification(
 def identify_run(
     request: Request, response: Response, run_id: Number, body: Annotated[schemas.IdentificationAsked, Body()]
 ) -> schemas.JobOut:
-    """Identify a closed run again; the answer is the job, and its Location says where to see what becomes of it.
+    """Identify a closed run again; the answer is the job, and its Location is the address to follow its progress.
 
-    With the usual options the new identification takes the place of earlier ones of this run in trends and baselines, once it
-    is accepted. With other ones it stands beside them, as a variant that nothing follows. 429 where as many wait as may.
+    With the usual options the new identification, once accepted, replaces earlier ones of this run in trends and baselines.
+    With others it is a variant beside them, which neither trends nor baselines use. Answers 429 while the quota of waiting
+    identifications is used up.
     """
     with database(request).transaction() as session:
         row = job_options.ask(session, run_id, job_options.Request(**body.model_dump()), asker(request))
@@ -71,13 +72,13 @@ def identify_run(
 
 @router.get("/jobs/{job_id}", operation_id="read_job")
 def read_job(session: Reading, job_id: Number) -> schemas.JobOut:
-    """Read one identification job: whether it waits, runs, is done, or failed and why."""
+    """Read one identification job with its state: waiting, running, done, or failed with the reason."""
     return rendering.job(jobs.get(session, job_id))
 
 
 @router.get("/machines/{machine_id}/jobs", operation_id="list_jobs")
 def list_jobs(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.JobOut]:
-    """List identification jobs, newest first: what waits, what runs, and what failed and why."""
+    """List identification jobs, newest first, with their states and the reasons of failures."""
     machines.get(session, machine_id)
     rows = jobs.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.job(row) for row in paging.page(rows, lambda row: (row.id,))]

@@ -1,6 +1,6 @@
-"""Serves what follows from an identification: critical speeds, Campbell diagram, modes, coupling loads, balancing proposal.
+"""Serves results of an identified model: critical speeds, Campbell diagram, modes, coupling loads, balancing proposal.
 
-All of it is computed from the stored values and covariance, in SI, once, and rendered in the units asked for.
+All results are computed once, from the stored values and covariance in SI, and rendered in the requested units.
 """
 
 import math
@@ -39,9 +39,9 @@ router = APIRouter(
 )
 
 ABOVE_TRIP = 1.25
-"""Speeds are looked at up to this part of the speed range's end."""
+"""Highest speed of the computations, as a multiple of the speed range's end."""
 HIGHEST_FREQUENCY = 2.0
-"""Natural frequencies are shown up to this part of the highest speed."""
+"""Highest natural frequency shown, as a multiple of the highest speed."""
 
 T = TypeVar("T")
 
@@ -140,7 +140,7 @@ def read_balancing(
     to_rpm: Rpm = None,
     points: Points = 30,
 ) -> schemas.Balancing:
-    """Read the correction that leaves the least vibration over the speeds, without trial weights, and what is left then."""
+    """Read the correction that minimises the vibration over the speeds, without trial weights, and the remaining vibration."""
 
     asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
     work = partial(_correction, plane=plane, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
@@ -169,10 +169,10 @@ def kept(
     slow: bool = False,
     given: Callable[[Identified], Any] | None = None,
 ) -> tuple[Identified, T]:
-    """Return a result for an identification, from the cache or computed now; of a long train in a process of its own.
+    """Return a result for an identification, cached or computed now; for a long train in a separate process.
 
-    compute: of the identification and, where there is one, of what `given` reads for it; such that it can be pickled.
-    Raises IdentificationUnknown, NoModel, HTTPException 503.
+    compute: function of the identification and, where `given` is set, of the data that it reads; it must be picklable. Raises
+    IdentificationUnknown, NoModel, HTTPException 503.
     """
     one = read_identified(request, identification_id)
     cache: ComputedCache = request.app.state.computed_cache
@@ -181,14 +181,14 @@ def kept(
 
     def work() -> T:
         read = () if given is None else (given(one),)
-        # A copy: what was worked out of it here need not be handed over, and partly cannot.
+        # A copy without cached properties: they need not be sent, and some cannot be pickled.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
     return one, cache.slow(key, work) if slow or apart else cache.quick(key, work)
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
-    """Return an identification, from memory where it was asked for lately. Raises IdentificationUnknown, NoModel."""
+    """Return an identification, from memory where it was read recently. Raises IdentificationUnknown, NoModel."""
     cache: ComputedCache = request.app.state.computed_cache
 
     def read() -> Identified:
@@ -199,7 +199,7 @@ def read_identified(request: Request, identification_id: int) -> Identified:
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:
-    """Fill the fields that all answers begin with."""
+    """Return the fields that all answers begin with."""
     return {
         "identification": one.id,
         "machine": one.machine.id,

@@ -1,7 +1,7 @@
-"""Models of long trains are computed in a process of their own, within limits of time and memory.
+"""Computes models of long trains in a process of their own, within limits of time and memory.
 
-LAPACK's eigenvalue solvers keep the interpreter's lock: of a train of 300 sections for 0.2 to 0.9 s at a time, in which nobody
-else in the service's process is answered.
+LAPACK's eigenvalue solvers hold the interpreter's lock: for a train of 300 sections 0.2 to 0.9 s at a time, in which the
+service's process would answer nobody.
 """
 
 import threading
@@ -18,9 +18,9 @@ from service.workers.process_pool import ProcessPool, Stuck
 from service.workers.time_limit import OutOfTime, limited
 
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
-"""A train of more is a long one."""
+"""Sizes beyond which a train is long."""
 TIME_S = 60.0
-"""What a computation may take: somebody waits for it, and holds a thread that others could use."""
+"""Longest time of a computation [s]: it holds a request thread that others could use."""
 MEMORY_BYTES = 2 * 2**30
 
 P = ParamSpec("P")
@@ -28,23 +28,23 @@ T = TypeVar("T")
 
 
 def is_long(machine: Machine) -> bool:
-    """Tell whether a machine's model is too long to be computed in this process."""
+    """Check whether a machine's model is too long to be computed in this process."""
     size = document_size(machine)
     return size.elements > LONG_ELEMENTS or size.unknowns > LONG_UNKNOWNS
 
 
 class ModelProcess:
-    """One process, begun with the first work."""
+    """One worker process, started with the first computation."""
 
     def __init__(self, *, time_s: float = TIME_S, memory_bytes: int = MEMORY_BYTES) -> None:
-        """time_s, memory_bytes: what each piece of work may take."""
+        """Set the limits of each computation: its time [s] and its memory [B]."""
         self._time_s = time_s
         self._memory = memory_bytes
         self._lock = threading.Lock()
         self._processes: ProcessPool | None = None
 
     def compute(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
-        """Return or raise what a function of a module does. Raises HTTPException 503 where it needs more time or memory."""
+        """Return or raise the outcome of a module's function. Raises HTTPException 503 when it exceeds its time or memory."""
         with self._lock:
             if self._processes is None:
                 self._processes = ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time])
@@ -59,7 +59,7 @@ class ModelProcess:
             ) from error
 
     def close(self) -> None:
-        """End the process, after what it computes."""
+        """End the process after its current computation."""
         with self._lock:
             if self._processes is not None:
                 self._processes.shutdown()

@@ -6,7 +6,7 @@ from service.api.conventions.units import Column, Units
 
 
 class OfModel(BaseModel):
-    """Fields that all of these begin with."""
+    """Common first fields of these models."""
 
     identification: int
     machine: str
@@ -27,7 +27,7 @@ class CriticalSpeedOut(BaseModel):
 
 
 class CriticalSpeeds(OfModel):
-    """Critical speeds, ascending; those so heavily damped that nothing is felt in passing are left out."""
+    """Critical speeds, ascending; those too heavily damped to be noticed in passing are left out."""
 
     highest: float = Field(description="up to which they were looked for")
     critical_speeds: list[CriticalSpeedOut]
@@ -98,7 +98,7 @@ class Load(BaseModel):
 
 
 class CouplingLoad(BaseModel):
-    """Load in a coupling; it pushes its driven half with it and its driver half with the opposite."""
+    """Load in a coupling: it acts on the driven half, and its opposite on the driver half."""
 
     coupling: str
     force_x: Load
@@ -108,7 +108,7 @@ class CouplingLoad(BaseModel):
 
 
 class MisalignmentForce(OfModel):
-    """Forces [N] and moments [N m] of each coupling over speed. An equivalent load that was identified is not in them."""
+    """Forces [N] and moments [N m] of each coupling over speed. An identified equivalent load is not included."""
 
     speed: Column
     couplings: list[CouplingLoad]
@@ -132,7 +132,7 @@ class Vibration(BaseModel):
 
 
 class Balancing(OfModel):
-    """The correction that leaves least vibration over the speeds, in squares; and what is left then."""
+    """The correction that minimises the squared vibration over the speeds, and the vibration before and after it."""
 
     speed: Column
     corrections: list[PlaneCorrection]
@@ -159,7 +159,7 @@ class FittedChannel(BodeColumns):
 
 
 class MeasuredChannel(BodeColumns):
-    """A channel's measured points, as the fit saw them, beside the fit at the same speeds."""
+    """A channel's measured points, as used by the fit, with the residuals at the same speeds."""
 
     used: list[bool] = Field(description="false for points that quality left out")
     residual: Column = Field(description="|measured - fitted|, an amplitude")
@@ -183,7 +183,7 @@ class MeasuredRun(BaseModel):
 
 
 class Bode(OfModel):
-    """Fit and measurement over speed. Slow-roll vectors that the identification subtracted are subtracted here, too."""
+    """Fit and measurement over speed. Slow-roll vectors that the identification subtracted are subtracted here too."""
 
     slow_roll_subtracted: bool
     fitted: FittedCurve

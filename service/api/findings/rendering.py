@@ -19,6 +19,7 @@ from storage.tables import (
 
 
 def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
+    """Return an identification as the API shows it, without its estimates."""
     return schemas.IdentificationSummary(
         id=row.id,
         machine=row.machine_id,
@@ -49,7 +50,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
 
 
 def estimate(row: EstimateRow, units: ParameterUnits) -> schemas.EstimateOut:
-    """Render an estimate in the units chosen in the place of SI."""
+    """Return an estimate in the chosen units."""
     unit, size = shown_in(row.unit, units)
     magnitude, angle, half_width = _polar(row)
     return schemas.EstimateOut(
@@ -78,6 +79,7 @@ def _polar(row: EstimateRow) -> tuple[float | None, float | None, float | None]:
 
 
 def job(row: JobRow) -> schemas.JobOut:
+    """Return an identification job as the API shows it."""
     return schemas.JobOut(
         id=row.id,
         machine=row.machine_id,
@@ -93,7 +95,7 @@ def job(row: JobRow) -> schemas.JobOut:
 
 
 def derived(row: DerivedRow, units: ParameterUnits) -> schemas.DerivedOut:
-    """Render a derived quantity in the units chosen in the place of SI."""
+    """Return a derived quantity in the chosen units."""
     unit, size = shown_in(row.unit, units)
     return schemas.DerivedOut(
         name=row.name,

@@ -9,7 +9,7 @@ from estimator.strict_model import Written
 
 
 class EstimateOut(BaseModel):
-    """One estimated parameter with its uncertainty. Null values: the data do not determine it, `reason` says why."""
+    """One estimated parameter with its uncertainty. Null values: the data do not determine it; `reason` says why."""
 
     parameter: str
     element: str
@@ -30,7 +30,7 @@ class EstimateOut(BaseModel):
 
 
 class DerivedOut(BaseModel):
-    """A quantity that follows from an identification. Null values: there is none, `reason` says why."""
+    """A quantity derived from an identification. Null values: it has none; `reason` says why."""
 
     name: str
     unit: str = Field(description="of all its values: SI, or what `units` asks for in its place")
@@ -73,7 +73,7 @@ class IdentificationSummary(BaseModel):
 
 
 class IdentificationDetail(IdentificationSummary):
-    """One identification with its estimates, what is derived from them and, where asked for, their covariance."""
+    """One identification with its estimates, the quantities derived from them and, on request, their covariance."""
 
     estimates: list[EstimateOut]
     derived: list[DerivedOut] = Field(description="critical speeds, coupling loads and the like; none unless it is accepted")
@@ -84,7 +84,7 @@ class IdentificationDetail(IdentificationSummary):
 
 
 class JobOut(BaseModel):
-    """An identification that is waiting, being computed, done or failed."""
+    """An identification job: waiting, being computed, done or failed."""
 
     id: int
     machine: str
@@ -99,7 +99,7 @@ class JobOut(BaseModel):
 
 
 class IdentificationAsked(Written):
-    """Options for identifying a run again; what is left out stays as usual."""
+    """Options for identifying a run again; omitted ones keep their usual values."""
 
     slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(
         default="in_force", description="vectors to subtract: `none`, `in_force` or a version"

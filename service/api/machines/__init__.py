@@ -1,3 +1,3 @@
-"""Machines: documents, state, timeline, limits, calibrations, slow roll, baselines, and the fleet at a glance. It imports
-`conventions` and `cache`, `runs`, `monitoring` and `identification`.
+"""Machines: documents, state, timeline, limits, calibrations, slow roll, baselines, and the fleet overview. It imports
+`conventions`, `cache`, `runs`, `monitoring` and `identification`.
 """

@@ -16,7 +16,10 @@ router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER]
 
 @router.get("/machines/{machine_id}/baselines", operation_id="list_baselines")
 def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> list[schemas.BaselineOut]:
-    """List baselines that a maintenance or a person began, newest first. Before the first, the machine's first runs are it."""
+    """List baselines begun by a maintenance or a person, newest first.
+
+    Before the first, the machine's first runs serve as baseline.
+    """
     machines.get(session, machine_id)
     rows = baselines.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
     return [rendering.baseline(row) for row in paging.page(rows, lambda row: (row.since, row.id))]
@@ -30,7 +33,7 @@ def list_baselines(session: Reading, machine_id: MachineId, paging: ByTime) -> l
     responses=CHANGES,
 )
 def begin_baseline(request: Request, machine_id: MachineId, said: schemas.BaselineIn) -> schemas.BaselineOut:
-    """Compare what is measured from a moment on with the first runs after it, or with identifications that are named."""
+    """Begin a baseline: later measurements are compared with the first runs after a moment, or with named identifications."""
     with database(request).transaction() as session:
         machines.get(session, machine_id)
         row = baseline_changes.begin(

@@ -1,4 +1,4 @@
-"""Calibrations of a machine's channels. They stand on the timeline, too: a step in a trend may be one of the probe."""
+"""Calibrations of a machine's channels. The timeline shows them too: a step in a trend may come from the probe."""
 
 from datetime import datetime
 from typing import Annotated
@@ -20,11 +20,11 @@ from storage.tables import CalibrationRow
 router = APIRouter(prefix="/machines/{machine_id}/calibrations", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 CALIBRATION = "calibration"
-"""Kind of its entry on the timeline."""
+"""Kind of a calibration's entry on the timeline."""
 
 
 class CalibrationIn(BaseModel):
-    """A channel was calibrated. A sensitivity that is another one now is put into the machine's document."""
+    """A calibration of a channel. A changed sensitivity is not applied here: revise the machine's document."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -35,7 +35,7 @@ class CalibrationIn(BaseModel):
 
 
 class CalibrationOut(BaseModel):
-    """When a channel was calibrated, by whom, and what the certificate says."""
+    """A stored calibration of a channel."""
 
     id: int
     machine: str
@@ -54,7 +54,7 @@ def list_calibrations(
     paging: ByTime,
     channel: Annotated[Identifier | None, Query(description="only of this channel")] = None,
 ) -> list[CalibrationOut]:
-    """List calibrations in a time range, newest first; those of channels that are no longer there as well."""
+    """List calibrations in a time range, newest first, including those of channels that no longer exist."""
     machines.get(session, machine_id)
     rows = calibrations.of_machine(
         session, machine_id, channel=channel, first=period.first, last=period.last, limit=paging.wanted, after=paging.after
@@ -64,7 +64,7 @@ def list_calibrations(
 
 @router.post("", operation_id="add_calibration", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
 def add_calibration(request: Request, machine_id: MachineId, said: CalibrationIn) -> CalibrationOut:
-    """Note that a channel was calibrated; it is never changed or deleted."""
+    """Record that a channel was calibrated; the entry is never changed or deleted."""
     at = instant(said.at)
     if is_ahead(at):
         raise Unsuitable("a calibration is noted when it was done, not in the future: note the plan as a note")

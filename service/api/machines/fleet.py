@@ -1,4 +1,4 @@
-"""All machines at a glance, for an overview."""
+"""Serves the overview of all machines."""
 
 from datetime import datetime, timedelta
 from typing import Annotated
@@ -45,7 +45,7 @@ class LastIdentification(BaseModel):
 
 
 class Happened(BaseModel):
-    """Counts of what happened since the time asked for."""
+    """Counts of events since the requested time."""
 
     runs: int = Field(description="that began")
     identifications: int = Field(description="that were computed")
@@ -55,7 +55,7 @@ class Happened(BaseModel):
 
 
 class FleetMachine(BaseModel):
-    """A machine at a glance."""
+    """A machine's row in the overview."""
 
     id: str
     plant: str
@@ -74,7 +74,7 @@ class FleetMachine(BaseModel):
 
 
 class Fleet(BaseModel):
-    """All machines at a glance, by id."""
+    """All machines by id, each with its row."""
 
     since: datetime
     machines: list[FleetMachine]
@@ -89,9 +89,9 @@ async def read_fleet(
         Time | None, Query(description="RFC 3339; what happened from then on; by default a day ago, to the minute")
     ] = None,
 ) -> Response:
-    """List every machine with its state, its last run, its open alerts, and what happened to it since a time.
+    """List every machine with its state, last run, open alerts, and the events since a time.
 
-    Speeds, states and progress may be half a second behind what is stored, all else is not.
+    Speeds, states and progress may be half a second behind what is stored; everything else is current.
     """
     begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
     known: MachineList = request.app.state.machine_list

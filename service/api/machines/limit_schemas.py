@@ -10,7 +10,7 @@ from service.security.principal import Author
 
 
 class LimitsIn(BaseModel):
-    """Limits to put in force, by whom and why. What they leave out is as in the defaults."""
+    """Limits to put in force, with their author and the reason. Omitted limits take their defaults."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -20,7 +20,7 @@ class LimitsIn(BaseModel):
 
 
 class LimitsOut(BaseModel):
-    """One version of a machine's limits. Version 0 are the defaults, which nobody has set."""
+    """One version of a machine's limits. Version 0 is the defaults, which nobody has set."""
 
     machine: str
     version: int

@@ -1,4 +1,4 @@
-"""Limits of machines: from where on a finding is an alert or a danger."""
+"""Limits of machines: the sizes at which a finding becomes an alert or a danger."""
 
 import re
 
@@ -21,7 +21,7 @@ router = APIRouter(tags=["limits"], responses=RESPONSES, dependencies=[VIEWER])
 
 @router.get("/machines/{machine_id}/limits", operation_id="read_limits")
 def read_limits(session: Reading, response: Response, machine_id: MachineId) -> LimitsOut:
-    """Read the limits in force. Until a person sets some these are the defaults, version 0."""
+    """Read the limits in force: the defaults, version 0, until a person sets some."""
     machines.get(session, machine_id)
     found = _rendered(machine_id, limits.in_force(session, machine_id))
     response.headers["ETag"] = f'"{found.version}"'
@@ -32,7 +32,7 @@ def read_limits(session: Reading, response: Response, machine_id: MachineId) -> 
 def replace_limits(
     request: Request, response: Response, machine_id: MachineId, said: LimitsIn, if_match: IfMatch = None
 ) -> LimitsOut:
-    """Put other limits in force; the ones before stay readable. The next identification is judged by them."""
+    """Put new limits in force; earlier versions stay readable. The next identification is assessed by them."""
     expected = _expected(if_match)
     with database(request).transaction() as session:
         row = set_limits(session, machine_id, said.limits, by=said.by, comment=said.comment, expected=expected)
@@ -43,14 +43,14 @@ def replace_limits(
 
 @router.get("/machines/{machine_id}/limits/versions", operation_id="list_limits")
 def list_limits(session: Reading, machine_id: MachineId, paging: ById) -> list[LimitsOut]:
-    """List all that people have set, newest first."""
+    """List all versions that people have set, newest first."""
     machines.get(session, machine_id)
     rows = limits.versions(session, machine_id, limit=paging.wanted, after=paging.after)
     return [_rendered(machine_id, row) for row in paging.page(rows, lambda row: (row.version,))]
 
 
 def _expected(if_match: str | None) -> int | None:
-    """Return the version that a person has read; None for any."""
+    """Return the version that the client has read; None for any."""
     if if_match is None:
         raise PreconditionMissing("say with If-Match which limits are to be replaced: the ETag of those that were read, or *")
     if if_match.strip() == ANYTHING:

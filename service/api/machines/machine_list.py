@@ -1,4 +1,4 @@
-"""All machines by id, kept in memory until one is created or revised: their names stand in their documents, which are long."""
+"""Caches all machines by id until one is created or revised: their names stand in their documents, which are long."""
 
 import threading
 from bisect import bisect_right
@@ -13,7 +13,7 @@ from storage.paging import Keys
 
 Stamp = tuple[int | None, ...]
 MOST_KEPT = 32
-"""Lists for so many different sets of plants."""
+"""Largest number of cached lists, one for each set of visible plants."""
 
 
 class MachineList:
@@ -24,7 +24,7 @@ class MachineList:
         self._lock = threading.Lock()
 
     def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:
-        """Return machines by id; after: the one before the first."""
+        """Return machines by id, beginning behind the key `after`."""
         stamp, seen = fleet.stamp(session), plants_of(session)
         with self._lock:
             kept = self._kept.get(seen)

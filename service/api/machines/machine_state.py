@@ -1,4 +1,4 @@
-"""Serves what each machine is doing, since when, and what it did before."""
+"""Serves each machine's current state and its earlier ones."""
 
 from datetime import datetime
 from typing import Literal
@@ -55,7 +55,7 @@ class PastState(BaseModel):
 
 @router.get("/{machine_id}/state", operation_id="read_machine_state")
 def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
-    """Tell the state: stopped, slow roll, run-up, at speed, run-down or trip; and how far the open run has come."""
+    """Read the state: stopped, slow roll, run-up, at speed, run-down or trip, with the progress of the open run."""
     machine = machines.document(session, machine_id)
     now = standing(session, machine_id)
     if now is None:
@@ -76,7 +76,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
 
 
 def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm: float) -> float:
-    """Return the part of the speed range that lies behind a sweep, 0 to 1."""
+    """Return the part of the speed range that a sweep has covered, 0 to 1."""
     part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
     part = min(1.0, max(0.0, part))
     return part if kind == "run-up" else 1.0 - part
@@ -93,7 +93,7 @@ def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenR
 
 @router.get("/{machine_id}/states", operation_id="list_machine_states")
 def list_machine_states(session: Reading, machine_id: MachineId, period: Period, paging: ByTime) -> list[PastState]:
-    """List states entered in a time range, newest first. Samples that come late change runs, not this history."""
+    """List states entered in a time range, newest first. Late samples change runs, not this history."""
     machines.get(session, machine_id)
     rows = runs.states(session, machine_id, first=period.first, last=period.last, limit=paging.wanted, after=paging.after)
     return [

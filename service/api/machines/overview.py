@@ -1,4 +1,4 @@
-"""Rows of the overview of all machines, kept: while samples come, only the machines that sent some are looked at again."""
+"""Caches the rows of the overview: only machines that sent samples or changed are rendered again."""
 
 import threading
 from collections.abc import Hashable, Sequence
@@ -27,7 +27,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class _KeptRow:
-    """A row as JSON, and what it was made of. standing: where run collection stood, as JSON; None before samples."""
+    """A row as JSON with its inputs. standing: state of run collection, as JSON; None before samples."""
 
     glance: MachineGlance
     standing: str | None
@@ -44,7 +44,7 @@ class Overview:
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
-        """Return one row of each machine, as JSON; since: from when on it is counted what happened [ns]."""
+        """Return one row per machine, as JSON; since: events are counted from then on [ns]."""
         glances = self._glanced(session, machines, since)
         standings = fleet.collectors(session)
         with self._lock:
@@ -70,7 +70,7 @@ class Overview:
 
 
 def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
-    # Encoded without a model: a thousand of them would be looked at field by field.
+    # Encoded without a model: validating a thousand rows field by field takes too long.
     readings = None if standing is None else standing.operating.sweep.readings
     known = readings is not None and readings.last_time is not None
     return {

@@ -12,7 +12,7 @@ from storage.tables import (
 
 
 def listed_machine(one: ListedMachine) -> dict[str, Any]:
-    """Render the fields of `MachineSummary`, for lists that are encoded without a model."""
+    """Return the fields of `MachineSummary`, for lists that are encoded without a model."""
     return {
         "id": one.id,
         "plant": one.plant,
@@ -23,6 +23,7 @@ def listed_machine(one: ListedMachine) -> dict[str, Any]:
 
 
 def revision(row: RevisionRow) -> schemas.MachineRevision:
+    """Return a revision of a machine's document as the API shows it."""
     return schemas.MachineRevision(
         id=row.machine_id,
         revision=row.revision,

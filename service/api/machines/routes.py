@@ -58,7 +58,7 @@ def create_machine(request: Request, response: Response, document: Document) -> 
 
 @router.get("/{machine_id}", operation_id="read_machine")
 def read_machine(session: Reading, response: Response, machine_id: MachineId) -> schemas.MachineRevision:
-    """Read the machine's document in force, and the ETag with which it can be revised."""
+    """Read the machine's document in force, with the ETag that a revision needs."""
     return tagged(response, _in_force(session, machine_id))
 
 

@@ -1,4 +1,4 @@
-"""Slow-roll vectors of a machine: captured from samples or given, in versions, one of them in force."""
+"""Slow-roll vectors of a machine in versions, captured from samples or given; one version is in force."""
 
 import cmath
 import math
@@ -36,12 +36,12 @@ from storage.tables import SlowRollRow
 router = APIRouter(prefix="/machines/{machine_id}/slow-roll", tags=["slow roll"], responses=RESPONSES, dependencies=[VIEWER])
 
 LONGEST_CAPTURE_S = 7 * 86_400
-"""Longest time from which vectors are captured [s]: temperature and load move the shaft."""
+"""Longest time range of a capture [s]: temperature and load move the shaft."""
 MICROMETRES = METRES["um"] * PEAK["peak-to-peak"]
 
 
 class VectorIn(Written):
-    """A slow-roll vector of one channel as a person gives it."""
+    """A slow-roll vector of one channel, given by a person."""
 
     amplitude_um_pp: float = Field(ge=0, le=2e4, allow_inf_nan=False, description="peak-to-peak [µm]")
     phase_lag_deg: float = Field(ge=-3600, le=3600, allow_inf_nan=False, description="lag behind the keyphasor [°]")
@@ -83,7 +83,7 @@ class SlowRollIn(Written):
 
 
 class VectorOut(BaseModel):
-    """A slow-roll vector of one channel, or why it has none or must not be used."""
+    """A slow-roll vector of one channel, or the reason why it is missing or must not be used."""
 
     amplitude_um_pp: float | None = None
     phase_lag_deg: float | None = None
@@ -117,14 +117,14 @@ class SlowRollList(BaseModel):
 
 
 class VersionInForce(BaseModel):
-    """Which version identifications of a machine subtract."""
+    """The version of slow-roll vectors that identifications of a machine subtract."""
 
     machine: str
     version: int | None = Field(description="null: none")
 
 
 class InForce(Written):
-    """Which version identifications subtract from now on."""
+    """The version that identifications subtract from now on."""
 
     version: int | None = Field(ge=1, le=2**62, description="null: none")
     identify_again: int = Field(
@@ -134,7 +134,7 @@ class InForce(Written):
 
 @router.get("", operation_id="list_slow_roll")
 def list_slow_roll(session: Reading, machine_id: MachineId, paging: ById) -> SlowRollList:
-    """List all versions, newest first, and which is in force."""
+    """List all versions, newest first, with the number of the one in force."""
     rows = slow_roll.versions(session, machine_id, limit=paging.wanted, after=paging.after)
     return _listed(session, machine_id, paging.page(rows, lambda row: (row.version,)))
 
@@ -148,7 +148,7 @@ def _listed(session: Session, machine_id: str, rows: Sequence[SlowRollRow]) -> S
 @router.post("", operation_id="add_slow_roll", dependencies=[ANALYST], status_code=status.HTTP_201_CREATED)
 def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowRollIn, Body()]) -> SlowRollOut:
     """Store vectors, given or captured from stored samples, as a new version. It is not in force yet."""
-    with database(request).reading() as session:  # a capture reads days of samples, which no writer should wait for
+    with database(request).reading() as session:  # a capture reads days of samples; no writer should wait for it
         found = _given(session, machine_id, body) if body.vectors else _captured(session, machine_id, body)
     with database(request).transaction() as session:
         in_force = machines.get(session, machine_id).slow_roll_version
@@ -158,7 +158,7 @@ def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowR
 
 @router.get("/in-force", operation_id="read_slow_roll_in_force")
 def read_in_force(session: Reading, response: Response, machine_id: MachineId) -> VersionInForce:
-    """Tell which version identifications subtract, and the ETag with which that can be changed."""
+    """Read which version identifications subtract, with the ETag that a change needs."""
     return tagged(response, _in_force(session, machine_id))
 
 
@@ -166,10 +166,10 @@ def read_in_force(session: Reading, response: Response, machine_id: MachineId) -
 def put_in_force(
     request: Request, response: Response, machine_id: MachineId, body: Annotated[InForce, Body()], if_match: IfMatch = None
 ) -> SlowRollList:
-    """Say which version identifications subtract from now on. Baselines hold identifications of one version only.
+    """Set the version that identifications subtract from now on. Baselines hold identifications of one version only.
 
-    If-Match and ETag are those of what GET answers here. 429, and nothing is changed, where as many identifications wait as
-    may.
+    If-Match and ETag are those of GET on this address. Answers 429 and changes nothing while the quota of waiting
+    identifications is used up.
     """
     with database(request).transaction() as session:
         require(if_match, _in_force(session, machine_id))
@@ -193,7 +193,7 @@ def _in_force(session: Session, machine_id: str) -> VersionInForce:
 
 @dataclass(frozen=True)
 class _Found:
-    """Vectors that become a version. document: under which they were measured; reasons: per channel why it has none."""
+    """Vectors of a new version. document: the one in force when they were measured; reasons: per channel without a vector."""
 
     document: Machine
     vectors: SlowRoll

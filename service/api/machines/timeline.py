@@ -1,4 +1,4 @@
-"""Serve the notes, markers and maintenances on machines' timelines."""
+"""Serves the notes, markers and maintenances on machines' timelines."""
 
 from fastapi import APIRouter, Request, status
 
@@ -31,7 +31,7 @@ def read_timeline(session: Reading, machine_id: MachineId, period: Period, pagin
     status_code=status.HTTP_201_CREATED,
 )
 def add_timeline_entry(request: Request, machine_id: MachineId, said: schemas.TimelineIn) -> schemas.TimelineOut:
-    """Put a note, a marker or a maintenance on a machine's timeline; a maintenance begins a new baseline."""
+    """Add a note, a marker or a maintenance to a machine's timeline; a maintenance begins a new baseline."""
     with database(request).transaction() as session:
         machines.get(session, machine_id)
         row = baseline_changes.note(session, machine_id, at=instant(said.at), kind=said.kind, text=said.text, by=said.by)

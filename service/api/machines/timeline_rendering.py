@@ -6,6 +6,7 @@ from storage.tables import BaselineRow, TimelineRow
 
 
 def timeline_entry(row: TimelineRow) -> schemas.TimelineOut:
+    """Return an entry of a timeline as the API shows it."""
     return schemas.TimelineOut(
         id=row.id,
         machine=row.machine_id,
@@ -18,6 +19,7 @@ def timeline_entry(row: TimelineRow) -> schemas.TimelineOut:
 
 
 def baseline(row: BaselineRow) -> schemas.BaselineOut:
+    """Return a baseline as the API shows it."""
     return schemas.BaselineOut(
         id=row.id,
         machine=row.machine_id,

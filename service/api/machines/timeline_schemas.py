@@ -32,7 +32,7 @@ class TimelineOut(BaseModel):
 
 
 class BaselineIn(Written):
-    """A new baseline. Without named identifications it is made of the first accepted ones of each kind of run."""
+    """A new baseline. Without named identifications it consists of the first accepted ones of each kind of run."""
 
     since: Moment
     reason: Said
@@ -41,7 +41,7 @@ class BaselineIn(Written):
 
 
 class BaselineOut(BaseModel):
-    """From when on, and with what, a machine is compared."""
+    """A baseline and the moment from which it is in force."""
 
     id: int
     machine: str

@@ -1,4 +1,4 @@
-"""The train to scale: where each part lies from driver to driven."""
+"""Draws the train to scale: the position of each part from driver to driven."""
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
@@ -24,7 +24,7 @@ class SectionOut(BaseModel):
 
 
 class Spot(BaseModel):
-    """A bearing or seal."""
+    """Position of a bearing or seal."""
 
     element: str = Field(description="as in parameters, such as bearing.B1")
     shaft: str
@@ -32,14 +32,14 @@ class Spot(BaseModel):
 
 
 class DiscOut(Spot):
-    """A disc; its size is that of a plain steel disc of the same mass and polar inertia, null where the latter is zero."""
+    """A disc with the size of a plain steel disc of equal mass and polar inertia; null where the latter is zero."""
 
     radius: float | None = Field(description="[m]")
     width: float | None = Field(description="[m]")
 
 
 class CouplingOut(BaseModel):
-    """A coupling, where its driver shaft ends and its driven one begins."""
+    """A coupling, located where its driver shaft ends and its driven one begins."""
 
     element: str
     driver: str
@@ -72,7 +72,7 @@ class Drawing(BaseModel):
 
 @router.get("/{machine_id}/drawing", operation_id="read_drawing")
 def read_drawing(session: Reading, machine_id: MachineId) -> Drawing:
-    """Read the positions and sizes of all parts of the train, of the document in force."""
+    """Read the positions and sizes of all parts of the train, by the document in force."""
     revision = machines.get(session, machine_id).revision
     return _drawing(machines.document(session, machine_id, revision), revision)
 

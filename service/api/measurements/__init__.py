@@ -1,3 +1,3 @@
-"""Samples, runs, orbits and quality as they are read, and samples as they are sent. It imports `conventions`, `ingest` for
-what is sent and `identification` for what is asked again.
+"""Samples, runs, orbits and quality for reading, and the ingestion of samples. It imports `conventions`, `ingest` for the
+ingestion and `identification` for the choice of slow-roll vectors.
 """

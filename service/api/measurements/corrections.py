@@ -1,4 +1,4 @@
-"""Samples of a run as they are asked for: as measured, or without slow-roll vectors."""
+"""Reads samples of a run as measured, or without slow-roll vectors."""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -24,7 +24,7 @@ SlowRollChoice = Annotated[
 
 
 def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
-    """Return a run's samples and the document that they were stored under; of an open run, what was collected so far."""
+    """Return a run's samples and the document that they were stored under; of an open run, those collected so far."""
     row = runs.get(session, run_id)
     machine = machines.document(session, row.machine_id, row.revision)
     held = runs.samples(session, run_id)
@@ -37,7 +37,7 @@ def run_samples(session: Session, run_id: int) -> tuple[Machine, Samples]:
 
 
 def chosen(session: Session, machine: Machine, choice: str) -> tuple[int | None, SlowRoll | None, dict[str, str]]:
-    """Return the version that a choice means, its vectors for a machine's channels, and the channels that have none and why.
+    """Return the chosen version, its vectors for a machine's channels, and the reasons of channels without one.
 
     Raises SlowRollUnknown.
     """
@@ -57,7 +57,7 @@ def corrected_phasors(
     units: Units | None,
     include: Collection[schemas.PhasorExtra] = (),
 ) -> schemas.Phasors:
-    """Render samples without the chosen vectors; also in other units where they are asked for."""
+    """Return samples without the chosen vectors, and in further units where requested."""
     version, vectors, left_out = chosen(session, machine, choice)
     if vectors is not None:
         held = replace(held, phasor=held.phasor - vectors.turned(held.direction.astype(float)))

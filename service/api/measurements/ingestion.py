@@ -1,4 +1,4 @@
-"""Samples over HTTP, for sources without zenoh: the same batches, answered when they are durable."""
+"""Samples over HTTP, for sources without zenoh: the same batches, answered once they are durable."""
 
 import asyncio
 import base64
@@ -22,7 +22,7 @@ from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 
 PATIENCE_S = 15.0
-"""How long a request waits for its batch to be durable."""
+"""Longest time that a request waits for its batch to be durable [s]."""
 
 STATUS: Mapping[Reason, HTTPStatus] = {
     "too_large": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
@@ -31,7 +31,7 @@ STATUS: Mapping[Reason, HTTPStatus] = {
     "unknown_machine": HTTPStatus.NOT_FOUND,
     "sequence_out_of_range": HTTPStatus.CONFLICT,
 }
-"""How a rejected batch is answered; 422 for every other reason."""
+"""Status of a rejected batch by reason; 422 for all others."""
 
 _DIGEST = re.compile(r"\s*([a-z0-9-]+)=:([A-Za-z0-9+/=]*):\s*\Z")
 _HASHES = {"sha-256": hashlib.sha256, "sha-512": hashlib.sha512}
@@ -58,8 +58,8 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
 async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submitted:
     """Store a batch of samples, each once: the same batch may be sent again until an answer comes.
 
-    What is answered is durable. Samples that cannot be taken are listed with the reason, the others are stored; a batch that
-    is rejected as a whole may be sent again corrected, under the same numbers.
+    Everything confirmed by the answer is durable. Invalid samples are listed with the reason, and the others are stored; a
+    batch rejected as a whole may be sent again corrected, under the same numbers.
     """
     submissions = cast(Taking | None, request.app.state.submissions)
     if submissions is None:
@@ -90,7 +90,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
 
 
 async def _body(request: Request) -> bytes:
-    """Read the whole body, if it is not too large and fits its digest."""
+    """Read the whole body. Raises HTTPException when it is too large or does not match its digest."""
     announced = request.headers.get("content-length", "")
     if announced.isdigit() and int(announced) > LARGEST_MESSAGE:
         raise _too_large(int(announced))
@@ -111,12 +111,12 @@ def _too_large(size: int) -> HTTPException:
     return HTTPException(
         status.HTTP_413_CONTENT_TOO_LARGE,
         f"too_large: {size} bytes or more; at most {LARGEST_MESSAGE} are taken",
-        {"Connection": "close"},  # what else comes is not read
+        {"Connection": "close"},  # the rest is not read
     )
 
 
 def _require_digest(entry: str, body: bytes) -> None:
-    """Compare with one digest as of RFC 9530; algorithms that are not known are passed over, as it asks."""
+    """Require that the body matches one digest of RFC 9530; unknown algorithms are ignored, as the RFC asks."""
     match = _DIGEST.match(entry)
     if match is None:
         raise HTTPException(status.HTTP_400_BAD_REQUEST, "bad_frame: Content-Digest is not of the form sha-256=:<base64>:")

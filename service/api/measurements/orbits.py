@@ -1,4 +1,4 @@
-"""1× orbits of a run at the stations whose probes see both axes, and what they tell of the wiring."""
+"""Serves 1× orbits of a run at stations whose probes measure both axes, and their findings about the wiring."""
 
 from typing import Annotated
 
@@ -20,7 +20,7 @@ from service.security.requirement import VIEWER
 router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
 
 UNDETERMINED_DEG = 45.0
-"""An inclination with a larger standard error than this is not told."""
+"""Largest standard error of an inclination that is shown [°]."""
 
 
 class AxisPhasor(BaseModel):
@@ -31,7 +31,7 @@ class AxisPhasor(BaseModel):
 
 
 class OrbitInUnits(BaseModel):
-    """Speed and size of an orbit in the units asked for; phases of x and y as units of phase say."""
+    """Speed and size of an orbit in the requested units, with the phases of x and y in the requested unit of phase."""
 
     speed: float
     x: float | None = Field(description="amplitude")
@@ -45,7 +45,7 @@ class OrbitInUnits(BaseModel):
 
 
 class OrbitOut(BaseModel):
-    """The 1× orbit at one station in the sample nearest to the speed asked for; errors are standard errors."""
+    """The 1× orbit at one station in the sample nearest to the requested speed; errors are standard errors."""
 
     shaft: str
     station: float = Field(description="[m] from the shaft's driver-side end")
@@ -65,7 +65,7 @@ class OrbitOut(BaseModel):
 
 
 class FindingOut(BaseModel):
-    """Finding about the wiring that the orbits show, or cannot show."""
+    """A finding about the wiring, or the reason why the orbits cannot show one."""
 
     code: str
     channels: list[str]

@@ -21,7 +21,7 @@ from storage.tables import (
 
 
 def phasors(machine: Machine, samples: Samples, include: Collection[schemas.PhasorExtra] = ()) -> schemas.Phasors:
-    """Return samples in the units that vibration analysts expect. include: what beside the 1× is wanted."""
+    """Return samples in the usual units of vibration analysis. include: values wanted beside the 1×."""
     second = samples.second if "2x" in include else None
     return schemas.Phasors(
         machine=machine.id,
@@ -49,7 +49,7 @@ def phasors(machine: Machine, samples: Samples, include: Collection[schemas.Phas
 
 
 def phasors_in_units(samples: Samples, units: Units, include: Collection[schemas.PhasorExtra] = ()) -> schemas.PhasorsInUnits:
-    """Return samples in other units. include: what beside the 1× is wanted."""
+    """Return samples in other units. include: values wanted beside the 1×."""
     good = np.where(samples.usable, samples.phasor, complex(np.nan, np.nan))
     second = samples.second.T if "2x" in include else None
     return schemas.PhasorsInUnits(
@@ -74,6 +74,7 @@ def _columns(table: Floats, good: NDArray[np.bool_]) -> list[list[float | None]]
 
 
 def run(row: RunRow) -> schemas.Run:
+    """Return a run as the API shows it."""
     return schemas.Run(
         id=row.id,
         machine=row.machine_id,

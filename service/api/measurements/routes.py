@@ -1,4 +1,4 @@
-"""Samples and runs."""
+"""Serves samples and runs."""
 
 from collections.abc import Sequence
 from typing import Annotated
@@ -47,9 +47,9 @@ def read_samples(
 ) -> schemas.Phasors:
     """Read the newest samples of a time range, as they were received, oldest of them first.
 
-    They are those of the document in force, or of a revision, and of all that describe the same machine with the same channels
-    and operating conditions: the answer lists these. Samples of any other revision are had by naming it.
-    Where there are as many as `limit`, older ones follow: ask again with `to` before the first of them.
+    They are those of the document in force, or of a chosen revision, and of all revisions that describe the same machine with
+    the same channels and operating conditions; the answer lists these. Name any other revision to read its samples. An answer
+    with `limit` samples may be incomplete: ask again with `to` before the first of them for older ones.
     """
     chosen = revision or machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, chosen)
@@ -86,6 +86,6 @@ def read_run(session: Reading, run_id: Number) -> schemas.Run:
 def read_run_phasors(
     session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollChoice = "none", include: Include = ()
 ) -> schemas.Phasors:
-    """Read the run's 1× phasors over speed: its Bode data. Of an open run, what was collected so far."""
+    """Read the run's 1× phasors over speed: its Bode data. Of an open run, those collected so far."""
     machine, held = run_samples(session, run_id)
     return corrected_phasors(session, machine, held, slow_roll, units, include)

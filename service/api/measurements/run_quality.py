@@ -1,4 +1,4 @@
-"""Quality of a run: what was left out of its identification, point by point, and why."""
+"""Serves the quality of a run: the points left out of its identification, with the reasons."""
 
 from fastapi import APIRouter
 
@@ -15,7 +15,7 @@ router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIE
 
 @router.get("/runs/{run_id}/quality", operation_id="read_run_quality")
 def read_run_quality(session: Reading, run_id: Number) -> schemas.RunQuality:
-    """Read reasons per point and channel, noise per channel, and what there is to say of the run; empty until it was judged.
+    """Read reasons per point and channel, noise per channel, and findings about the run; empty until it was assessed.
 
     The points are those of the run's phasors, in the same order.
     """

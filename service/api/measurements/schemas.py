@@ -1,6 +1,6 @@
 """Models of runs, phasors and submitted samples.
 
-Times are RFC 3339 in UTC; a value that is missing is null, never NaN.
+Times are RFC 3339 in UTC; a missing value is null, never NaN.
 """
 
 from datetime import datetime
@@ -12,7 +12,7 @@ from service.api.conventions.units import Units
 
 
 class PhasorsInUnits(BaseModel):
-    """The same in the units asked for; of the 2× and the scatter, too, where `include` asks for them."""
+    """The phasors in the requested units, with the 2× and the scatter where `include` asks for them."""
 
     units: Units
     speed: list[float | None]
@@ -24,7 +24,7 @@ class PhasorsInUnits(BaseModel):
 
 
 PhasorExtra = Literal["2x", "scatter", "status"]
-"""What comes with the 1× where a source sends it."""
+"""Values that come with the 1× where a source sends them."""
 
 
 class Phasors(BaseModel):
@@ -69,7 +69,7 @@ class RunCoverage(BaseModel):
 
 
 class QualitySummary(BaseModel):
-    """Quality of a run in short."""
+    """Summary of a run's quality."""
 
     points: int = Field(description="phasors, samples times channels")
     usable: int
@@ -78,7 +78,7 @@ class QualitySummary(BaseModel):
 
 
 class ChannelNoise(BaseModel):
-    """Noise of a channel as its neighbouring speeds show it; null where there are too few points."""
+    """Noise of a channel, estimated from neighbouring speeds; null where there are too few points."""
 
     relative: float | None = Field(description="part of the amplitude, rms [-]")
     floor: float | None = Field(description="0-to-peak [m]")
@@ -122,7 +122,7 @@ class Run(BaseModel):
 
 
 class SampleFault(BaseModel):
-    """A sample, or one channel's value in it, that was not taken."""
+    """A sample, or one channel's value in it, that was rejected."""
 
     index: int = Field(description="its place in the batch")
     reason: str

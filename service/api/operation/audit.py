@@ -1,4 +1,4 @@
-"""Serves who is logged in, and the audit trail of what people and programs did."""
+"""Serves the client's own identity and the audit trail."""
 
 from datetime import datetime
 
@@ -15,7 +15,7 @@ router = APIRouter(tags=["security"])
 
 
 class Me(BaseModel):
-    """Who asks."""
+    """The authenticated client."""
 
     name: str = Field(description="empty where nobody needs to say who they are")
     role: str = Field(description="viewer, analyst, operator or admin")
@@ -40,7 +40,7 @@ class AuditEntry(BaseModel):
 
 @router.get("/me", operation_id="read_me", dependencies=[VIEWER])
 def read_me(request: Request) -> Me:
-    """Tell who you are here, and what you may do."""
+    """Return who you are and what you may do."""
     who = principal(request)
     return Me(
         name=who.name,
@@ -53,7 +53,7 @@ def read_me(request: Request) -> Me:
 
 @router.get("/audit", operation_id="list_audit", dependencies=[ADMIN_OF_ALL])
 def list_audit(session: Reading, paging: ById) -> list[AuditEntry]:
-    """List who changed what, when, from where and with what outcome, newest first. `rundown audit verify` checks hashes."""
+    """List changes with author, time, address and outcome, newest first. `rundown audit verify` checks the hashes."""
     rows = audit.newest(session, limit=paging.wanted, after=paging.after)
     return [
         AuditEntry(

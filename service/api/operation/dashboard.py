@@ -1,7 +1,7 @@
-"""The page that people look at, as built from `dashboard/`: a few files, read and compressed once.
+"""Serves the dashboard as built from `dashboard/`: a few files, read and compressed once.
 
-Names of what lies under `assets/` change with their content and are kept for ever; everything else is asked for again, with
-its ETag. The page may load nothing from another host and run no script but its own.
+Names under `assets/` change with their content and are cached for ever; everything else is revalidated by its ETag. The page
+may load nothing from another host and run no script but its own.
 """
 
 import gzip
@@ -22,7 +22,7 @@ FOLDER = Path(str(resources.files("service"))) / "dashboard"
 FIRST = "index.html"
 STAMP = "built-from.txt"
 SMALLEST = 500
-"""Files below this size gain nothing from compression [B]."""
+"""Smallest file that is compressed [B]."""
 POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -80,7 +80,7 @@ def _file(path: Path) -> File:
 
 @router.get("/")
 def read_page(request: Request) -> Response:
-    """Serve the page itself; the place in it stands behind the # of the address."""
+    """Serve the page; the view within it stands behind the # of the address."""
     return _answer(request, FIRST)
 
 

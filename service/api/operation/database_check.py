@@ -1,4 +1,4 @@
-"""Checks whether the database answers, within a bounded time: one that hangs would hold whoever asks it."""
+"""Checks whether the database answers within a time limit: a hanging database would block every caller."""
 
 import asyncio
 import threading
@@ -10,13 +10,13 @@ from storage.database.engine import Database
 from storage.findings import jobs
 
 PATIENCE_S = 3.0
-"""An answer that takes longer is none."""
+"""Time limit of an answer [s]."""
 
 
 class DatabaseCheck:
-    """Asks from a thread of its own, one question at a time: who asks meanwhile waits for the same answer.
+    """Database checks in a thread of their own, one at a time: callers meanwhile wait for the same answer.
 
-    Belongs to one event loop. None of the threads that work on requests is needed: all of them may be held.
+    An instance belongs to one event loop. It uses none of the request threads, which may all be blocked.
     """
 
     def __init__(self, database: Database) -> None:
@@ -32,7 +32,7 @@ class DatabaseCheck:
         since = self._since
         left = max(0.0, since + PATIENCE_S - time.monotonic())
         try:
-            # Shielded: others wait for it, too.
+            # Shielded: other callers wait for it too.
             return await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(self._asked)), left)
         except TimeoutError:
             raise DatabaseUnusable(f"the database has not answered for {time.monotonic() - since:.0f} s") from None

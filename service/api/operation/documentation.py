@@ -1,4 +1,4 @@
-"""The API's documentation page, from this service's own files; its one inline script is allowed by its hash, and no other."""
+"""The API's documentation page, from this service's own files. Its one inline script is allowed by its hash."""
 
 import re
 from base64 import b64encode
@@ -14,7 +14,7 @@ INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
 
 
 def add_documentation(app: FastAPI, *, path: str, files: str, openapi: str) -> None:
-    """Add the page. files: where its scripts and styles are; openapi: where the document is."""
+    """Add the page. files: address of its scripts and styles; openapi: address of the document."""
     page = get_swagger_ui_html(
         openapi_url=openapi,
         title=f"{app.title} · API",
@@ -32,7 +32,7 @@ def add_documentation(app: FastAPI, *, path: str, files: str, openapi: str) -> N
 
 
 def _policy(body: bytes) -> str:
-    """Allow the page to run its own scripts and to ask this service."""
+    """Return a policy that lets the page run its own scripts and call this service."""
     scripts = " ".join(f"'sha256-{b64encode(sha256(one).digest()).decode()}'" for one in INLINE.findall(body))
     return "; ".join(
         (

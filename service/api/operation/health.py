@@ -23,14 +23,14 @@ router = APIRouter(tags=["operations"])
 
 Parts = Callable[[], dict[str, str]]
 ENDED = "its thread has ended"
-"""What is said of a part that will not work again in this process."""
+"""Status of a part that will not work again in this process."""
 
 
 @dataclass(frozen=True)
 class HealthReport:
-    """State of each part, `ok` or what is wrong, the database too; the jobs of all plants by their state.
+    """State of each part (`ok` or the fault), of the database too, and the jobs of all plants by state.
 
-    answers: whether the database does. Where it is damaged in parts it does, and samples of others are taken.
+    answers: whether the database answers. A partly damaged one does, and samples of other machines are still taken.
     """
 
     parts: dict[str, str]
@@ -39,7 +39,7 @@ class HealthReport:
 
 
 async def looked_at(request: Request) -> HealthReport:
-    """Look at how the parts are doing now."""
+    """Check the parts and the database now."""
     kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
     if (trouble := request.app.state.broadcaster.trouble) is not None:
@@ -63,7 +63,7 @@ async def _health(request: Request) -> schemas.Health:
     kept = cast(Database, request.app.state.database)
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
-    # Of a store that is damaged in parts, what concerns other machines is taken.
+    # A partly damaged store still takes data of the other machines.
     ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
     whole = schemas.Health(
         healthy=healthy,
@@ -77,7 +77,7 @@ async def _health(request: Request) -> schemas.Health:
     who = principal(request)
     if who.kind != "anonymous" and who.plants is None:
         return whole
-    # What ails it may name machines and files: who is not known is told that much and no more.
+    # Faults may name machines and files: anonymous clients and those of single plants see only whether each works.
     outline = {name: "ok" if state == "ok" else "not ok" for name, state in parts.items()}
     return whole.model_copy(
         update={"parts": outline, "jobs": {}, "database": "", "warnings": []} | ({} if who.known else {"version": ""})
@@ -86,7 +86,7 @@ async def _health(request: Request) -> schemas.Health:
 
 @router.get("/health", operation_id="read_health", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
 async def read_health(request: Request, response: Response) -> schemas.Health:
-    """Tell whether every part works; 503 when one does not."""
+    """Check every part; answers 503 when one does not work."""
     health = await _health(request)
     if not health.healthy:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
@@ -95,7 +95,7 @@ async def read_health(request: Request, response: Response) -> schemas.Health:
 
 @router.get("/ready", operation_id="read_readiness", dependencies=[ANYBODY], responses={503: {"model": schemas.Health}})
 async def read_readiness(request: Request, response: Response) -> schemas.Health:
-    """Tell whether samples can be taken now; 503 when not, for instance while no zenoh router answers."""
+    """Check whether samples can be taken now; answers 503 when not, for instance while no zenoh router answers."""
     health = await _health(request)
     if not health.ready:
         response.status_code = status.HTTP_503_SERVICE_UNAVAILABLE
@@ -104,10 +104,10 @@ async def read_readiness(request: Request, response: Response) -> schemas.Health
 
 @router.get("/alive", operation_id="read_life", dependencies=[ANYBODY], responses={503: {"model": schemas.Life}})
 async def read_life(request: Request, response: Response) -> schemas.Life:
-    """Tell whether a restart of this process would help: 503 when one of its threads has ended, or a file of its SQLite store
-    was deleted and all that it held is saved.
+    """Check whether the process needs a restart: 503 when a thread has ended, or its SQLite file was deleted and all data are
+    saved.
 
-    It depends on nothing outside, so that nobody ends a process that only waits for its database or its router.
+    It depends on nothing outside: a process that only waits for its database or its router is not restarted.
     """
     parts: dict[str, str] = request.app.state.parts()
     kept = cast(Database, request.app.state.database)
@@ -119,7 +119,7 @@ async def read_life(request: Request, response: Response) -> schemas.Life:
 
 @router.get("/sources", operation_id="list_sources", dependencies=[VIEWER])
 def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
-    """List every source heard of: how far it was received, what came twice, what is lost."""
+    """List every known source: how far it was received, duplicates, losses."""
     rows = samples.sources(session, limit=paging.wanted, after=paging.after)
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
@@ -131,7 +131,7 @@ WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entrie
 def read_quarantine(
     session: Reading, paging: ById, reason: WhichReason = None, machine: Annotated[str | None, Query()] = None
 ) -> schemas.Quarantine:
-    """Read rejected input: counts by reason since ever, and the newest entries that are still kept."""
+    """Read rejected input: total counts by reason, and the newest entries that are still kept."""
     rows = quarantine.newest(session, reason=reason, machine_id=machine, limit=paging.wanted, after=paging.after)
     return schemas.Quarantine(
         counts=quarantine.counts(session),
@@ -145,6 +145,6 @@ def purge_quarantine(
     before: Annotated[Time | None, Query(description="only what was received before; RFC 3339, UTC without a zone")] = None,
     reason: WhichReason = None,
 ) -> schemas.Purged:
-    """Delete entries for good. What was counted stays counted."""
+    """Delete entries for good. The counts stay."""
     with database(request).transaction() as session:
         return schemas.Purged(deleted=quarantine.purge(session, before=moment(before), reason=reason))

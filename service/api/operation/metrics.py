@@ -1,6 +1,6 @@
-"""`GET /metrics`: how the service is doing, as OpenMetrics text for a monitoring system to scrape.
+"""`GET /metrics`: the state of the service as OpenMetrics text for a monitoring system.
 
-The counts are those of the store, so a restart does not set them back.
+The counts are stored, and a restart does not reset them.
 """
 
 import heapq
@@ -31,16 +31,16 @@ from storage.measurements.samples import Totals
 router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 
 LARGEST_MACHINE_COUNT = 1_000
-"""Machines that are told apart; …"""
+"""Largest number of machines with a label of their own."""
 SILENT_S = 3600.0
-"""A machine of which nothing came for so long is silent; so it is in examples/monitoring/rundown-rules.yml."""
+"""Time without samples after which a machine counts as silent [s]; examples/monitoring/rundown-rules.yml uses the same."""
 OTHERS = "*"
-"""… the label of all further ones together, which no machine can have as its id."""
+"""Label of all further machines together; no machine can have it as its id."""
 
 
 @dataclass(frozen=True)
 class _StoreFigures:
-    """Figures from the store; none where it does not answer."""
+    """Figures from the store; empty while it does not answer."""
 
     totals: list[Totals] = field(default_factory=list)
     ages: Mapping[str, float] = field(default_factory=dict)
@@ -51,7 +51,7 @@ class _StoreFigures:
 
 
 class _Figures(Collector):
-    """One scrape: families of metrics from figures that were read before."""
+    """One scrape: metric families from figures that were read before."""
 
     def __init__(self, kept: _StoreFigures, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
         self._totals = kept.totals
@@ -78,7 +78,7 @@ class _Figures(Collector):
             duplicates.add_metric(labels, one.duplicates)
             late.add_metric(labels, one.late)
             lost.add_metric(labels, one.lost)
-        # Not of the first ones by id, as the counts are: an alarm must see who is silent.
+        # The oldest samples, not the first ids as for the counts: an alarm must see silent machines.
         for machine, seconds in heapq.nlargest(LARGEST_MACHINE_COUNT, self._ages.items(), key=lambda one: one[1]):
             age.add_metric([machine], seconds)
         yield from (received, duplicates, late, lost, age)
@@ -136,13 +136,13 @@ _GAUGES = {
 
 @router.get("/metrics", operation_id="read_metrics", response_class=Response)
 async def read_metrics(request: Request) -> Response:
-    """Read the counters and gauges as OpenMetrics text; while the database does not answer, those that need none."""
+    """Read the counters and gauges as OpenMetrics text; while the database does not answer, those that do not need it."""
     state = request.app.state
     gauges = dict(state.gauges())
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
-    # Only the parts: the jobs that are counted there are of all plants, whoever asks.
+    # Only the parts: the job counts there are of all plants, not of the client's.
     look = await looked_at(request)
     parts, answers, kept = look.parts, look.answers, _StoreFigures()
     if answers:
@@ -170,18 +170,18 @@ def _kept(store: Store) -> _StoreFigures:
 
 
 def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int]:
-    """Count states without any as 0: of a series that begins at 1 a monitoring system sees no rise."""
+    """Add states without entries as 0: a monitoring system sees no rise in a series that begins at 1."""
     return dict.fromkeys(states, 0) | dict(counts)
 
 
 def _ages(totals: list[Totals]) -> dict[str, float]:
-    """Return the time since the newest sample of each machine that has any [s]."""
+    """Return the age of each machine's newest sample [s], where there is one."""
     moment = now()
     return {one.machine_id: (moment - one.last_time) / 1e9 for one in totals if one.last_time}
 
 
 def _bounded(totals: list[Totals]) -> list[Totals]:
-    """Return at most LARGEST_MACHINE_COUNT machines, and the others as one."""
+    """Return at most LARGEST_MACHINE_COUNT machines, and the sum of the others as one more."""
     shown, others = totals[:LARGEST_MACHINE_COUNT], totals[LARGEST_MACHINE_COUNT:]
     if others:
         received, duplicates, lost, late = (

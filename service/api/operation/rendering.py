@@ -10,6 +10,7 @@ from storage.tables import (
 
 
 def source(row: SourceRow) -> schemas.SourceOut:
+    """Return a source as the API shows it."""
     return schemas.SourceOut(
         machine=row.machine_id,
         source=row.source,
@@ -25,6 +26,7 @@ def source(row: SourceRow) -> schemas.SourceOut:
 
 
 def quarantine_entry(row: QuarantineRow) -> schemas.QuarantineEntry:
+    """Return a quarantined message as the API shows it."""
     return schemas.QuarantineEntry(
         id=row.id,
         received_at=to_datetime(row.received_at),

@@ -1,4 +1,4 @@
-"""`GET /replicas`: the processes that work on this database, and what each has taken on."""
+"""`GET /replicas`: the processes that work on this database, with their leases."""
 
 from collections import defaultdict
 from datetime import datetime
@@ -32,7 +32,7 @@ class ReplicaOut(BaseModel):
 
 @router.get("/replicas", operation_id="list_replicas")
 def list_replicas(session: Reading) -> list[ReplicaOut]:
-    """List the processes that work on this database, by number. A killed one is listed until another one has noticed."""
+    """List the processes that work on this database, by number. A killed one stays listed until another process notices."""
     held = defaultdict(list)
     for name, holder in leases.holders(session).items():
         held[holder].append(name)

@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 
 class SourceOut(BaseModel):
-    """Progress of receiving one start of a source."""
+    """Reception progress of one start of a source."""
 
     machine: str
     source: str
@@ -34,7 +34,7 @@ class QuarantineEntry(BaseModel):
 
 
 class Quarantine(BaseModel):
-    """Rejected input: counts since ever, and the newest entries."""
+    """Rejected input: total counts, and the newest entries."""
 
     counts: dict[str, int]
     entries: list[QuarantineEntry]
@@ -53,7 +53,7 @@ class Life(BaseModel):
 
 
 class Health(BaseModel):
-    """Health of each part of the service, and what is the matter where it does not work."""
+    """Health of each part of the service, with the fault where it does not work."""
 
     healthy: bool
     version: str

@@ -1,4 +1,4 @@
-"""Serves the state of each stage of the monitoring, from acquisition to advice, after the blocks of ISO 13374-1."""
+"""Serves the state of each monitoring stage, from acquisition to advice, after the blocks of ISO 13374-1."""
 
 from collections.abc import Mapping
 from datetime import datetime
@@ -22,7 +22,7 @@ State = Literal["ok", "degraded", "failed", "idle"]
 
 
 class Stage(BaseModel):
-    """One stage. failed: it does not work; degraded: not all of it; idle: nothing came to it in the last day."""
+    """One stage. failed: it does not work; degraded: it works in part; idle: nothing came to it in the last day."""
 
     stage: Literal[
         "data_acquisition",
@@ -47,7 +47,7 @@ class Stages(BaseModel):
 
 @router.get("/health/stages", operation_id="read_stages")
 def read_stages(request: Request, session: Reading) -> Stages:
-    """Report on acquisition, manipulation, state detection, health assessment, prognosis and advice by what they did."""
+    """Report the state of acquisition, manipulation, state detection, health assessment, prognosis and advice."""
     moment = now()
     parts: dict[str, str] = request.app.state.parts()
     held = figures(session, since=moment - A_DAY_NS, overdue=moment - AN_HOUR_NS)
@@ -73,7 +73,7 @@ def _acquisition(held: StageFigures, parts: Mapping[str, str]) -> Stage:
 
 
 def _manipulation(held: StageFigures, parts: Mapping[str, str]) -> Stage:
-    """Report on the stage at which samples become runs, and runs parameters."""
+    """Report on the stage that turns samples into runs, and runs into parameters."""
     busy = held.runs > 0 or held.identifications > 0
     state, words = _state(parts, "identifying", busy=busy, idle="no run began in the last day")
     if state in ("ok", "idle") and held.failed_jobs:
@@ -88,7 +88,7 @@ def _manipulation(held: StageFigures, parts: Mapping[str, str]) -> Stage:
 
 
 def _detection(held: StageFigures, parts: Mapping[str, str]) -> Stage:
-    """Report on the stage at which parameters are judged: does the model fit, and how far are they from the baseline."""
+    """Report on the stage that assesses parameters: the fit of the model and the distance from the baseline."""
     idle = "nothing was identified in the last day"
     state, words = _state(parts, "identifying", busy=held.identifications > 0, idle=idle)
     if state == "ok" and held.accepted < held.identifications:
@@ -116,7 +116,7 @@ def _assessment(held: StageFigures, parts: Mapping[str, str]) -> Stage:
 
 
 def _prognosis(held: StageFigures, parts: Mapping[str, str]) -> Stage:
-    """Report on prognosis: computed by trend-tests when it is asked for, never stored."""
+    """Report on prognosis, which trend-tests compute on request and never store."""
     busy = held.newest_diagnosis is not None
     state, words = _state(parts, "database", busy=busy, idle="no machine has a complete baseline yet")
     if state == "ok":
@@ -139,7 +139,7 @@ def _advice(held: StageFigures, parts: Mapping[str, str]) -> Stage:
 
 
 def _state(parts: Mapping[str, str], part: str, *, busy: bool, idle: str) -> tuple[State, str]:
-    """Tell the state by the part of the service that does the work, and whether there was any; an absent part is not known."""
+    """Return the state of a stage from the part that does its work and from its activity; an absent part counts as ok."""
     words = parts.get(part, "ok")
     if words != "ok":
         return "failed", f"{part}: {words}"

@@ -1,3 +1,1 @@
-"""Histories of parameters in columns, thinned out and in the units asked for. It imports `conventions`, `cache` and
-`monitoring`.
-"""
+"""Parameter histories in columns, downsampled, in the requested units. It imports `conventions`, `cache` and `monitoring`."""

@@ -1,4 +1,4 @@
-"""Parameter histories as they are drawn: cut to a time range, thinned out, in columns; kept in memory while they hold."""
+"""Prepares parameter histories for plots: cut to a time range, downsampled, in columns, and cached while they are current."""
 
 import threading
 from collections import OrderedDict
@@ -22,7 +22,7 @@ from storage.findings.trends import Integers, ParameterHistory, Stamp, Texts
 from storage.machines import machines
 
 MOST_KEPT = 512
-"""Histories kept in memory; one of 2,000 points takes some 600 kB."""
+"""Largest number of cached histories; one of 2,000 points takes some 600 kB."""
 
 ACCEPTED = "accepted"
 NOT_ACCEPTED = "not_accepted"
@@ -31,10 +31,10 @@ NOT_ESTIMABLE = "not_estimable"
 
 @dataclass(frozen=True)
 class Columns:
-    """One parameter's history ready to be cut: the stored columns, and beside them what is shown instead of some.
+    """One parameter's history, ready to be cut: the stored columns and those derived for display.
 
-    value: of an unbalance the magnitude, of which lower and upper are the interval; it has no standard error. kind: a number
-    for each kind of run, accepted or not. complex: whether it is an unbalance.
+    value: magnitude of an unbalance, without a standard error; lower and upper are its interval. kind: a number for each kind
+    of run, accepted or not. complex: whether the parameter is an unbalance.
     """
 
     history: ParameterHistory
@@ -53,7 +53,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class _KeptHistory:
-    """A history; mark, stamp: of the whole store and of the machine before it was read."""
+    """A history with the state of the whole store (mark) and of the machine (stamp) before it was read."""
 
     mark: Hashable | None
     stamp: Stamp
@@ -61,7 +61,7 @@ class _KeptHistory:
 
 
 class HistoryCache:
-    """Histories by machine, parameter and scope, read again when something was stored that changes them."""
+    """Histories by machine, parameter and scope, read again after a change that concerns them."""
 
     def __init__(self, database: Database, *, baseline_runs: int) -> None:
         self._database = database
@@ -71,9 +71,9 @@ class HistoryCache:
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
-        """Return the columns of each parameter, empty but for the unit if it was never identified.
+        """Return the columns of each parameter; those of one that was never identified hold only its unit.
 
-        Raises MachineUnknown, ParameterUnknown for what the machine cannot have.
+        Raises MachineUnknown, and ParameterUnknown for a parameter that the machine cannot have.
         """
         mark = self._changes.mark(trends.TABLES)
         found = self._still_good(machine_id, parameters, scope, lambda kept: mark is not None and kept.mark == mark)
@@ -112,7 +112,7 @@ class HistoryCache:
 
     def _keep(self, key: tuple[str, str, str], kept: _KeptHistory) -> None:
         if not len(kept.columns):
-            return  # anybody can ask for names that are not there
+            return  # not cached: clients may ask for any number of absent names
         with self._lock:
             self._kept[key] = kept
             self._kept.move_to_end(key)
@@ -121,10 +121,9 @@ class HistoryCache:
 
 
 def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
-    """Return the points of a time range [ns, both ends belong to it], thinned out to at most so many.
+    """Return the points of a closed time range [ns], downsampled to at most `most`.
 
-    Each kind of run is thinned out for itself, and what was not accepted apart from what was: a fit that failed takes the
-    place of no value that counts.
+    Accepted and not accepted points of each kind of run are downsampled separately: a failed fit displaces no valid value.
     """
     time = columns.history.measured_at
     begin = 0 if first is None else int(np.searchsorted(time, first, "left"))
@@ -134,7 +133,7 @@ def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> 
 
 
 def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
-    """Return the chosen points, column by column; NaN where there is no value."""
+    """Return the chosen points by column; NaN where there is no value."""
     history, at = columns.history, chosen.index
     return {
         "measured_at": columns.measured_at[at].tolist(),
@@ -150,7 +149,7 @@ def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
 
 
 def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
-    """Return real and imaginary part of an unbalance, and its angle; null for everything else."""
+    """Return real and imaginary part of an unbalance, and its angle; null for every other parameter."""
     if not columns.complex:
         return dict.fromkeys(("real", "imaginary", "angle_deg", "angle_half_width_deg"))
     history, at = columns.history, chosen.index
@@ -164,7 +163,7 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
 
 
 def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
-    """Return the baseline's band that each chosen point is compared with; NaN where there is none."""
+    """Return the baseline band that applies to each chosen point; NaN where there is none."""
     history, at = columns.history, chosen.index
     band = np.full((3, len(at)), np.nan)
     time, kind = history.measured_at[at], history.run_kind[at]

@@ -1,4 +1,4 @@
-"""Fewer points of a series for drawing it, without losing its extremes."""
+"""Downsamples series for plots without losing their extremes."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ MIN_MAX = "min-max-per-bucket"
 
 @dataclass(frozen=True)
 class Chosen:
-    """index: the points that stay, ascending. method: how they were chosen. points: how many there were."""
+    """Points that stay after downsampling. index: of these points, ascending; points: their number before."""
 
     index: NDArray[np.int64]
     method: str
@@ -19,12 +19,11 @@ class Chosen:
 
 
 def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[np.int64], *, most: int) -> Chosen:
-    """Choose at most `most` of n points in order of time: the first, the last, and of each of equal stretches of time the
-    lowest and the highest of each kind. Where a kind has points in a stretch, but no value (NaN), its first of them stays: a
-    gap is seen as one.
+    """Choose at most `most` of n points in order of time: the first, the last, and each kind's extremes per bucket of time.
 
-    kind: of each point, a number. No kind takes the place of another, unless `most` (at least 4) leaves no room for two points
-    of each. Every point that stays is one that was there; nothing is averaged.
+    Where a kind has points in a bucket but no value (NaN), the first of them stays: a gap remains visible. kind: a number for
+    each point. Kinds are chosen separately unless `most` (at least 4) leaves no room for two points of each. Nothing is
+    averaged: every point that stays is one of the original points.
     """
     count = len(time)
     if count <= most:
@@ -34,7 +33,7 @@ def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[n
     kinds = np.unique(kind)
     buckets = (most - 2) // (2 * len(kinds))
     span = max(1, int(time[-1]) - int(time[0]))
-    # In floating point: nanoseconds times buckets would not fit.
+    # In floating point: nanoseconds times buckets overflow an integer.
     place = np.minimum(((time - time[0]) / span * buckets).astype(np.int64), buckets - 1)
     kept = [np.array([0, count - 1])]
     for one in kinds:
@@ -44,7 +43,7 @@ def min_max(time: NDArray[np.int64], value: NDArray[np.float64], kind: NDArray[n
 
 
 def _extremes(place: NDArray[np.int64], value: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return the lowest and the highest value at each place; of one without any the first point."""
+    """Return the lowest and the highest value at each place, or its first point where it has no value."""
     known = np.isfinite(value)
     first = np.unique(place, return_index=True)[1]
     kept = [first[~np.isin(place[first], place[known])]]

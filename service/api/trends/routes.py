@@ -1,4 +1,4 @@
-"""Parameter trends: the histories of several parameters, in columns, with what they are compared with."""
+"""Serves parameter trends: the histories of several parameters, in columns, with their baselines."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
@@ -42,7 +42,7 @@ FormatChoice = Annotated[Format | None, Query(alias="format", description="by de
 
 
 class DownSampling(BaseModel):
-    """Which points of a series are shown."""
+    """Method by which the points of a series were chosen."""
 
     method: Literal["none", "min-max-per-bucket"] = Field(
         description="none: all. min-max-per-bucket: the first, the last, and of each of equal stretches of time the lowest "
@@ -53,7 +53,7 @@ class DownSampling(BaseModel):
 
 
 class TrendBaseline(BaseModel):
-    """Between which values 95 % of the estimates lie while nothing happens, by the baseline of a part of the trend."""
+    """Range of 95 % of the estimates of an unchanged machine, by the baseline of a part of the trend."""
 
     run_kind: str = Field(description="of the runs that it is for")
     since: str = Field(description="measured_at of the first identification that it is for")
@@ -65,7 +65,7 @@ class TrendBaseline(BaseModel):
 
 
 class Series(BaseModel):
-    """History of one parameter or derived quantity; all lists have one entry for each point, oldest first."""
+    """History of one parameter or derived quantity; all lists have one entry per point, oldest first."""
 
     parameter: str
     unit: str = Field(description="of all its values")
@@ -127,9 +127,9 @@ async def read_trends(
 ) -> Response:
     """Read the history of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
-    The same as JSON, as CSV or as Parquet; the latter two are one table with a column `parameter`, in which each point has the
-    baseline's band beside it and each row says how its series was thinned out. The series of a parameter that the machine has
-    and that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
+    The answer is JSON, CSV or Parquet. The latter two are one table with a column `parameter`; each point has the baseline's
+    band beside it, and each row names its series' method of downsampling. The series of a parameter that the machine has and
+    that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
     """
     wanted = asked_format(request, chosen)
     kept: HistoryCache = request.app.state.histories
@@ -156,7 +156,7 @@ def _file(wanted: Format, found: Mapping[str, Columns], points: Mapping[str, Cho
 
 
 def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
-    # Encoded without a model: of thousands of points each would be looked at.
+    # Encoded without a model: validating thousands of points takes too long.
     head = {"parameter": name, "unit": columns.history.unit}
     down_sampling = {"method": chosen.method, "points": chosen.points}
     bands = [_baseline(one) for one in columns.baselines]

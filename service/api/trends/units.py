@@ -1,4 +1,4 @@
-"""Converts trends into the units that were asked for."""
+"""Converts trends into the requested units."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ from service.api.trends.columns import Columns
 
 
 def in_units(columns: Columns, units: ParameterUnits) -> Columns:
-    """Return a history, and the bands beside it, in the units chosen for it."""
+    """Return a history, with its bands, in the chosen units."""
     history = columns.history
     if history.unit is None or history.unit not in units:
         return columns

@@ -6,7 +6,7 @@ import pytest
 
 from service.commands.page_declarations import documents, write
 
-PAGE = Path(__file__).parents[2] / "dashboard" / "src" / "declarations"
+PAGE = Path(__file__).parents[3] / "dashboard" / "src" / "declarations"
 
 
 @pytest.mark.parametrize("name", list(documents()))

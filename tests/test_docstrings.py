@@ -1,0 +1,162 @@
+"""Docstrings of the service and of storage: every public part has one, and that of a function begins with a verb.
+
+The rooms of the estimator have a stricter test beside them, which checks arguments, units and shapes as well.
+"""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.estimator.test_docstrings import NO_OPENING, VERBS
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("service", "storage")
+PENDING: tuple[str, ...] = (
+    "service",
+    "service/edge",
+    "service/identification",
+    "service/ingest",
+    "service/journal",
+    "service/maintenance",
+    "service/messaging",
+    "service/monitoring",
+    "service/recovery",
+    "service/replication",
+    "service/resilience",
+    "service/runs",
+    "service/sources",
+    "service/wire",
+    "service/workers",
+    "storage",
+    "storage/alerts",
+    "storage/backup",
+    "storage/database",
+    "storage/encoding",
+    "storage/findings",
+    "storage/machines",
+    "storage/measurements",
+    "storage/migrations",
+    "storage/operation",
+    "storage/tables",
+)
+"""Rooms that are not rewritten yet."""
+OWN_VERBS = (
+    "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
+    "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "
+    "Enable Encode Encrypt Fail Fetch Fill Finish Generate Give Group Handle Hash Hold Ignore Install Keep Kill Leave Let "
+    "Load Log Measure Migrate Monitor Notify Open Parse Pass Pause Post Print Probe Publish Push Put Quarantine Queue Raise "
+    "Reactivate Receive Record Redirect Refuse Register Reject Release Remind Remove Render Reply Require Reset Resolve "
+    "Retry Revoke Save Seal Select Send Serve Set Shelve Show Simulate Sort Split Start Stop Store Stream Submit Subscribe "
+    "Suppress Tell Try Tune Unlatch Update Verify Wait Write"
+)
+"""First words of a function's docstring, beside those of the estimator; a verb that is missing may be added."""
+ALEMBIC = ("upgrade", "downgrade")
+"""Functions that every migration has: its file says what they do."""
+ALLOWED = frozenset({*VERBS.split(), *OWN_VERBS.split()})
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def room_of(path: Path) -> str:
+    """Return the room of a file: its package, and the folder in it."""
+    return "/".join(path.relative_to(ROOT).parent.parts[:2])
+
+
+FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
+ROOMS = sorted({room_of(path) for path in FILES})
+
+
+@pytest.mark.parametrize("room", [room for room in ROOMS if room not in PENDING])
+def test_docstrings_are_there_and_begin_with_a_verb(room: str) -> None:
+    assert faults_of_room(room) == []
+
+
+def test_pending_rooms_have_faults_left() -> None:
+    """Fails for a pending room that is clean, so that the list does not go stale; it goes when the list is empty."""
+    assert [room for room in PENDING if not faults_of_room(room)] == [], "these have no faults: take them out of PENDING"
+
+
+def faults_of_room(room: str) -> list[str]:
+    """List the faults of a room's docstrings, with file and line."""
+    files = [path for path in FILES if room_of(path) == room]
+    return [f"{path.relative_to(ROOT)}:{fault}" for path in files for fault in faults(path.read_text())]
+
+
+def faults(source: str) -> Iterator[str]:
+    """Name the missing and the wrong docstrings of a file, with the line."""
+    tree = ast.parse(source)
+    if not ast.get_docstring(tree):
+        yield "1: the file has no docstring"
+    yield from _missing(tree)
+    for node in ast.walk(tree):
+        if isinstance(node, Function):
+            yield from _faults_of_opening(node)
+    for line, text in _documented_constants(tree):
+        if text.startswith(NO_OPENING):
+            yield f"{line}: the docstring begins with '{text.split()[0]}'"
+        if text.rstrip(".").endswith("…"):
+            yield f"{line}: the sentence does not end"
+
+
+def _missing(node: ast.Module | ast.ClassDef) -> Iterator[str]:
+    for one in node.body:
+        if isinstance(one, Function | ast.ClassDef) and not one.name.startswith("_") and one.name not in ALEMBIC:
+            if not ast.get_docstring(one):
+                yield f"{one.lineno}: {one.name} has no docstring"
+            if isinstance(one, ast.ClassDef):
+                yield from _missing(one)
+
+
+def _faults_of_opening(function: Function) -> Iterator[str]:
+    words = (ast.get_docstring(function) or "").split()
+    if words and words[0].rstrip(".,:;") not in ALLOWED:
+        yield f"{function.lineno}: the docstring of {function.name} begins with '{words[0]}', which is no verb of the list"
+
+
+def _documented_constants(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    """Yield the docstrings of files, classes and constants with their lines."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef):
+            for one in node.body:
+                if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant) and isinstance(one.value.value, str):
+                    yield one.lineno, one.value.value.strip()
+
+
+GOOD = '''
+"""A file."""
+
+LIMIT = 3
+"""Largest number of attempts."""
+
+
+class Queue:
+    """A queue."""
+
+    def size(self) -> int:
+        """Count the entries."""
+        return 0
+'''
+
+
+def test_no_fault_is_found_where_there_is_none() -> None:
+    assert list(faults(GOOD)) == []
+
+
+@pytest.mark.parametrize(
+    ("good", "bad", "fault"),
+    [
+        ('"""A file."""', "", "the file has no docstring"),
+        ('    """A queue."""\n', "", "Queue has no docstring"),
+        ('"""Count the entries."""', "", "size has no docstring"),
+        ("Count the entries.", "The number of entries.", "begins with 'The'"),
+        ("Count the entries.", "How many there are.", "begins with 'How'"),
+        ("Largest number of attempts.", "What is too much.", "begins with 'What'"),
+        ("Largest number of attempts.", "So often it is tried, …", "the sentence does not end"),
+        ("Largest number of attempts.", "… and then it ends.", "begins with '…'"),
+    ],
+)
+def test_each_fault_is_found(good: str, bad: str, fault: str) -> None:
+    assert good in GOOD
+    assert any(fault in one for one in faults(GOOD.replace(good, bad, 1)))
