@@ -65,7 +65,7 @@ def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) 
     turned = sum(int(one.direction.sum(dtype=np.int64)) for one in runs)
     try:
         return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1), None
-    except Exception as error:  # noqa: BLE001 - whatever is the matter here, the identification stands, out of time or not
+    except Exception as error:  # noqa: BLE001 - whatever fails here, the identification stands
         return (), f"{type(error).__name__}: {error}"
 
 

@@ -54,7 +54,7 @@ class Ingest(SupervisedThread):
 
     @property
     def trouble(self) -> str | None:
-        """Why the last cycle could not be stored, or that the present one does not end."""
+        """Return why the last cycle could not be stored, or that the present one does not end; None when all is well."""
         lasts = time.monotonic() - self._began
         if self._trouble is None and lasts > STALLED_S and self.alive:
             return f"storing has not ended for {lasts:.0f} s"
@@ -62,6 +62,7 @@ class Ingest(SupervisedThread):
 
     @trouble.setter
     def trouble(self, words: str | None) -> None:
+        """Set why the last cycle could not be stored."""
         self._trouble = words
 
     @property

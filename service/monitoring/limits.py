@@ -62,7 +62,7 @@ _RuleFields: Any = create_model("_RuleFields", __base__=Written, **_FIELDS)
 
 
 class Limits(_RuleFields, Written):
-    """All limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
+    """Limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
 
     model_config = ConfigDict(frozen=True)
 

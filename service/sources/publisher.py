@@ -57,7 +57,7 @@ class Source:
         return self.log.next_sequence
 
     def publish(self, batch: SampleBatch, *, position: str | None = None) -> None:
-        """Number a batch, log it and, once it is logged, send it.
+        """Log a batch under the next numbers and, once it is logged, send it.
 
         position: stored with it, to continue from after a restart. Not for concurrent use by several threads. Raises LogError;
         then nothing was numbered, and the batch can be published again.
