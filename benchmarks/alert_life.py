@@ -51,7 +51,7 @@ LEGAL: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 
 def step(session: Session, identification_id: int, rng: random.Random) -> None:
-    """Something happens to an alert. Raises Forbidden."""
+    """Apply an event to an alert. Raises Forbidden."""
     element = rng.choice(ELEMENTS)
     row = alerts.open_alert(session, MACHINE, rule=RULE, element=element)
 

@@ -83,7 +83,7 @@ KNOWN: dict[str, list[Any]] = {
 
 @dataclass
 class Outcome:
-    """What was asked, and what was not as the document says. asked: requests by phase and operation."""
+    """Counts of requests, and the deviations from the document. asked: requests by phase and operation."""
 
     asked: dict[str, Counter[str]] = field(default_factory=dict)
     answered: Counter[int] = field(default_factory=Counter)
@@ -93,12 +93,12 @@ class Outcome:
     """What schemathesis could not do."""
 
     def generated(self, operation: str) -> int:
-        """Requests with generated values."""
+        """Return the number of requests with generated values."""
         return self.asked.get("fuzzing", Counter())[operation]
 
 
 def fill(file: Path) -> None:
-    """A store in which every operation finds something."""
+    """Fill a store in which every operation finds something."""
     database = Database(sqlite_url(file))
     anna = Person("anna", "looked at it")
     with database.transaction() as session:
@@ -135,7 +135,8 @@ def _sweep(begin: int) -> Samples:
 
 
 def configuration(*, examples: int, sequences: int, seed: int, limits: bool, only: Sequence[str] = ()) -> dict[str, Any]:
-    """What schemathesis is told. limits: whether each schema's limits are asked for one by one. only: these operations."""
+    """Return schemathesis's configuration. limits: whether each schema's limits are tested one by one. only: these
+    operations."""
     names = {name: name.replace(".", "_").replace("-", "_") for name in KNOWN}
     return {
         "seed": seed,

@@ -69,7 +69,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(source["received"] for source in service.get("/sources"))
 
 

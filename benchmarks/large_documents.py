@@ -131,7 +131,7 @@ LARGEST = 600
 
 
 def largest(kind: str) -> dict[str, Any]:
-    """The largest document of a kind that the door lets in."""
+    """Return the largest document of a kind that is accepted."""
     low, high = 2, LARGEST
     while low < high:
         middle = (low + high + 1) // 2

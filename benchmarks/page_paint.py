@@ -38,7 +38,7 @@ requestAnimationFrame(look);
 
 
 def measure(browser: Browser, address: str) -> dict[str, float]:
-    """Times [s] and bytes of one visit with an empty cache."""
+    """Return times [s] and bytes of one visit with an empty cache."""
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     page = context.new_page()
     page.add_init_script(WATCH)

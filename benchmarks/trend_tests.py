@@ -50,7 +50,7 @@ class Drawn:
         self.root = np.linalg.cholesky(self.errors)
 
     def run(self, moved: Floats | float = 0.0) -> Point:
-        """One identification, changed by parts of the parameters' sizes."""
+        """Return one identification, changed by parts of the parameters' sizes."""
         by_chance = self.scatter * self.rng.standard_normal(self.size.size)
         by_chance += self.root @ self.rng.standard_normal(self.size.size)
         covariance = np.asarray(self.errors * np.outer(self.size, self.size), dtype=float)
@@ -58,7 +58,7 @@ class Drawn:
 
 
 def chances(draws: int, seed: int) -> None:
-    """Probabilities of deviations, stated and met with."""
+    """Print the probabilities of deviations, stated and observed."""
     print(f"probability of a deviation: how often it comes over how often it should, {draws} machines each, seed {seed}")
     heads = " ".join(f"{chance:>7g}" for chance in CHANCES)
     print(f"   baseline  own error   of parameters: {heads}   of elements: {heads}")
@@ -122,7 +122,7 @@ def _first(change: float) -> Floats:
 
 
 def rates(years: int, seed: int) -> None:
-    """The rate of change: false alarms on healthy machines with seasons, and drifts that are seen."""
+    """Print the rate of change: false alarms on healthy machines with seasons, and drifts that are detected."""
     rng = np.random.default_rng(seed)
     stiffness = np.array([term[0] == "k" for term in TERMS] * 4)
     alarms = 0

@@ -30,7 +30,7 @@ class Opened:
 
 
 def opened(standing: Standing) -> list[Opened]:
-    """Every opening, in order of time; one that closed and opened again counts twice."""
+    """Return every opening, in order of time; one that closed and opened again counts twice."""
     before: frozenset[Named] = frozenset()
     found = []
     for week, now in enumerate(standing):
@@ -41,11 +41,11 @@ def opened(standing: Standing) -> list[Opened]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a rule made of one machine's history.
+    """Result of a rule on one machine's history.
 
-    years: watched behind the baseline. false_misalignments: openings at a coupling that was well. wrong: all openings that
-    name something that had not happened. Per change, named: what the first alert after it said, None for none; right: whether
-    the right alert came at all; runs: how many runs that took, the first one with the change counted; part: of the change's
+    years: watched after the baseline. false_misalignments: openings at a healthy coupling. wrong: all openings that name
+    something that had not happened. Per change, named: the finding of the first alert after it, None for none; right: whether
+    the right alert came at all; runs: how many runs that took, the first one with the change included; part: of the change's
     full size that had been reached by then.
     """
 
@@ -59,7 +59,7 @@ class Outcome:
 
 
 def judged(history: History, standing: Standing) -> Outcome:
-    """The openings of a history beside its changes."""
+    """Return the openings of a history compared with its changes."""
     found = opened(standing)
     true = [one for one in found if _is_true(history, one)]
     wrong = tuple(one for one in found if not _is_true(history, one))

@@ -41,21 +41,21 @@ STEPS = ("misalignment step", "smaller misalignment step")
 
 @dataclass(frozen=True)
 class Fleet:
-    """How many machines of each example live through a scenario, and for how many weeks behind the baseline."""
+    """A scenario's fleet: how many machines of each example, and for how many weeks after the baseline."""
 
     scenario: str
     machines: dict[str, int]
     watched: int = WEEKS_A_YEAR
 
     def orders(self, seed: int) -> Iterator[Ordered]:
-        """Every machine, half of them in each kind of season."""
+        """Yield every machine, half of them in each kind of season."""
         for machine, count in self.machines.items():
             for number in range(count):
                 yield Ordered(machine, self.scenario, SEASONS[number % 2], seed, number, self.watched)
 
 
 def fleets(scale: float) -> tuple[Fleet, ...]:
-    """What is simulated; scale: how many times as many machines."""
+    """Return the simulated fleets. scale: factor on the number of machines."""
 
     def of(small: int, middle: int, large: int) -> dict[str, int]:
         counts = {SMALL: small, MIDDLE: middle, LARGE: large}
@@ -105,12 +105,12 @@ def result(ordered: Ordered, *, keep: Path | None = None) -> Result:
 
 
 def rate_bound(count: int, years: float) -> float:
-    """Upper end of the 95 % interval, two-sided, of a rate of rare events: Garwood, Biometrika 28 (1936) 437."""
+    """Return the upper end of the 95 % interval, two-sided, of a rate of rare events: Garwood, Biometrika 28 (1936) 437."""
     return float(scipy.stats.chi2.ppf(0.975, 2 * count + 2)) / 2.0 / years
 
 
 def part_interval(count: int, of: int) -> tuple[float, float]:
-    """95 % interval of a part: Clopper and Pearson, Biometrika 26 (1934) 404."""
+    """Return the 95 % interval of a part: Clopper and Pearson, Biometrika 26 (1934) 404."""
     if of == 0:
         return 0.0, 1.0
     found = scipy.stats.binomtest(count, of).proportion_ci(0.95, method="exact")
@@ -118,7 +118,7 @@ def part_interval(count: int, of: int) -> tuple[float, float]:
 
 
 def report(found: Sequence[Result]) -> str:
-    """All figures."""
+    """Return all figures."""
     parts = (_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found))
     return "\n\n".join(_table(rows) for rows in parts)
 

@@ -59,7 +59,7 @@ class Scenario:
     def history(
         self, machine: Machine, *, seed: Sequence[int], seasonality: Seasonality, watched: int = WEEKS_A_YEAR
     ) -> History:
-        """One machine's history of so many weeks behind the baseline."""
+        """Return one machine's history of so many weeks after the baseline."""
         rng = np.random.default_rng(seed)
         first = self.baseline + 2
         changes = self.draw(machine, first, first + max(1, round(LATEST_ONSET * watched)), rng)

@@ -37,7 +37,7 @@ LIKELIHOOD_SETS = 20
 
 
 def directions_section(rig: Rig) -> str:
-    """What the speeds determine, by the Fisher information at the truth."""
+    """Return the section on what the speeds determine, by the Fisher information at the truth."""
     rows = []
     for campaign in (PRINTED, PRINTED_WITH_FLOOR, DENSE, BOTH_WAYS, BELOW, RESONANCES, RUN_UP):
         found = bounds(rig, campaign)
@@ -115,7 +115,7 @@ def _members(rig: Rig, start: str, ends: tuple[str, ...]) -> list[int]:
 
 
 def fits_section(rig: Rig) -> str:
-    """Three sets of data, by regression and by maximum likelihood."""
+    """Return the section on three sets of data, by regression and by maximum likelihood."""
     truth = np.concatenate([rig.coefficients, parts(rig.unbalances)])
     exact = regression(rig, PRINTED, seed=None, own_model=True)
     thesis_scaled, norm_scaled = solve(exact, scaling="thesis"), solve(exact, scaling="norm")

@@ -12,7 +12,8 @@ from estimator.rotor.shaft_element import NODE_DOFS, shear_coefficient
 
 
 def with_printed_rotary_inertia(subject: Subject) -> Subject:
-    """The train whose elements have the rotary inertia of Eq. A.5-A.8: ρAl where ρI belongs, 10⁴ times too much here."""
+    """Return the train whose elements have the rotary inertia of Eq. A.5-A.8: ρAl where ρI belongs, 10⁴ times too much
+    here."""
     rotor = assemble_rotor(subject.machine)
     mass = subject.train.mass.copy()
     for shaft in subject.machine.shafts:
@@ -27,7 +28,7 @@ def with_printed_rotary_inertia(subject: Subject) -> Subject:
 
 
 def natural_frequencies(subject: Subject) -> Floats:
-    """Natural frequencies [rad/s] at rest without damping, ascending."""
+    """Return the natural frequencies [rad/s] at rest without damping, ascending."""
     train = subject.train
     elastic = ~train.viscous
     unknown = (train.left[:, elastic] * subject.coefficients[elastic]) @ train.right[:, elastic].T
