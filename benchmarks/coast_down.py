@@ -55,7 +55,7 @@ BLOCK_S = 0.5
 SAMPLES = 300
 """Phasors that a run keeps, evenly over its time: as many as there are blocks at most."""
 STEP_S = 0.002
-"""Of the integration at 20 rpm/s, with the root of the rate."""
+"""Time step of the integration at 20 rpm/s; it scales with the root of the rate."""
 TIMED_SAMPLES = 150
 NOISE = 0.01
 COEFFICIENT_SPREAD, UNBALANCE_SPREAD = 0.1, 0.2

@@ -34,7 +34,7 @@ from storage.machines import machines
 from tests.plant import START, identification, machine, store_identification
 
 KINDS = {"hang": 30, "error": 30, "gone": 10, "ok": 30}
-"""How many of the hundred receivers do what."""
+"""Number of the hundred receivers with each behaviour."""
 TRANSITIONS = 400
 RATE = 4.0
 """Transitions in a second."""

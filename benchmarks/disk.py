@@ -1,4 +1,4 @@
-"""What a run takes on the disk: 10,000 samples of 16 channels with noise on every number, its blocks and the run itself.
+"""Disk space of a run: 10,000 samples of 16 channels with noise on every number, as blocks and as the run itself.
 
 The phasors cross a resonance, with noise of 0.1 µm rms; each case is stored in a new SQLite file, and read back to the bit.
 

@@ -40,7 +40,7 @@ COMPRESSED = {
     "RUNDOWN_GATHERED_INTERVAL_S": "150",
     "RUNDOWN_BASELINE_RUNS": "5",
 }
-"""What happens in a day's time, in an hour's."""
+"""Settings that compress a day's events into an hour."""
 LOOKED_AT = (
     "/fleet",
     "/health",

@@ -273,7 +273,7 @@ def _median_time(call: Callable[[], object], repeats: int) -> float:
 
 
 def _size(truth: Floats) -> Floats:
-    """What a bound is compared with: the value; of an unbalance's parts, the unbalance."""
+    """Return the size that a bound is relative to: the value or, for the parts of an unbalance, the unbalance."""
     size = np.abs(truth)
     size[-8:] = np.repeat(np.hypot(truth[-8::2], truth[-7::2]), 2)
     return size

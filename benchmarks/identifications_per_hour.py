@@ -1,4 +1,4 @@
-"""How many identifications a service computes in an hour while it ingests a thousand samples a second, and what takes time.
+"""Identifications that a service computes in an hour while it ingests a thousand samples a second, and where the time goes.
 
 The jobs are there at the start: run-downs of 100 samples of 8 channels of the thesis's Chapter 3 train, 40 parameters each.
 The service, its SQLite file, its two worker processes and the source share this machine's processors.

@@ -1,4 +1,4 @@
-"""How often swapped channels and a wrong sense of rotation are found from orbits, on the example trains.
+"""Detection of swapped channels and of a wrong sense of rotation from orbits, on the example trains.
 
 Run-downs of simulated machines near their documents (every coefficient off by some per cent, unbalances drawn), with the
 document's noise and a run-out on each channel. Three kinds of unbalance: near the document's, drawn anew with a balance grade
@@ -31,7 +31,7 @@ RUNS = 6
 FIRST_SEED = 1000
 """The limits were chosen on smaller seeds."""
 RUN_OUTS = (0.0, 1e-5, 5e-5)
-"""Of each channel, 0-to-peak [m], at random angles."""
+"""Run-out of each channel, 0-to-peak [m], at random angles."""
 UNBALANCES = ("near the document's", "drawn anew", "in one disc")
 ASKED = 100.0
 """A statement about a machine must be true: right where it speaks [%]."""

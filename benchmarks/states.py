@@ -17,7 +17,7 @@ from estimator.runs.segmentation import RunEnded, SweepLimits
 from estimator.units import rpm_to_rad_per_s
 
 LOWEST, HIGHEST, TOP = 300.0, 3000.0, 2900.0
-"""Of the speed range, and the speed of the hold [r/min]."""
+"""Limits of the speed range, and the speed of the hold [r/min]."""
 STATES = ["stopped", "slow roll", "run-up", "at speed", "run-down", "slow roll", "stopped"]
 NOISES = (0.0, 0.002, 0.005, 0.01, 0.015, 0.02)
 STEPS = (0.2, 1.0, 5.0)

@@ -1,4 +1,4 @@
-"""How often deviations, charts and rates cry wolf with a small baseline, beside what they state, and how soon they see.
+"""False alarms of deviations, charts and rates with a small baseline, compared with those they state, and their detection delay.
 
 Machines are drawn: their scatter from run to run from what is believed of it, their runs from that scatter and the fits'
 errors. Everything behind that is the estimator's own.
@@ -35,7 +35,7 @@ YEAR = 52
 WEEKS = 104
 LONGEST_DELAY = 60
 DRIFTS = (0.0025, 0.005, 0.0075, 0.01, 0.03)
-"""Of a stiffness, per week."""
+"""Drifts of a stiffness, per week."""
 
 
 class Drawn:
@@ -108,7 +108,7 @@ def _standardised(white: Whitening, point: Point) -> float:
 
 
 def _alarms(deviation: Floats, limit: float, chart: Callable[[Floats], Floats]) -> int:
-    """How often a chart passes its limit, begun anew each time."""
+    """Return how often a chart passes its limit, restarted each time."""
     count = 0
     while deviation.size and np.any(passed := chart(deviation) > limit):
         count += 1
@@ -117,7 +117,7 @@ def _alarms(deviation: Floats, limit: float, chart: Callable[[Floats], Floats]) 
 
 
 def _first(change: float) -> Floats:
-    """A change of the first parameter alone."""
+    """Return a change of the first parameter alone."""
     return np.where(np.arange(len(NAMES)) == 0, change, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""How often the bands of the updated model's results hold the truth, on the Chapter 3 train measured at the bearings only.
+"""Coverage of the bands of the updated model's results, on the Chapter 3 train measured at the bearings only.
 
 Data as in `benchmarks.trains`: 150 speeds, 2 to 300 rad/s, 1 % complex noise. Each run draws its own noise, identifies
 the train and predicts; the truth is the nominal train itself.

@@ -1,4 +1,4 @@
-"""What a simulated machine is really like, week after week: scatter from run to run, seasons, and the changes that befall it.
+"""The true state of a simulated machine, week after week: scatter from run to run, seasons, and the changes that happen to it.
 
 Every week each stiffness is off by 1 % and each damping by 5 %, independent and lognormal, and each unbalance by 1 %. Over the
 year the stiffnesses rise and fall by up to 2 %, all elements together, or each by its own amount at its own time.
@@ -56,7 +56,7 @@ class Change(ABC):
     ramp: int
 
     kind = ""
-    """What a diagnosis should call it."""
+    """Kind of finding that a diagnosis should report."""
 
     def progress(self, week: int) -> float:
         """Return the part of its full size that the change has reached, 0 to 1."""

@@ -1,4 +1,4 @@
-"""What a rule says week after week about a machine, and how that compares with what befell it."""
+"""Findings of a rule about a machine, week after week, compared with what happened to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -110,7 +110,7 @@ def _updated(
     limits: Limits,
     amplitude: dict[str, float],
 ) -> dict[tuple[str, str], Severity]:
-    """The severities of what stands after the newest run, by kind and element."""
+    """Return the severities of the alerts that are open after the newest run, by kind and element."""
     diagnosis = watch.found(after, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
     now: dict[tuple[str, str], Severity] = {}

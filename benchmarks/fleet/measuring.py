@@ -1,4 +1,4 @@
-"""What the service would have of a simulated machine: each week's phasors, and the real estimator's fit of them."""
+"""A simulated machine as the service sees it: each week's phasors, and the real estimator's fit of them."""
 
 import math
 import pickle

@@ -212,7 +212,7 @@ def _wrong(group: Sequence[Result]) -> str:
 
 
 def _matrix(found: Sequence[Result]) -> list[list[str]]:
-    """What the first alert after a change called it, in the scenarios with one change."""
+    """Return the findings of the first alert after a change, in the scenarios with one change."""
     groups = _grouped(found, NAMED, lambda one: (one.scenario,), ())
     counts = {key[0]: Counter(_called(one) for one in group) for key, group in groups.items()}
     called = sorted({name for one in counts.values() for name in one})
@@ -221,7 +221,7 @@ def _matrix(found: Sequence[Result]) -> list[list[str]]:
 
 
 def _called(one: Result) -> str:
-    """The kind, and whether it was at another element."""
+    """Return the kind, and whether it was at another element."""
     named, change = one.outcome.named[0], one.changes[0]
     if named is None:
         return "nothing"
@@ -231,7 +231,7 @@ def _called(one: Result) -> str:
 def _grouped(
     found: Sequence[Result], scenarios: Sequence[str], key: Callable[[Ordered], tuple[str, ...]], whole: tuple[str, ...]
 ) -> dict[tuple[str, ...], list[Result]]:
-    """The results of some scenarios by key, and all of them together at the end, where that has a name."""
+    """Return the results of some scenarios by key, and all of them together at the end, if that has a name."""
     groups: dict[tuple[str, ...], list[Result]] = defaultdict(list)
     chosen = [one for one in found if one.ordered.scenario in scenarios]
     for one in chosen:

@@ -216,7 +216,7 @@ def _range(counts: Sequence[int]) -> str:
 
 
 def _coverage(rig: Rig, outcome: Identification) -> tuple[int, int]:
-    """How many of the estimated coefficients have the truth inside their interval, and how many there are."""
+    """Return how many of the estimated coefficients have the truth inside their interval, and how many there are."""
     given = [
         (one.lower, true, one.upper)
         for one, true in zip(outcome.estimates[: len(rig.names)], rig.coefficients, strict=True)
@@ -226,7 +226,7 @@ def _coverage(rig: Rig, outcome: Identification) -> tuple[int, int]:
 
 
 def _stiffness_errors(rig: Rig, outcomes: Sequence[Identification], names: Sequence[str]) -> list[str]:
-    """How many are given; rms of ln(estimate/truth); rms over parameters of its standard deviation over the sets."""
+    """Return how many are given; rms of ln(estimate/truth); rms over parameters of its standard deviation over the sets."""
     true = dict(zip(rig.names, rig.coefficients, strict=True))
     found = np.array([[outcome.estimate(name).value or math.nan for name in names] for outcome in outcomes])
     error = np.log(found / [true[name] for name in names])

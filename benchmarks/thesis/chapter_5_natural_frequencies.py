@@ -88,7 +88,7 @@ def _energy_share(rig: Rig) -> float:
 
 
 def _splitting(rig: Rig) -> str:
-    """The additional peak at 307 Hz that the thesis explains by anisotropy."""
+    """Return the part on the additional peak at 307 Hz that the thesis explains by anisotropy."""
     bearings = np.array([name.startswith(("bearing.B1", "bearing.B2")) and name.endswith("kxx") for name in rig.names])
 
     def lower_third(factor: float) -> Floats:

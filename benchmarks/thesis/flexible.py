@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Document = dict[str, Any]
 Placement = Literal["everywhere", "matrix only"]
-"""Where noise enters a regression: matrix and right-hand side, as measured phasors do, or the matrix alone."""
+"""Place of the noise in a regression: matrix and right-hand side, as with measured phasors, or the matrix alone."""
 
 ROOT = Path(__file__).parents[2]
 NOISE = (1, 5)

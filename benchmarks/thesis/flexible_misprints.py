@@ -37,7 +37,7 @@ def natural_frequencies(subject: Subject) -> Floats:
 
 
 def _excess(section: Section, material: Material, length: float) -> Floats:
-    """What the printed prefix adds to the mass matrix (8, 8) of an element of solid shaft."""
+    """Return the excess that the printed prefix adds to the mass matrix (8, 8) of an element of solid shaft."""
     area = math.pi / 4 * section.outer_diameter**2
     second_moment = math.pi / 64 * section.outer_diameter**4
     shear_modulus = material.young_modulus / (2 * (1 + material.poisson_ratio))

@@ -15,7 +15,7 @@ Document = dict[str, Any]
 RMS = 0.01
 """Rms of the complex noise, part of each amplitude."""
 NOMINAL_ERROR = 1.25
-"""What a document says of the coefficients of a seal or of a coupling's further terms, over the truth."""
+"""Ratio of the document's coefficients of a seal, or of a coupling's further terms, to the truth."""
 KNOTS_RPM = (300.0, 2000.0, 4500.0)
 INTERNAL_DAMPING = 5e-5
 """[s]"""

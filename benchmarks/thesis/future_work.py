@@ -25,7 +25,7 @@ SPEED: Floats = np.arange(20.0, 500.0, 3.0)
 """[rad/s]"""
 SEED = 0
 SEEDS = range(5)
-"""Of the summary."""
+"""Seeds of the summary."""
 PROFILE = (0.5, 1.0, 1.5)
 """Internal damping that documents state, over the true one."""
 STEP = 1e-3

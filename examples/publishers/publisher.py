@@ -1,4 +1,4 @@
-"""The smallest source: publishes phasors over zenoh and keeps no log: samples that the network loses are counted, not recovered.
+"""The smallest source: publishes phasors over zenoh and keeps no log; samples lost by the network are counted, not recovered.
 
 python publisher.py tcp/127.0.0.1:7447 examples motor-pump B1L,B1R 600     # endpoint, plant, machine, channels, samples
 """

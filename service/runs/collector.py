@@ -176,5 +176,5 @@ def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Sampl
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
         runs.end_collected(row, times=times, reason=reason)
-    # The next run shares no sample with this one: what is compared later must be independent.
+    # The next run shares no sample with this one: runs that are compared must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

@@ -116,7 +116,7 @@ def find(
     session: Session, *, machine_id: str | None, only_open: bool, limit: int, after: Keys | None = None
 ) -> Sequence[ListedAlert]:
     """Return alerts, newest first. after: (opening time, id) of the last alert of the page before."""
-    # By the mapped attributes: the bare table's columns would slip past the conditions of a `PlantScope`.
+    # Use the mapped attributes: the table's own columns would bypass the conditions of a `PlantScope`.
     columns = (getattr(AlertRow, column.key) for column in AlertRow.__table__.columns)
     query = ordered(select(*columns), (AlertRow.opened_at, AlertRow.id), after)
     if machine_id is not None:

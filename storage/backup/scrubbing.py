@@ -46,7 +46,7 @@ def scrub(database: Database) -> None:
     except (DBAPIError, sqlite3.Error, OSError) as error:
         raise NotScrubbed(f"{path} could not be written anew ({error}): {by_hand}") from error
     finally:
-        database.engine.dispose()  # its connections still overwrite what they delete
+        database.engine.dispose()  # its connections still have secure_delete on
     if busy:
         raise NotScrubbed(f"another program reads {path}: {by_hand}")
     if not small:

@@ -57,7 +57,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
     part = path.with_name(path.name + ".restoring")
     try:
         digest = hashlib.sha256()
-        part.unlink(missing_ok=True)  # of a restore that was killed: whoever has the claim is the only one
+        part.unlink(missing_ok=True)  # left by a killed restore: the claim's holder is the only user
         part.touch(mode=PRIVATE, exist_ok=False)
         with file.open("rb") as source, part.open("wb") as target:
             while piece := source.read(_PIECE):
@@ -72,8 +72,8 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
         access = _amended(part, _keys_of(path))
         content = _content(part, str(part))
         synced_digest(part)
-        # Before the new file is there: who dies in between leaves an old database, never a new one beside an old log, which
-        # SQLite would play back into it.
+        # Before the new file is in place: a crash in between leaves an old database, never a new one beside an old log, which
+        # SQLite would replay into it.
         _remove_beside(path)
         sync_folder(path.parent)
         part.replace(path)

@@ -46,7 +46,7 @@ class Claim:
         held = f"database {self._engine.url!r} is in use by another service: stop that one first"
         self._shared = shared
         if self._engine.dialect.name == "postgresql":
-            # Outside of any transaction: one that is never ended would keep the server from tidying up.
+            # Outside of any transaction: one that never ends would prevent the server's vacuum.
             self._connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
             lock = func.pg_try_advisory_lock_shared if shared else func.pg_try_advisory_lock
             until = time.monotonic() + PATIENCE_S
@@ -99,7 +99,7 @@ class Claim:
                 return
         except (DBAPIError, PendingRollbackError):  # broken now, or since it was last used
             self.release()
-        self._lost = True  # until it is taken again, however often that fails
+        self._lost = True  # stays set until the claim is taken again
         self.take(shared=self._shared)
         self._lost = False
 
