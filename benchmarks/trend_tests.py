@@ -1,4 +1,4 @@
-"""False alarms of deviations, charts and rates with a small baseline, compared with those they state, and their detection delay.
+"""False alarms of deviations, charts and rates with a small baseline, against those they state, and their detection delay.
 
 Machines are drawn: their scatter from run to run from what is believed of it, their runs from that scatter and the fits'
 errors. Everything behind that is the estimator's own.
